@@ -1,0 +1,66 @@
+# Everything stands on `make install`: a virtual environment in .venv with pinned, hashed packages.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+RUN_STAMP := $(VENV)/.installed-run
+DEV_STAMP := $(VENV)/.installed-dev
+
+.PHONY: help install install-dev demo test test-fast lint types contracts schema networks lock clean
+
+help: ## Show the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
+
+install: $(RUN_STAMP) ## Prepare .venv with what running needs
+
+install-dev: $(DEV_STAMP) ## Prepare .venv with the development tools as well
+
+$(BIN)/python:
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Drivora needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
+	$(PYTHON) -m venv $(VENV)
+
+$(RUN_STAMP): requirements/run.txt pyproject.toml | $(BIN)/python
+	$(PIP) install --quiet --require-hashes -r requirements/run.txt
+	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
+	$(PIP) install --quiet --require-hashes -r requirements/dev.txt
+	@touch $@
+
+demo: $(RUN_STAMP) ## Start the service, run seeds on a shipped town, print the verdicts
+	$(BIN)/drivora demo
+
+test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, all tests
+	$(BIN)/drivora schema --check
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+test-fast: $(DEV_STAMP) ## The tests without the slow ones
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+
+lint: $(DEV_STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(DEV_STAMP)
+	$(BIN)/mypy
+
+contracts: $(DEV_STAMP)
+	$(BIN)/lint-imports
+
+schema: $(DEV_STAMP) ## Write the JSON Schema again
+	$(BIN)/drivora schema --write
+
+networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML sources
+	$(BIN)/python -m drivora_service.networks.build
+
+lock: $(DEV_STAMP) ## Resolve the pinned packages again
+	for set in run dev; do \
+	  if [ $$set = dev ]; then flags="--extra networks --group dev"; else flags="--group build"; fi; \
+	  $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
+	    --no-emit-index-url --no-emit-find-links --no-header --no-annotate $$flags \
+	    pyproject.toml --output-file requirements/$$set.txt; \
+	done
+
+clean: ## Remove the virtual environment and the caches
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache

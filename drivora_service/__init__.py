@@ -1,0 +1,1 @@
+"""Finds the scenarios in which autonomous driving systems fail, on SUMO."""

@@ -1,0 +1,149 @@
+"""The interface of an ADS: ``setup_env`` once, ``run_step`` every step.
+
+Frame: the network's plane, x east and y north in metres; angles in radians counter-clockwise from
+east; positions are box centres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.log import AgentLog
+from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.trace import Light
+from drivora_service.scenario.actor_models import ActorModel
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentContext:
+    """What an agent is told before the first step.
+
+    Attributes:
+        ego_id: The vehicle it will drive.
+        model: Size and limits of that vehicle.
+        network: The road network.
+        route: The way to drive.
+        step_length: Seconds between two calls of ``run_step``.
+        friction: Tyre-road friction coefficient that the ego will find, 0..1.
+        seed: For every random draw of the agent.
+        parameters: From the document, as the agent's catalogue entry allows.
+        log: Where the agent writes what it thinks.
+    """
+
+    ego_id: str
+    model: ActorModel
+    network: RoadNetwork
+    route: LaneRoute
+    step_length: float
+    friction: float
+    seed: int
+    parameters: Mapping[str, Any]
+    log: AgentLog
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Observation:
+    """What the agent perceives at one step; the arrays are views that change with the next step.
+
+    Attributes:
+        time: Seconds of simulation.
+        step: Row of the trace.
+        ego: (8,) state of the ego, columns ``observations.trace.Col``.
+        speed: Signed longitudinal speed of the ego, m/s.
+        acceleration: Longitudinal, m/s².
+        steer: Front-wheel angle, radians.
+        route_s: Distance along the route's reference line, metres.
+        route_lateral: Distance from that line, metres, positive to the left.
+        objects: (n, 8) perceived actors, columns ``Col``.
+        object_sizes: (n, 2) length and width, metres.
+        object_kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
+        object_ids: (n,) a number that stays with an actor through the run.
+        light: State of the next signal on the route.
+        light_distance: Metres from the front bumper to its stop line; inf where there is none.
+        speed_limit: m/s on the current lane.
+    """
+
+    time: float = 0.0
+    step: int = 0
+    ego: FloatArray
+    speed: float = 0.0
+    acceleration: float = 0.0
+    steer: float = 0.0
+    route_s: float = 0.0
+    route_lateral: float = 0.0
+    objects: FloatArray
+    object_sizes: FloatArray
+    object_kinds: IntArray
+    object_ids: IntArray
+    light: Light = Light.NONE
+    light_distance: float = float("inf")
+    speed_limit: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PedalControl:
+    """Pedals and wheel as CARLA has them: throttle and brake 0..1, steer -1 (right) .. 1 (left).
+
+    Unlike CARLA's, steer is positive to the left, as every angle here.
+    """
+
+    throttle: float
+    brake: float
+    steer: float
+
+
+@dataclass(frozen=True, slots=True)
+class AccelerationControl:
+    """Longitudinal acceleration in m/s² and front-wheel angle in radians, positive to the left."""
+
+    acceleration: float
+    steer: float
+
+
+@dataclass(frozen=True, slots=True)
+class PoseControl:
+    """A pose to be at after this step; reached as far as the vehicle's limits allow.
+
+    Attributes:
+        speed: m/s there; ``None``: from the displacement.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    speed: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrajectoryControl:
+    """A trajectory to track.
+
+    Attributes:
+        points: (n, 4) time from now (s), x, y (m), speed (m/s); times ascend.
+    """
+
+    points: FloatArray
+
+
+Control = PedalControl | AccelerationControl | PoseControl | TrajectoryControl
+
+
+class Agent(Protocol):
+    """An ADS under test."""
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares for a run; called once, before the first step."""
+        ...
+
+    def run_step(self, observation: Observation) -> Control:
+        """Decides what to do until the next step."""
+        ...

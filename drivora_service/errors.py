@@ -1,0 +1,91 @@
+"""Every error that Drivora raises on purpose.
+
+The tree::
+
+    DrivoraError
+    ├── InvalidDocument        what a user wrote cannot be used; carries every problem at once
+    ├── UnknownName            a network, agent, model, oracle or run that the catalogue lacks
+    ├── NetworkError           a road network cannot be read, imported or driven as asked
+    │   └── NoRoute            no drivable way between two places
+    ├── AgentError             an ADS raised, answered garbage, hung or died
+    ├── SimulatorError         libsumo refused a call that should have worked
+    ├── StoreError             the database or a trace file cannot be used
+    │   └── Conflict           the request contradicts what is stored
+    └── ConfigurationError     a setting cannot be used
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """One thing that is wrong with a document, and where.
+
+    Attributes:
+        pointer: JSON pointer (RFC 6901) to the place in the document; "" is the whole document.
+        code: Short stable name of the kind of problem, such as ``off_network``.
+        message: What was found, what is allowed and what to do, in one sentence or two.
+    """
+
+    pointer: str
+    code: str
+    message: str
+
+
+class DrivoraError(Exception):
+    """Base of every error that Drivora raises on purpose."""
+
+
+class InvalidDocument(DrivoraError):
+    """A document cannot be used; every problem in it is named.
+
+    Attributes:
+        problems: Never empty, in document order.
+    """
+
+    def __init__(self, problems: tuple[Problem, ...]) -> None:
+        self.problems = problems
+        lines = [f"{p.pointer or '/'}: {p.message}" for p in problems]
+        super().__init__("\n".join(lines))
+
+
+class UnknownName(DrivoraError):
+    """A name is not in the catalogue it was looked up in."""
+
+    def __init__(self, kind: str, name: str, known: tuple[str, ...], hint: str = "") -> None:
+        self.kind, self.name, self.known = kind, name, known
+        listing = ", ".join(known) if known else "none"
+        super().__init__(f"unknown {kind} {name!r}; known: {listing}{'. ' + hint if hint else ''}")
+
+    def __reduce__(self) -> tuple[type[UnknownName], tuple[str, str, tuple[str, ...]]]:
+        return type(self), (self.kind, self.name, self.known)
+
+
+class NetworkError(DrivoraError):
+    """A road network cannot be read, imported or driven as asked."""
+
+
+class NoRoute(NetworkError):
+    """There is no drivable way between two places of a network."""
+
+
+class AgentError(DrivoraError):
+    """An ADS raised, answered garbage, hung or died."""
+
+
+class SimulatorError(DrivoraError):
+    """libsumo refused a call that should have worked."""
+
+
+class StoreError(DrivoraError):
+    """The database or a trace file cannot be used."""
+
+
+class Conflict(StoreError):
+    """The request contradicts what is stored."""
+
+
+class ConfigurationError(DrivoraError):
+    """A setting cannot be used."""

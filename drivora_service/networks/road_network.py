@@ -1,0 +1,156 @@
+"""A road network in memory: its lanes, how they connect, and its traffic lights.
+
+Frame: SUMO's plane, x east and y north in metres. A lane's arc length runs from its start to its
+end along the centre line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Connection:
+    """A permitted movement from the end of a lane.
+
+    Attributes:
+        to_lane: Index of the next lane: an internal lane of the junction where there is one, else
+            the lane behind it.
+        traffic_light: Id of the traffic light that controls it, or "".
+        link_index: Position of its signal in the traffic light's state string, or -1.
+        direction: SUMO's letter: s straight, l left, r right, t turn-around, L/R partial.
+    """
+
+    to_lane: int
+    traffic_light: str
+    link_index: int
+    direction: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Lane:
+    """One lane.
+
+    Attributes:
+        index: Row of this lane in ``RoadNetwork.lanes``.
+        id: SUMO's lane id.
+        edge_id: The edge it belongs to.
+        lane_number: 0 is the rightmost lane of the edge.
+        shape: (n, 2) centre line, metres.
+        arc: (n,) arc length at each point of the shape, metres.
+        length: SUMO's length in metres; may differ from ``arc[-1]``.
+        width: Metres.
+        speed_limit: m/s.
+        is_internal: True inside a junction.
+        drivable: Open to passenger cars.
+        walkable: Open to pedestrians (sidewalk, crossing, walking area).
+        connections: Movements from its end.
+        left: Index of the drivable lane of the same edge to the left, or -1.
+        right: Index of the drivable lane of the same edge to the right, or -1.
+        to_junction: Id of the junction at its end ("" for internal lanes' own junction too).
+    """
+
+    index: int
+    id: str
+    edge_id: str
+    lane_number: int
+    shape: FloatArray
+    arc: FloatArray
+    length: float
+    width: float
+    speed_limit: float
+    is_internal: bool
+    drivable: bool
+    walkable: bool
+    connections: tuple[Connection, ...]
+    left: int
+    right: int
+    to_junction: str
+
+    def position_at(self, s: float) -> tuple[float, float, float]:
+        """Gives x, y (metres) and heading (radians) of the centre line at arc length ``s``."""
+        s = min(max(s, 0.0), float(self.arc[-1]))
+        i = min(max(int(np.searchsorted(self.arc, s, side="right")) - 1, 0), len(self.arc) - 2)
+        (x0, y0), (x1, y1) = self.shape[i], self.shape[i + 1]
+        span = float(self.arc[i + 1] - self.arc[i])
+        t = (s - float(self.arc[i])) / span if span > 0 else 0.0
+        return (
+            float(x0 + t * (x1 - x0)),
+            float(y0 + t * (y1 - y0)),
+            float(np.arctan2(y1 - y0, x1 - x0)),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LanePosition:
+    """A point seen from a lane.
+
+    Attributes:
+        lane: Index of the lane.
+        s: Arc length of the foot point on the centre line, metres.
+        lateral: Signed distance from the centre line in metres, positive to the left.
+        heading: Direction of the lane at the foot point, radians.
+    """
+
+    lane: int
+    s: float
+    lateral: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalPhase:
+    """A stage of a programme: ``state`` holds one of ``GgyrYuosO`` a link; duration in seconds."""
+
+    duration: float
+    state: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SignalProgram:
+    """The programme of a traffic light as the network defines it."""
+
+    id: str
+    program_id: str
+    offset: float
+    phases: tuple[SignalPhase, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RoadNetwork:
+    """A road network, parsed once a process.
+
+    Attributes:
+        name: Name in the catalogue.
+        path: The ``.net.xml`` file.
+        sha256: Hash of that file's bytes, hexadecimal.
+        net_offset: (x, y) that was added to the source's coordinates, metres.
+        bounds: (min_x, min_y, max_x, max_y), metres.
+        lanes: All lanes; a lane's ``index`` is its place here.
+        lane_by_id: Index by SUMO's lane id.
+        edge_lanes: Indices of an edge's lanes, rightmost first, by edge id.
+        junction_shapes: (n, 2) outline of each junction by id, metres.
+        programs: Traffic-light programmes by id.
+    """
+
+    name: str
+    path: Path
+    sha256: str
+    net_offset: tuple[float, float]
+    bounds: tuple[float, float, float, float]
+    lanes: tuple[Lane, ...]
+    lane_by_id: dict[str, int] = field(repr=False)
+    edge_lanes: dict[str, tuple[int, ...]] = field(repr=False)
+    junction_shapes: dict[str, FloatArray] = field(repr=False)
+    programs: dict[str, SignalProgram] = field(repr=False)
+
+    def lane(self, lane_id: str) -> Lane:
+        """Gives the lane with SUMO's id ``lane_id``; KeyError where there is none."""
+        return self.lanes[self.lane_by_id[lane_id]]

@@ -1,0 +1,57 @@
+"""Where a worker is in its run, readable from outside while the worker is busy or hung.
+
+The worker writes a few integers into a memory-mapped file; the slot's supervisor reads them. So a
+worker that spins in an ADS, even in C code that never lets go of the interpreter, can be told from
+one that hangs elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+
+import numpy as np
+
+_FIELDS = 4
+
+
+class Phase(IntEnum):
+    """What a worker is doing."""
+
+    IDLE = 0
+    PREPARING = 1
+    SIMULATING = 2
+    IN_AGENT = 3
+    JUDGING = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """A reading: the phase, the row of the trace, the index of the ego whose agent is called."""
+
+    phase: Phase
+    step: int
+    ego: int
+    run_counter: int
+
+
+class ProgressBoard:
+    """The shared integers.
+
+    Attributes:
+        cells: (4,) int64: phase, step, ego, number of the run on this worker. Written directly by
+            the step loop, where a method call would cost more than the write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Maps ``path``, making it if it does not exist."""
+        mode = "r+" if path.exists() else "w+"
+        self.cells: np.memmap[tuple[int], np.dtype[np.int64]] = np.memmap(
+            path, dtype=np.int64, mode=mode, shape=(_FIELDS,)
+        )
+
+    def read(self) -> Progress:
+        """Gives the current reading."""
+        phase, step, ego, counter = (int(cell) for cell in self.cells)
+        return Progress(phase=Phase(phase), step=step, ego=ego, run_counter=counter)

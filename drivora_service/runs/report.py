@@ -1,0 +1,95 @@
+"""What is to be run, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from drivora_service.oracles.verdict import Verdict
+
+
+class RunStatus(StrEnum):
+    """Where a run is in its life."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    FINISHED = "finished"
+    INVALID = "invalid"
+    AGENT_FAILED = "agent_failed"
+    SIMULATOR_CRASHED = "simulator_crashed"
+    TIMED_OUT = "timed_out"
+    INFRASTRUCTURE_FAILED = "infrastructure_failed"
+    CANCELLED = "cancelled"
+
+    @property
+    def is_final(self) -> bool:
+        """Whether nothing more will happen to the run."""
+        return self not in (RunStatus.QUEUED, RunStatus.RUNNING)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSpec:
+    """One episode to simulate.
+
+    Attributes:
+        run_id: Names the run and its files; letters, digits, dashes.
+        document: The scenario document in canonical JSON text.
+        trace_path: Where the worker writes the trace; "" for none.
+        agent: Agent name that overrides the document's, or "".
+        seed: Seed that overrides the document's, or ``None``.
+    """
+
+    run_id: str
+    document: str
+    trace_path: str = ""
+    agent: str = ""
+    seed: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunFailure:
+    """Why a run was not judged.
+
+    Attributes:
+        cause: Short stable name: ``agent_raised``, ``agent_hung``, ``agent_invalid_control``,
+            ``signal``, ``memory_limit``, ``wall_time_limit``, ``worker_lost``, ``invalid_document``
+            and their like.
+        message: For people.
+        log: The last lines of the worker's or agent's log.
+    """
+
+    cause: str
+    message: str
+    log: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunReport:
+    """The end of a run; exists for every run that was started.
+
+    Attributes:
+        verdicts: Of all oracles and egos; empty unless finished.
+        metrics: Measured values by name; ``None`` is "not measurable".
+        scores: Feedback objectives by name, to be minimised; ``None`` is "not measurable".
+        trace_sha256: Hash of the trace, hexadecimal; "" unless finished.
+        steps: Rows of the trace.
+        sim_time_s: Simulated seconds.
+        wall_time_s: Seconds from the start of the run to its report, in the worker.
+        step_cost_us: Mean wall microseconds a step, without reset and judging.
+        versions: Versions of what took part, by name.
+    """
+
+    run_id: str
+    status: RunStatus
+    verdicts: tuple[Verdict, ...] = ()
+    metrics: Mapping[str, float | None] = field(default_factory=dict)
+    scores: Mapping[str, float | None] = field(default_factory=dict)
+    trace_sha256: str = ""
+    steps: int = 0
+    sim_time_s: float = 0.0
+    wall_time_s: float = 0.0
+    step_cost_us: float = 0.0
+    failure: RunFailure | None = None
+    versions: Mapping[str, Any] = field(default_factory=dict)

@@ -1,0 +1,197 @@
+"""A scenario inside the service: immutable, validated, in one frame.
+
+Frame: the road network's plane, x east and y north in metres. Angles are radians, counter-clockwise
+from east. Speeds are m/s and times seconds of simulation. Positions of vehicles, walkers and
+obstacles are the centres of their boxes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class NpcBehavior(StrEnum):
+    """How an NPC vehicle moves along its waypoints."""
+
+    REPLAY = "replay"
+    """Follows its waypoints whatever happens."""
+    REACTIVE = "reactive"
+    """Follows its waypoints and brakes for what is ahead."""
+    SUMO = "sumo"
+    """SUMO's car-following and lane-changing along the route through its waypoints."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    """A place to pass.
+
+    Attributes:
+        x: Metres east.
+        y: Metres north.
+        z: Metres up, kept for round trips; the simulation is planar.
+        yaw: Heading in radians; ``None``: derived from the path.
+        speed: Wanted speed in m/s at this place; ``None``: the default of the actor's kind.
+    """
+
+    x: float
+    y: float
+    z: float | None = None
+    yaw: float | None = None
+    speed: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentChoice:
+    """The ADS that drives an ego: a name in the agent catalogue and its parameters."""
+
+    name: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EgoVehicle:
+    """A vehicle under the control of an ADS.
+
+    Attributes:
+        route: At least two waypoints: start and destination; those between are passed in order.
+        start_time: Seconds; before it the ego stands still at its start.
+        initial_speed: m/s at ``start_time``.
+    """
+
+    id: str
+    model: str
+    route: tuple[Waypoint, ...]
+    agent: AgentChoice
+    start_time: float = 0.0
+    initial_speed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NpcVehicle:
+    """A vehicle that follows waypoints; absent before ``start_time`` and after its route."""
+
+    id: str
+    model: str
+    route: tuple[Waypoint, ...]
+    start_time: float = 0.0
+    behavior: NpcBehavior = NpcBehavior.REACTIVE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NpcWalker:
+    """A pedestrian; absent before ``start_time``, stays at the last waypoint."""
+
+    id: str
+    model: str
+    route: tuple[Waypoint, ...]
+    start_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NpcObstacle:
+    """A static object. ``length`` and ``width`` in metres; ``None``: the model's own size."""
+
+    id: str
+    model: str
+    location: Waypoint
+    length: float | None = None
+    width: float | None = None
+    start_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Region:
+    """An axis-parallel rectangle of the network's plane, in metres."""
+
+    min_x: float
+    max_x: float
+    min_y: float
+    max_y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapRegion:
+    """The road network and, optionally, the part of it in which the scenario takes place."""
+
+    town: str
+    region_segment: Region | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weather:
+    """CARLA's ``WeatherParameters``: percentages 0..100, angles in degrees, distances in metres."""
+
+    cloudiness: float = 0.0
+    precipitation: float = 0.0
+    precipitation_deposits: float = 0.0
+    wind_intensity: float = 0.0
+    sun_azimuth_angle: float = 0.0
+    sun_altitude_angle: float = 70.0
+    fog_density: float = 0.0
+    fog_distance: float = 0.0
+    wetness: float = 0.0
+    fog_falloff: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LightTimes:
+    """Durations of the stages of a junction's programme in seconds; ``None`` keeps the network's.
+
+    Attributes:
+        red: Honoured where the junction has two stages; with more it follows from the others.
+        offset: Seconds by which the programme starts later.
+    """
+
+    green: float | None = None
+    yellow: float | None = None
+    red: float | None = None
+    offset: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrafficLights:
+    """Light times for all junctions, and those of single junctions by traffic-light id."""
+
+    times: LightTimes = field(default_factory=LightTimes)
+    junctions: Mapping[str, LightTimes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BackgroundTraffic:
+    """SUMO-driven flow that keeps its size: a vehicle that arrives is replaced.
+
+    Attributes:
+        count: Vehicles on the road at once.
+        start_time: Seconds before which there is none.
+    """
+
+    count: int
+    start_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """One OpenScenario document, validated.
+
+    Attributes:
+        seed: Seeds every random draw of the run.
+        step_length: Seconds of simulation a step.
+        max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
+        extensions: Free data of others, by namespace; carried, never interpreted.
+    """
+
+    ego_vehicles: tuple[EgoVehicle, ...]
+    map_region: MapRegion
+    npc_vehicles: tuple[NpcVehicle, ...] = ()
+    npc_walkers: tuple[NpcWalker, ...] = ()
+    npc_obstacles: tuple[NpcObstacle, ...] = ()
+    weather: Weather = field(default_factory=Weather)
+    traffic_lights: TrafficLights = field(default_factory=TrafficLights)
+    background_traffic: BackgroundTraffic | None = None
+    seed: int = 0
+    step_length: float = 0.05
+    max_sim_time: float | None = None
+    extensions: Mapping[str, Any] = field(default_factory=dict)
