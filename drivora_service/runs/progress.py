@@ -7,11 +7,13 @@ one that hangs elsewhere.
 
 from __future__ import annotations
 
+import mmap
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 _FIELDS = 4
 
@@ -46,10 +48,11 @@ class ProgressBoard:
 
     def __init__(self, path: Path) -> None:
         """Maps ``path``, making it if it does not exist."""
-        mode = "r+" if path.exists() else "w+"
-        self.cells: np.memmap[tuple[int], np.dtype[np.int64]] = np.memmap(
-            path, dtype=np.int64, mode=mode, shape=(_FIELDS,)
-        )
+        size = _FIELDS * 8
+        with path.open("a+b") as file:
+            file.truncate(size)
+            self._map = mmap.mmap(file.fileno(), size)
+        self.cells: NDArray[np.int64] = np.frombuffer(self._map, dtype=np.int64)
 
     def read(self) -> Progress:
         """Gives the current reading."""
