@@ -1,0 +1,56 @@
+"""Where a network comes from: the ``provenance.yaml`` beside every network file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from drivora_service.errors import NetworkError
+
+FILE_NAME = "provenance.yaml"
+
+
+class Provenance(BaseModel):
+    """Where a network comes from and how it became a ``.net.xml`` file.
+
+    Attributes:
+        title: What to call it in a listing.
+        description: What it is for, in a sentence.
+        source: Where it comes from: a phrase, or the name of the imported file.
+        licence: SPDX identifier, or what is known.
+        source_sha256: Hash of the imported file, hexadecimal.
+        netconvert: Version of netconvert that made it; None where it was copied.
+        options: netconvert's options; empty where a configuration file holds them.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    title: str
+    description: str
+    source: str
+    licence: str
+    source_sha256: str | None = None
+    netconvert: str | None = None
+    options: tuple[str, ...] = ()
+
+    def to_yaml(self) -> str:
+        """Gives the text of the file."""
+        data = self.model_dump(mode="json", exclude_defaults=True)
+        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=100)
+
+
+def read_provenance(directory: Path) -> Provenance:
+    """Reads the provenance of the network in ``directory``.
+
+    Raises:
+        NetworkError: The file is missing or not a provenance.
+    """
+    path = directory / FILE_NAME
+    try:
+        return Provenance.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, ValidationError) as error:
+        raise NetworkError(
+            f"cannot read {FILE_NAME} of network {directory.name!r}: {error}"
+        ) from error
