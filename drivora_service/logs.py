@@ -1,0 +1,60 @@
+"""How log lines look: for people on a terminal, or one JSON object a line."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from typing import Literal
+
+import structlog
+
+
+def configure_logs(
+    *, form: Literal["console", "json"] = "console", level: str = "info", colors: bool | None = None
+) -> None:
+    """Sends structlog's and the standard library's lines through one chain to standard error.
+
+    Args:
+        form: ``console`` for people, ``json`` for programs.
+        level: Least important level that is written.
+        colors: Whether console lines are coloured; ``None``: if standard error is a terminal.
+    """
+    shared: list[structlog.typing.Processor] = [
+        structlog.contextvars.merge_contextvars,
+        structlog.stdlib.add_log_level,
+        structlog.stdlib.add_logger_name,
+        structlog.processors.TimeStamper(fmt="iso", utc=True),
+        structlog.stdlib.ExtraAdder(),
+    ]
+    renderer: structlog.typing.Processor
+    if form == "json":
+        renderer = structlog.processors.JSONRenderer()
+        last = [structlog.processors.format_exc_info]
+    else:
+        wanted = sys.stderr.isatty() if colors is None else colors
+        renderer = structlog.dev.ConsoleRenderer(colors=wanted)
+        last = []
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(
+        structlog.stdlib.ProcessorFormatter(
+            foreign_pre_chain=shared,
+            processors=[
+                structlog.stdlib.ProcessorFormatter.remove_processors_meta,
+                *last,
+                renderer,
+            ],
+        )
+    )
+    root = logging.getLogger()
+    root.handlers = [handler]
+    root.setLevel(level.upper())
+    structlog.configure(
+        processors=[
+            structlog.stdlib.filter_by_level,
+            *shared[:4],
+            structlog.stdlib.ProcessorFormatter.wrap_for_formatter,
+        ],
+        wrapper_class=structlog.stdlib.BoundLogger,
+        logger_factory=structlog.stdlib.LoggerFactory(),
+        cache_logger_on_first_use=True,
+    )

@@ -1,0 +1,123 @@
+"""What an installation may choose, read from the environment (``DRIVORA_…``).
+
+Only the composition root and the command line read settings; every other room is handed values.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, ValidationError
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from drivora_service.errors import ConfigurationError
+
+
+class Settings(BaseSettings):
+    """The settings of one service. Every field is also an environment variable.
+
+    ``DRIVORA_DATA_DIR=/var/lib/drivora DRIVORA_WORKERS=8 drivora serve`` sets two of them.
+    """
+
+    model_config = SettingsConfigDict(env_prefix="DRIVORA_", frozen=True)
+
+    data_dir: Path = Field(
+        default=Path("drivora-data"),
+        description="Folder of the database, the traces, imported networks and API tokens.",
+    )
+    database_url: str = Field(
+        default="",
+        description="SQLAlchemy address of the database; empty: SQLite in the data folder.",
+    )
+    host: str = Field(default="127.0.0.1", description="Address to listen on.")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 picks a free one.")
+    public_url: str = Field(
+        default="",
+        description="Address by which others reach the service, for links behind a proxy.",
+    )
+    require_tokens: bool = Field(
+        default=False, description="Ask for an API token on loopback as well."
+    )
+    workers: int = Field(
+        default_factory=lambda: os.cpu_count() or 1,
+        ge=1,
+        le=1024,
+        description="Worker processes; one run at a time each.",
+    )
+    runs_per_worker: int = Field(
+        default=200, ge=1, description="Runs after which a worker process is replaced."
+    )
+    wall_time_limit_s: float = Field(
+        default=600.0, gt=0, description="Seconds of wall time after which a run is ended."
+    )
+    agent_deadline_s: float = Field(
+        default=10.0, gt=0, description="Seconds of wall time that one call of an agent may take."
+    )
+    memory_limit_mb: int = Field(
+        default=2048, ge=256, description="Memory of a worker process, MiB, before it is ended."
+    )
+    queue_limit: int = Field(
+        default=100_000, ge=1, description="Queued runs beyond which new ones are refused (429)."
+    )
+    max_body_mb: float = Field(
+        default=32.0, gt=0, description="Size of a request body, MiB, beyond which it is refused."
+    )
+    max_batch_items: int = Field(
+        default=10_000, ge=1, description="Scenarios that one batch may hold."
+    )
+    log_format: Literal["console", "json"] = Field(
+        default="console", description="How log lines look."
+    )
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        default="info", description="Least important log lines that are written."
+    )
+
+    @property
+    def resolved_database_url(self) -> str:
+        """The database's address, with the default filled in."""
+        return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'drivora.sqlite3'}"
+
+    @property
+    def traces_dir(self) -> Path:
+        """Folder of the traces."""
+        return self.data_dir / "traces"
+
+    @property
+    def imported_networks_dir(self) -> Path:
+        """Folder of the networks that were imported here."""
+        return self.data_dir / "networks"
+
+    @property
+    def tokens_path(self) -> Path:
+        """File of the hashed API tokens."""
+        return self.data_dir / "tokens.json"
+
+    @property
+    def listens_on_loopback(self) -> bool:
+        """Whether only this machine can reach the service."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False
+
+
+def load_settings(**overrides: object) -> Settings:
+    """Reads the environment; ``overrides`` that are not ``None`` win over it.
+
+    Raises:
+        ConfigurationError: A value cannot be used; every one is named.
+    """
+    given = {name: value for name, value in overrides.items() if value is not None}
+    try:
+        return Settings(**given)  # type: ignore[arg-type] # checked by pydantic as it comes in
+    except ValidationError as error:
+        lines = [
+            f"DRIVORA_{'_'.join(map(str, e['loc'])).upper()}: {e['msg']} (found {e['input']!r})"
+            for e in error.errors()
+        ]
+        raise ConfigurationError("\n".join(lines)) from error
