@@ -1,0 +1,1 @@
+"""Objectives of the search: each scores a trace, to be minimised."""

@@ -1,0 +1,1 @@
+"""Measures that describe a judged trace."""

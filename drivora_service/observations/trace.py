@@ -168,6 +168,8 @@ class Trace:
         privileged: M flags: the agent saw more than the perception model lets through.
         max_sim_time: Seconds.
         meta: Free JSON-able facts (versions, seed); not part of the hash.
+        lane_ids: SUMO's ids of the lanes that occur in ``ego_lanes``, by index; may be empty; not
+            part of the hash.
     """
 
     network: str
@@ -195,6 +197,7 @@ class Trace:
     privileged: tuple[bool, ...]
     max_sim_time: float
     meta: dict[str, Any] = field(default_factory=dict)
+    lane_ids: dict[int, str] = field(default_factory=dict)
 
     @property
     def ego_count(self) -> int:

@@ -1,0 +1,1 @@
+"""What authors of plug-ins test theirs with: contract suites and synthetic traces."""

@@ -1,0 +1,82 @@
+"""A hash over everything physical in a trace: equal hashes mean the same run, bit for bit."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.observations.trace import Trace
+
+_VERSION = "trace-hash-1"
+
+
+def trace_sha256(trace: Trace) -> str:
+    """Gives the SHA-256 of a trace, hexadecimal.
+
+    Covered: times, actors, states, presence, ego values, lanes, lights, routes, ends, contacts,
+    traffic lights, agent logs, the network's and the scenario's hash. Left out: ``meta`` and
+    ``lane_ids``, which say nothing that the rest does not fix.
+
+    Two traces that hold the same numbers have the same hash, whatever the memory layout of their
+    arrays, the bits of their NaNs, the sign of their zeros, or what stands in the rows of actors
+    that are not present.
+    """
+    digest = hashlib.sha256(_header(trace))
+    present = np.ascontiguousarray(trace.present, dtype=np.bool_)
+    states = _canonical_floats(trace.states)
+    states[~present] = np.nan
+    _feed(digest, states)
+    _feed(digest, present)
+    for floats in (trace.times, trace.ego_values, trace.log_values):
+        _feed(digest, _canonical_floats(floats))
+    _feed(digest, np.ascontiguousarray(trace.ego_lanes, dtype="<i4"))
+    _feed(digest, np.ascontiguousarray(trace.ego_lights, dtype=np.uint8))
+    _feed(digest, np.ascontiguousarray(trace.light_states, dtype="<i4"))
+    for route in trace.ego_routes:
+        _feed(digest, _canonical_floats(route.line))
+        _feed(digest, _canonical_floats(route.arc))
+    return digest.hexdigest()
+
+
+def _header(trace: Trace) -> bytes:
+    """Gives the facts that are not arrays, in one canonical spelling."""
+    facts = [
+        _VERSION,
+        trace.network,
+        trace.network_sha256,
+        trace.scenario_sha256,
+        float(trace.step_length),
+        float(trace.max_sim_time),
+        [
+            [a.row, a.id, str(a.role), a.model, float(a.length), float(a.width)]
+            for a in trace.actors
+        ],
+        [[float(r.length), float(r.goal[0]), float(r.goal[1])] for r in trace.ego_routes],
+        [float(time) for time in trace.ego_start_times],
+        [str(end) for end in trace.ego_ends],
+        [int(step) for step in trace.ego_end_steps],
+        [[int(c.step), int(c.ego), int(c.other)] for c in trace.contacts],
+        list(trace.light_ids),
+        list(trace.light_state_names),
+        list(trace.log_names),
+        [[int(e.step), int(e.ego), e.message] for e in trace.log_events],
+        [bool(flag) for flag in trace.privileged],
+    ]
+    return json.dumps(facts, separators=(",", ":")).encode()
+
+
+def _canonical_floats(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Gives a contiguous little-endian copy with one bit pattern for NaN and one for zero."""
+    copy = np.add(values, 0.0, order="C", dtype="<f8")
+    copy[np.isnan(copy)] = np.nan
+    return copy
+
+
+def _feed(digest: hashlib._Hash, array: NDArray[Any]) -> None:
+    """Adds an array's shape and its bytes, so that equal bytes of another shape differ."""
+    digest.update(repr(array.shape).encode())
+    digest.update(array.data if array.size else b"")
