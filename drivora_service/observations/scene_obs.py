@@ -1,8 +1,8 @@
 """scene_obs: the published shape of a trace, one frame a step.
 
 A frame is JSON-able: ``step``, ``timestamp`` (s), ``egos``, ``other_actors`` (``vehicles``,
-``walkers``, ``obstacles``, ``background``, ``traffic_lights``) and ``agent_logs``. Positions are box
-centres in metres in the network's plane, velocities m/s, accelerations m/s²; angles are degrees
+``walkers``, ``obstacles``, ``background``, ``traffic_lights``) and ``agent_logs``. Positions are
+box centres in metres in the network's plane, velocities m/s, accelerations m/s²; angles are degrees
 counter-clockwise from east, as in scenario documents. Numbers are rounded to six decimals; the
 trace file has them in full. What is not known or does not apply is null.
 """
@@ -152,4 +152,6 @@ def _numbers(values: NDArray[np.float64]) -> Any:
     finite = np.isfinite(rounded)
     if finite.all():
         return rounded.tolist()
-    return np.where(finite, rounded.astype(object), None).tolist()
+    numbers = rounded.astype(object)
+    numbers[~finite] = None
+    return numbers.tolist()

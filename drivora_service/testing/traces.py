@@ -198,7 +198,7 @@ def make_trace(
         network_sha256="0" * 64,
         scenario_sha256="1" * 64,
         step_length=step_length,
-        times=step_length * np.arange(steps),
+        times=np.arange(steps) * np.float64(step_length),
         actors=tuple(
             Actor(
                 row=row,
