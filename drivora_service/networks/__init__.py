@@ -1,0 +1,1 @@
+"""Road networks: reading, importing, routing on them and finding places in them."""

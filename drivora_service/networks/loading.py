@@ -1,0 +1,243 @@
+"""Reading a SUMO ``.net.xml`` file into a :class:`RoadNetwork`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.sax import SAXException
+
+import numpy as np
+import sumolib
+
+from drivora_service.errors import NetworkError
+from drivora_service.geometry import arc_lengths
+from drivora_service.networks.road_network import (
+    Connection,
+    FloatArray,
+    Lane,
+    RoadNetwork,
+    SignalPhase,
+    SignalProgram,
+)
+
+MIN_POINT_DISTANCE = 0.05
+"""Metres; nearer shape points are dropped: coordinates are rounded to centimetres, so that the
+direction between them is noise."""
+
+DEGENERATE_LENGTH = 0.01
+"""Metres of arc that a lane gets whose shape is a single place."""
+
+MAX_REVERSED_LENGTH = 0.5
+"""Metres; a lane inside a junction that is shorter and runs against the lanes it joins is as good
+as a single place."""
+
+
+def load_network(path: Path, name: str) -> RoadNetwork:
+    """Reads a network.
+
+    Args:
+        path: The ``.net.xml`` file.
+        name: Its name in the catalogue.
+
+    Raises:
+        NetworkError: The file is missing, is not a SUMO network, or has no drivable lane.
+    """
+    try:
+        data = path.read_bytes()
+        read: Callable[..., Any] = sumolib.net.readNet
+        net = read(str(path), withInternal=True, withFoes=False)
+        programs = _read_programs(data)
+        lanes = _build_lanes(net)
+        offset = tuple(float(v) for v in net.getLocationOffset())
+        boundary = tuple(float(v) for v in net.getBoundary())
+    except OSError as error:
+        raise NetworkError(f"network {name!r} cannot be read: {error.strerror}") from error
+    except (SAXException, ElementTree.ParseError) as error:
+        raise NetworkError(f"network {name!r} is not well-formed XML: {error}") from error
+    except (KeyError, ValueError, IndexError, AttributeError, TypeError) as error:
+        raise NetworkError(
+            f"network {name!r} is not a SUMO network ({type(error).__name__}: {error}); "
+            "build one with netconvert"
+        ) from error
+    if not any(lane.drivable for lane in lanes):
+        raise NetworkError(f"network {name!r} has no lane that is open to passenger cars")
+    by_edge: dict[str, list[int]] = {}
+    for lane in lanes:
+        by_edge.setdefault(lane.edge_id, []).append(lane.index)
+    return RoadNetwork(
+        name=name,
+        path=path,
+        sha256=hashlib.sha256(data).hexdigest(),
+        net_offset=(offset[0], offset[1]),
+        bounds=(boundary[0], boundary[1], boundary[2], boundary[3]),
+        lanes=lanes,
+        lane_by_id={lane.id: lane.index for lane in lanes},
+        edge_lanes={edge: tuple(indices) for edge, indices in by_edge.items()},
+        junction_shapes={
+            node.getID(): np.asarray(node.getShape(), dtype=np.float64)
+            for node in net.getNodes()
+            if len(node.getShape()) >= 3
+        },
+        programs=programs,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _RawLane:
+    """A lane as sumolib reads it, with what the second pass needs."""
+
+    source: Any
+    id: str
+    number: int
+    points: FloatArray
+    drivable: bool
+    walkable: bool
+
+
+def _build_lanes(net: Any) -> tuple[Lane, ...]:
+    raw: list[_RawLane] = []
+    for edge in net.getEdges():
+        on_foot_only = edge.getFunction() in ("crossing", "walkingarea")
+        raw.extend(
+            _RawLane(
+                source=source,
+                id=f"{edge.getID()}_{number}",
+                number=number,
+                points=_distinct_points(source.getShape()),
+                drivable=source.allows("passenger") and not on_foot_only,
+                walkable=source.allows("pedestrian"),
+            )
+            for number, source in enumerate(edge.getLanes())
+        )
+    index_of = {lane.id: index for index, lane in enumerate(raw)}
+    connections = [_connections(lane.source, index_of) for lane in raw]
+    shapes = _usable_shapes([lane.points for lane in raw], connections)
+    drivable = {index for index, lane in enumerate(raw) if lane.drivable}
+    lanes = []
+    for index, lane in enumerate(raw):
+        edge = lane.source.getEdge()
+        internal = lane.id.startswith(":")
+        lanes.append(
+            Lane(
+                index=index,
+                id=lane.id,
+                edge_id=edge.getID(),
+                lane_number=lane.number,
+                shape=_frozen(shapes[index]),
+                arc=_frozen(arc_lengths(shapes[index])),
+                length=float(lane.source.getLength()),
+                width=float(lane.source.getWidth()),
+                speed_limit=float(lane.source.getSpeed()),
+                is_internal=internal,
+                drivable=lane.drivable,
+                walkable=lane.walkable,
+                connections=connections[index],
+                left=_neighbour(index_of, drivable, edge.getID(), lane.number + 1),
+                right=_neighbour(index_of, drivable, edge.getID(), lane.number - 1),
+                to_junction="" if internal else edge.getToNode().getID(),
+            )
+        )
+    return tuple(lanes)
+
+
+def _neighbour(index_of: dict[str, int], drivable: set[int], edge_id: str, number: int) -> int:
+    index = index_of.get(f"{edge_id}_{number}", -1)
+    return index if index in drivable else -1
+
+
+def _connections(source: Any, index_of: dict[str, int]) -> tuple[Connection, ...]:
+    return tuple(
+        Connection(
+            to_lane=index_of[link.getViaLaneID() or link.getToLane().getID()],
+            traffic_light=link.getTLSID(),
+            link_index=int(link.getTLLinkIndex()),
+            direction=link.getDirection(),
+        )
+        for link in source.getOutgoing()
+    )
+
+
+def _distinct_points(shape: Sequence[tuple[float, float]]) -> FloatArray:
+    """Gives the (n, 2) points of a shape that are far enough apart; both ends stay in place."""
+    points = np.asarray(shape, dtype=np.float64).reshape(-1, 2)
+    kept: list[FloatArray] = []
+    for point in points:
+        if not kept or _distance(kept[-1], point) >= MIN_POINT_DISTANCE:
+            kept.append(point)
+    last = points[-1]
+    if _distance(kept[-1], last) > 0.0:
+        if len(kept) > 1:
+            kept[-1] = last
+        else:
+            kept.append(last)
+    return np.array(kept)
+
+
+def _usable_shapes(
+    points: Sequence[FloatArray], connections: Sequence[tuple[Connection, ...]]
+) -> list[FloatArray]:
+    """Gives every lane whose points coincide a short straight in the direction of its neighbours.
+
+    Some converters write internal lanes of 0.1 m whose two points are rounded to the same place,
+    or to places in the wrong order.
+    """
+    shapes = list(points)
+    short = [i for i, p in enumerate(points) if arc_lengths(p)[-1] < MAX_REVERSED_LENGTH]
+    before: dict[int, list[int]] = {i: [] for i in short}
+    for index, links in enumerate(connections):
+        for link in links:
+            if link.to_lane in before:
+                before[link.to_lane].append(index)
+    for index in short:
+        direction = _direction(
+            [(points[i], -1) for i in before[index]]
+            + [(points[link.to_lane], 0) for link in connections[index]]
+        )
+        own = points[index][-1] - points[index][0]
+        if float(own @ direction) >= DEGENERATE_LENGTH:
+            continue
+        centre = points[index].mean(axis=0)
+        half = 0.5 * DEGENERATE_LENGTH * direction
+        shapes[index] = np.stack((centre - half, centre + half))
+    return shapes
+
+
+def _direction(neighbours: Iterable[tuple[FloatArray, int]]) -> FloatArray:
+    """Gives the unit direction of the first usable neighbour at its last (-1) or first (0) step."""
+    for line, end in neighbours:
+        steps = np.diff(line, axis=0)
+        if len(steps):
+            step = steps[end]
+            norm = float(np.hypot(step[0], step[1]))
+            if norm >= DEGENERATE_LENGTH:
+                return np.asarray(step / norm, dtype=np.float64)
+    return np.array([1.0, 0.0])
+
+
+def _distance(a: FloatArray, b: FloatArray) -> float:
+    return float(np.hypot(b[0] - a[0], b[1] - a[1]))
+
+
+def _frozen(array: FloatArray) -> FloatArray:
+    array.setflags(write=False)
+    return array
+
+
+def _read_programs(data: bytes) -> dict[str, SignalProgram]:
+    """Reads the traffic-light programmes; of several for one light SUMO runs the last."""
+    return {
+        logic.attrib["id"]: SignalProgram(
+            id=logic.attrib["id"],
+            program_id=logic.attrib["programID"],
+            offset=float(logic.get("offset", "0")),
+            phases=tuple(
+                SignalPhase(duration=float(phase.attrib["duration"]), state=phase.attrib["state"])
+                for phase in logic.iter("phase")
+            ),
+        )
+        for logic in ElementTree.fromstring(data).iter("tlLogic")
+    }
