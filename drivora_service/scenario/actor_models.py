@@ -1,13 +1,18 @@
 """The models that a document may name: sizes, mass and limits of vehicles, walkers, obstacles.
 
-Sizes of the CARLA blueprints are the bounding boxes of CARLA 0.9.15 (twice the extents that the
-simulator reports), rounded to the centimetre.
+The figures and their sources are in ``scenario.model_figures``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from types import MappingProxyType
+
+from drivora_service.errors import UnknownName
+from drivora_service.scenario import model_figures as figures
 
 
 class ActorKind(StrEnum):
@@ -18,6 +23,17 @@ class ActorKind(StrEnum):
     OBSTACLE = "obstacle"
 
 
+class VehicleClass(StrEnum):
+    """What sort of vehicle a vehicle model is."""
+
+    CAR = "car"
+    VAN = "van"
+    TRUCK = "truck"
+    BUS = "bus"
+    MOTORCYCLE = "motorcycle"
+    BICYCLE = "bicycle"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActorModel:
     """Size and limits of a model.
@@ -25,8 +41,9 @@ class ActorModel:
     Attributes:
         length: Metres, along the heading.
         width: Metres.
+        vehicle_class: ``None`` where the model is no vehicle.
         wheelbase: Metres between the axles (vehicles).
-        mass: Kilograms (vehicles).
+        mass: Kilograms (vehicles; two-wheelers with their rider).
         max_acceleration: m/s², from standstill on a dry road.
         max_deceleration: m/s², full braking on a dry road, positive.
         max_steer: Radians at the front wheels.
@@ -37,9 +54,140 @@ class ActorModel:
     kind: ActorKind
     length: float
     width: float
+    vehicle_class: VehicleClass | None = None
     wheelbase: float = 0.0
     mass: float = 0.0
     max_acceleration: float = 0.0
     max_deceleration: float = 0.0
     max_steer: float = 0.0
     max_speed: float = 0.0
+
+
+_PREFIXES: Mapping[ActorKind, str] = MappingProxyType(
+    {
+        ActorKind.VEHICLE: "vehicle.",
+        ActorKind.WALKER: "walker.pedestrian.",
+        ActorKind.OBSTACLE: "static.prop.",
+    }
+)
+
+
+def _vehicles() -> tuple[ActorModel, ...]:
+    return tuple(
+        ActorModel(
+            name=f"vehicle.{row.name}",
+            kind=ActorKind.VEHICLE,
+            length=row.length,
+            width=row.width,
+            vehicle_class=VehicleClass(row.vehicle_class),
+            wheelbase=row.wheelbase,
+            mass=row.mass,
+            **figures.CLASS_LIMITS[row.vehicle_class]._asdict(),
+        )
+        for row in figures.VEHICLES
+    )
+
+
+def _walkers() -> tuple[ActorModel, ...]:
+    models = []
+    for number in range(1, figures.WALKER_COUNT + 1):
+        size = figures.CHILD_SIZE if number in figures.SMALL_CHILDREN else figures.ADULT_SIZE
+        child = number in figures.CHILDREN
+        models.append(
+            ActorModel(
+                name=f"walker.pedestrian.{number:04d}",
+                kind=ActorKind.WALKER,
+                length=size,
+                width=size,
+                max_speed=figures.CHILD_MAX_SPEED if child else figures.ADULT_MAX_SPEED,
+            )
+        )
+    return tuple(models)
+
+
+def _obstacles() -> tuple[ActorModel, ...]:
+    props = tuple(
+        ActorModel(
+            name=f"static.prop.{row.name}",
+            kind=ActorKind.OBSTACLE,
+            length=row.length,
+            width=row.width,
+        )
+        for row in figures.OBSTACLES
+    )
+    wrecks = tuple(
+        ActorModel(name=model.name, kind=ActorKind.OBSTACLE, length=model.length, width=model.width)
+        for model in _vehicles()
+    )
+    return props + wrecks
+
+
+_MODELS: Mapping[ActorKind, Mapping[str, ActorModel]] = MappingProxyType(
+    {
+        kind: MappingProxyType({model.name: model for model in models})
+        for kind, models in (
+            (ActorKind.VEHICLE, _vehicles()),
+            (ActorKind.WALKER, _walkers()),
+            (ActorKind.OBSTACLE, _obstacles()),
+        )
+    }
+)
+
+
+def _plain(name: str) -> str:
+    return name.lower().replace("_", "").replace("-", "")
+
+
+def _spellings(kind: ActorKind) -> Mapping[str, str]:
+    """Full name by every accepted spelling, freed of case, underscores and hyphens."""
+    spellings: dict[str, str] = {}
+    for name in _MODELS[kind]:
+        spellings[_plain(name)] = name
+        spellings[_plain(name.removeprefix(_PREFIXES[kind]).removeprefix("vehicle."))] = name
+    if kind is not ActorKind.WALKER:
+        for name in _MODELS[kind]:
+            if name.startswith("vehicle."):
+                spellings.setdefault(_plain(name.rpartition(".")[2]), name)
+        for alias, name in figures.VEHICLE_ALIASES.items():
+            spellings[_plain(f"vehicle.{alias}")] = f"vehicle.{name}"
+            spellings[_plain(alias)] = f"vehicle.{name}"
+    return MappingProxyType(spellings)
+
+
+_SPELLINGS: Mapping[ActorKind, Mapping[str, str]] = MappingProxyType(
+    {kind: _spellings(kind) for kind in ActorKind}
+)
+
+
+def model_names(kind: ActorKind) -> tuple[str, ...]:
+    """Full names of the models of a kind, sorted."""
+    return tuple(sorted(_MODELS[kind]))
+
+
+def actor_model(kind: ActorKind, name: str) -> ActorModel:
+    """Gives the model that ``name`` means for an actor of ``kind``.
+
+    Case, hyphens and underscores do not count, and the prefix (``vehicle.``,
+    ``walker.pedestrian.``, ``static.prop.``) may be left out; older and newer names of CARLA's
+    blueprints are known. An obstacle may also be a vehicle: a parked wreck.
+
+    Raises:
+        UnknownName: No model of that kind is called so; names the closest ones.
+    """
+    full_name = _SPELLINGS[kind].get(_plain(name))
+    if full_name is not None:
+        return _MODELS[kind][full_name]
+    close = difflib.get_close_matches(name, model_names(kind), n=5, cutoff=0.4)
+    known = tuple(close) or model_names(kind)[:5]
+    raise UnknownName(
+        f"{kind.value} model", name, known, "These are close; the document's reference lists all"
+    )
+
+
+def resized(model: ActorModel, length: float | None, width: float | None) -> ActorModel:
+    """Gives the model with another size where one is given, metres."""
+    return replace(
+        model,
+        length=model.length if length is None else length,
+        width=model.width if width is None else width,
+    )

@@ -1,0 +1,144 @@
+"""The OpenScenario document: what a user writes, read and checked as far as it goes by itself.
+
+``scenario.validation`` checks a document against a road network and gives the ``Scenario`` of
+``scenario.model``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, JsonValue, ValidationError, model_validator
+
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario import fields
+from drivora_service.scenario.entities import (
+    AgentDocument,
+    BackgroundTrafficDocument,
+    EgoDocument,
+    EntityDocument,
+    MapRegionDocument,
+    NpcObstacleDocument,
+    NpcVehicleDocument,
+    NpcWalkerDocument,
+    TrafficLightsDocument,
+    WeatherDocument,
+    refuse_large,
+)
+from drivora_service.scenario.plain_data import plain_data
+from drivora_service.scenario.problems import duplicate_ids, in_document_order, structural_problems
+
+
+class Frame(StrEnum):
+    """The plane in which a document's coordinates are meant."""
+
+    SUMO = "sumo"
+    """The road network's: x east, y north, yaw in degrees counter-clockwise from east."""
+    CARLA = "carla"
+    """CARLA's left-handed world: x east, y south, yaw in degrees clockwise from east."""
+
+
+class ScenarioDocument(EntityDocument):
+    """One scenario: who drives where, among whom, in which weather."""
+
+    version: Literal["1.0"] = Field("1.0", description="Version of this format.")
+    frame: Frame = Field(
+        Frame.SUMO,
+        description="Plane of all coordinates: sumo (x east, y north, yaw counter-clockwise) or "
+        "carla (x east, y south, yaw clockwise).",
+    )
+    ego_vehicles: Annotated[
+        tuple[EgoDocument, ...], Field(min_length=1, max_length=fields.MAX_EGOS)
+    ] = Field(description="Vehicles under test.")
+    npc_vehicles: Annotated[
+        tuple[NpcVehicleDocument, ...], Field(max_length=fields.MAX_NPC_VEHICLES)
+    ] = Field((), description="Vehicles that follow waypoints.")
+    npc_walkers: Annotated[
+        tuple[NpcWalkerDocument, ...], Field(max_length=fields.MAX_NPC_WALKERS)
+    ] = Field((), description="Pedestrians.")
+    npc_obstacles: Annotated[
+        tuple[NpcObstacleDocument, ...], Field(max_length=fields.MAX_NPC_OBSTACLES)
+    ] = Field((), description="Static objects.")
+    map_region: MapRegionDocument = Field(description="Road network and region.")
+    weather: WeatherDocument = Field(
+        default_factory=WeatherDocument, description="Weather; clear by default."
+    )
+    traffic_lights: TrafficLightsDocument = Field(
+        default_factory=TrafficLightsDocument,
+        description="Light times; the network's own by default.",
+    )
+    background_traffic: BackgroundTrafficDocument | None = Field(
+        None, description="SUMO-driven traffic; none by default."
+    )
+    seed: fields.Seed = Field(0, description="Seeds every random draw of the run.")
+    step_length: fields.StepLength = Field(0.05, description="Simulated time of one step.")
+    max_sim_time: fields.SimTime | None = Field(
+        None, description="End of the episode. Without it, derived from the ego routes."
+    )
+    extensions: Annotated[
+        dict[fields.ExtensionKey, JsonValue], Field(max_length=fields.MAX_EXTENSIONS)
+    ] = Field(
+        default_factory=dict,
+        description="Free data of others, by `vendor:name` or reverse domain name; carried, "
+        "never interpreted.",
+    )
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        refuse_large(self.extensions, "extensions")
+        return self
+
+
+def parse_document(
+    data: str | bytes | Mapping[str, Any],
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> ScenarioDocument:
+    """Reads a document and checks all that can be checked without a road network.
+
+    Args:
+        data: Text, or what a JSON parser made of it.
+        format: Language of the text; YAML without aliases and tags.
+
+    Raises:
+        InvalidDocument: The text cannot be read, or its content is no scenario; every problem is
+            named, in document order.
+    """
+    content = plain_data(data, format)
+    problems: list[Problem] = []
+    document: ScenarioDocument | None = None
+    try:
+        document = ScenarioDocument.model_validate(content)
+    except ValidationError as error:
+        problems += structural_problems(error, ScenarioDocument)
+    problems += duplicate_ids(content)
+    if document is None or problems:
+        raise InvalidDocument(in_document_order(problems, content))
+    return document
+
+
+def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
+    """Gives the document with every ego driven by agent ``name`` without parameters.
+
+    Raises:
+        InvalidDocument: ``name`` cannot be the name of an agent.
+    """
+    try:
+        agent = AgentDocument(name=name)
+    except ValueError as error:
+        message = f"{name!r} cannot be the name of an agent; see `drivora agents list`"
+        raise InvalidDocument((Problem(pointer="", code="agent_name", message=message),)) from error
+    egos = tuple(
+        ego.model_copy(update={"agent": agent, "config_path": None})
+        for ego in document.ego_vehicles
+    )
+    return document.model_copy(update={"ego_vehicles": egos})
+
+
+def document_text(document: ScenarioDocument) -> str:
+    """Writes a document as stable, readable JSON that parses back to an equal document."""
+    content = document.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+    content = {"version": document.version, "frame": document.frame.value, **content}
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

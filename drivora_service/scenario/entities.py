@@ -1,0 +1,282 @@
+"""The entities of the OpenScenario document, as pydantic models.
+
+Unknown keys are refused everywhere. Angles are degrees here and only here; the document's ``frame``
+says which plane the coordinates are in.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic_core import PydanticCustomError
+
+from drivora_service.scenario import fields
+from drivora_service.scenario.model import NpcBehavior
+
+MAX_FREE_DATA_BYTES = 262_144
+"""Serialised size of ``extensions``, and of the parameters of one agent."""
+
+
+class EntityDocument(BaseModel):
+    """Base of every part of a document: closed and immutable."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def refuse_large(data: Mapping[str, Any], name: str) -> None:
+    """Raises a pydantic error where free data is larger than the document may carry."""
+    size = len(json.dumps(data))
+    if size > MAX_FREE_DATA_BYTES:
+        raise PydanticCustomError(
+            "too_large",
+            "found {size} bytes of {name}; at most {limit} are allowed",
+            {"size": size, "name": name, "limit": MAX_FREE_DATA_BYTES},
+        )
+
+
+class WaypointDocument(EntityDocument):
+    """A place that a vehicle passes."""
+
+    x: fields.Coordinate = Field(description="East.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
+    yaw: fields.Yaw | None = Field(
+        None,
+        description="Heading: counter-clockwise from east (sumo), clockwise (carla). "
+        "Without it the path gives the heading.",
+    )
+    speed: fields.VehicleSpeed | None = Field(
+        None, description="Wanted speed here. Without it the speed limit of the lane."
+    )
+
+
+class WalkerWaypointDocument(EntityDocument):
+    """A place that a walker passes."""
+
+    x: fields.Coordinate = Field(description="East.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
+    yaw: fields.Yaw | None = Field(
+        None,
+        description="Heading: counter-clockwise from east (sumo), clockwise (carla). "
+        "Without it the path gives the heading.",
+    )
+    speed: fields.WalkerSpeed | None = Field(
+        None, description="Walking speed from here on. Without it 1.4 m/s."
+    )
+
+
+class LocationDocument(EntityDocument):
+    """A place where something stands."""
+
+    x: fields.Coordinate = Field(description="East.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
+    yaw: fields.Yaw | None = Field(
+        None,
+        description="Heading: counter-clockwise from east (sumo), clockwise (carla). Without it 0.",
+    )
+
+
+class AgentDocument(EntityDocument):
+    """The ADS that drives an ego."""
+
+    name: fields.AgentName = Field(description="A name of `drivora agents list`.")
+    parameters: dict[str, JsonValue] = Field(
+        default_factory=dict, description="What the agent's entry in the catalogue allows."
+    )
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        refuse_large(self.parameters, "parameters")
+        return self
+
+
+class EgoDocument(EntityDocument):
+    """A vehicle under the control of an ADS."""
+
+    id: fields.ActorId = Field(description="Unique among all actors.")
+    model: fields.ModelName = Field(description="A vehicle model.")
+    route: Annotated[
+        tuple[WaypointDocument, ...], Field(min_length=2, max_length=fields.MAX_WAYPOINTS)
+    ] = Field(description="Start, destination, and the places to pass between them in order.")
+    start_time: fields.StartTime = Field(
+        0.0, description="The ego stands still at its start before this time."
+    )
+    initial_speed: fields.VehicleSpeed = Field(0.0, description="Speed at start_time.")
+    agent: AgentDocument | None = Field(None, description="The ADS that drives this vehicle.")
+    config_path: fields.ConfigPath | None = Field(
+        None,
+        description="In place of `agent`: the name of an agent, with or without `configs/` in "
+        "front and `.yaml`, `.yml` or `.json` behind. It is looked up in the catalogue and never "
+        "opened.",
+    )
+
+    @model_validator(mode="after")
+    def _one_agent(self) -> Self:
+        if self.agent is not None and self.config_path is not None:
+            raise PydanticCustomError(
+                "two_agents", "found both agent and config_path; give one of the two"
+            )
+        return self
+
+    @property
+    def agent_name(self) -> str | None:
+        """The name to look up in the agent catalogue; ``None`` where the document names none."""
+        if self.agent is not None:
+            return self.agent.name
+        if self.config_path is None:
+            return None
+        return self.config_path.removeprefix("configs/").partition(".")[0]
+
+
+class NpcVehicleDocument(EntityDocument):
+    """A vehicle that follows waypoints."""
+
+    id: fields.ActorId = Field(description="Unique among all actors.")
+    model: fields.ModelName = Field(description="A vehicle model.")
+    route: Annotated[
+        tuple[WaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
+    ] = Field(description="Places to pass in order; a single one is a parked vehicle.")
+    start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+    behavior: NpcBehavior = Field(
+        NpcBehavior.REACTIVE,
+        description="replay: follows its waypoints whatever happens; reactive: follows them and "
+        "brakes for what is ahead; sumo: SUMO's car-following and lane-changing along the route.",
+    )
+
+
+class NpcWalkerDocument(EntityDocument):
+    """A pedestrian."""
+
+    id: fields.ActorId = Field(description="Unique among all actors.")
+    model: fields.ModelName = Field(description="A walker model.")
+    route: Annotated[
+        tuple[WalkerWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
+    ] = Field(description="Places to pass in order; a single one stands still.")
+    start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+
+
+class NpcObstacleDocument(EntityDocument):
+    """A static object."""
+
+    id: fields.ActorId = Field(description="Unique among all actors.")
+    model: fields.ModelName = Field(
+        description="An obstacle model; a vehicle model stands as a parked wreck."
+    )
+    location: LocationDocument = Field(description="Centre of its box.")
+    length: fields.Extent | None = Field(
+        None, description="Along its heading. Without it the model's."
+    )
+    width: fields.Extent | None = Field(
+        None, description="Across its heading. Without it the model's."
+    )
+    start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+
+
+class RegionDocument(EntityDocument):
+    """A rectangle; positions outside it are refused."""
+
+    min_x: fields.Coordinate = Field(description="Western edge.")
+    max_x: fields.Coordinate = Field(description="Eastern edge.")
+    min_y: fields.Coordinate = Field(description="Lower edge of y, in the document's frame.")
+    max_y: fields.Coordinate = Field(description="Upper edge of y, in the document's frame.")
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        for low, high in (("min_x", "max_x"), ("min_y", "max_y")):
+            if getattr(self, low) >= getattr(self, high):
+                raise PydanticCustomError(
+                    "empty_region",
+                    "found {low} {found_low} and {high} {found_high}; {low} must be below {high}",
+                    {
+                        "low": low,
+                        "high": high,
+                        "found_low": getattr(self, low),
+                        "found_high": getattr(self, high),
+                    },
+                )
+        return self
+
+
+class MapRegionDocument(EntityDocument):
+    """Where the scenario takes place."""
+
+    town: fields.TownName = Field(description="A name of `drivora networks list`.")
+    region_segment: RegionDocument | None = Field(
+        None, description="The part of the town in which every position must lie."
+    )
+
+
+class WeatherDocument(EntityDocument):
+    """CARLA's WeatherParameters."""
+
+    cloudiness: fields.Percentage = Field(0.0, description="Clouds; without effect.")
+    precipitation: fields.Percentage = Field(0.0, description="Rain that falls.")
+    precipitation_deposits: fields.Percentage = Field(0.0, description="Water on the road.")
+    wind_intensity: fields.Percentage = Field(0.0, description="Wind, pushes sideways.")
+    sun_azimuth_angle: fields.SunAzimuth = Field(0.0, description="Direction of the sun.")
+    sun_altitude_angle: fields.SunAltitude = Field(
+        70.0, description="Height of the sun; below 0 it is night."
+    )
+    fog_density: fields.Percentage = Field(0.0, description="Thickness of the fog.")
+    fog_distance: fields.FogDistance = Field(0.0, description="Where the fog begins.")
+    wetness: fields.Percentage = Field(0.0, description="Wetness of the road.")
+    fog_falloff: fields.FogFalloff = Field(
+        0.0, description="How fast fog thins with height; without effect in the plane."
+    )
+
+
+class LightTimesDocument(EntityDocument):
+    """Durations of the stages of a junction's programme."""
+
+    green_time: fields.StageTime | None = Field(
+        None, description="Green. Without it the network's."
+    )
+    red_time: fields.StageTime | None = Field(
+        None,
+        description="Red. Honoured where the junction has two stages; with more it follows from "
+        "the others.",
+    )
+    yellow_time: fields.StageTime | None = Field(
+        None, description="Yellow. Without it the network's."
+    )
+    offset: fields.LightOffset | None = Field(
+        None, description="By how much the programme starts later."
+    )
+
+
+class TrafficLightsDocument(LightTimesDocument):
+    """Times of all traffic lights, and those of single junctions."""
+
+    junctions: Annotated[
+        dict[fields.TrafficLightId, LightTimesDocument], Field(max_length=fields.MAX_JUNCTIONS)
+    ] = Field(
+        default_factory=dict,
+        description="Times by traffic-light id of the network; what an entry leaves out comes "
+        "from the times of all.",
+    )
+
+
+class BackgroundTrafficDocument(EntityDocument):
+    """SUMO-driven traffic that keeps its size; exactly one of count and density."""
+
+    count: fields.VehicleCount | None = Field(None, description="Vehicles on the road at once.")
+    density: fields.Density | None = Field(
+        None, description="Vehicles on a kilometre of drivable lane, junctions left out."
+    )
+    start_time: fields.StartTime = Field(0.0, description="None before this time.")
+
+    @model_validator(mode="after")
+    def _one_amount(self) -> Self:
+        if (self.count is None) == (self.density is None):
+            found = "neither" if self.count is None else "both"
+            raise PydanticCustomError(
+                "one_amount",
+                "found {found} of count and density; give exactly one",
+                {"found": found},
+            )
+        return self

@@ -1,0 +1,46 @@
+"""Between a document's frame and the road network's plane.
+
+CARLA's y points south and its yaw turns clockwise from east; the network's y points north and
+angles turn counter-clockwise. A network made from a CARLA town is moved by its offset, so that
+``x = x_carla + offset_x``, ``y = -y_carla + offset_y`` and ``yaw = -yaw_carla``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from drivora_service.geometry import wrap_angle
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameTransform:
+    """Where a document's origin lies in the network, and which way its y axis points.
+
+    Attributes:
+        offset_x: Metres to add to the document's x.
+        offset_y: Metres to add to the document's y once it points north.
+        mirrored: True where the document's y points south and its yaw turns clockwise.
+    """
+
+    offset_x: float = 0.0
+    offset_y: float = 0.0
+    mirrored: bool = False
+
+    def to_network(self, x: float, y: float) -> tuple[float, float]:
+        """Gives the place in the network's plane, metres."""
+        return x + self.offset_x, (-y if self.mirrored else y) + self.offset_y
+
+    def from_network(self, x: float, y: float) -> tuple[float, float]:
+        """Gives the place in the document's frame, metres."""
+        north = y - self.offset_y
+        return x - self.offset_x, (0.0 - north if self.mirrored else north)
+
+    def yaw_to_network(self, degrees: float) -> float:
+        """Gives radians counter-clockwise from east in [-pi, pi)."""
+        return wrap_angle(math.radians(-degrees if self.mirrored else degrees))
+
+    def yaw_from_network(self, radians: float) -> float:
+        """Gives degrees as the document counts them, in [-180, 180]."""
+        degrees = math.degrees(wrap_angle(radians))
+        return 0.0 - degrees if self.mirrored else degrees

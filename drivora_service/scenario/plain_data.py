@@ -1,0 +1,245 @@
+"""Text to plain data, safely: bounded in size and depth, without surprises in keys or values.
+
+Nothing that a text contains is executed, resolved or opened: YAML tags, anchors and aliases are
+refused, and so are repeated keys, which parsers would otherwise silently drop.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+import yaml
+
+from drivora_service.errors import InvalidDocument, Problem
+
+MAX_DOCUMENT_BYTES = 4 * 1024 * 1024
+MAX_YAML_BYTES = 256 * 1024
+"""YAML is read two orders of magnitude slower than JSON."""
+MAX_DEPTH = 32
+MAX_VALUES = 500_000
+MAX_INTEGER = 2**63 - 1
+MAX_PROBLEMS = 1000
+
+_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
+
+_TYPE_NAMES: Mapping[type, str] = {
+    dict: "an object",
+    list: "a list",
+    str: "text",
+    bool: "a boolean",
+    int: "an integer",
+    float: "a number",
+    type(None): "null",
+}
+
+
+def plain_data(
+    data: str | bytes | Mapping[str, Any],
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> dict[str, Any]:
+    """Gives the top-level object of a text, or of parsed data, made of plain values only.
+
+    Raises:
+        InvalidDocument: The text is too large, too deep, not the language it claims to be, repeats
+            a key, or holds values that JSON does not have.
+    """
+    if isinstance(data, str | bytes):
+        text = decoded(data, MAX_DOCUMENT_BYTES if format == "json" else MAX_YAML_BYTES)
+        content = _from_json(text) if format == "json" else _from_yaml(text)
+    else:
+        content = dict(data)
+    problems = _odd_values(content)
+    if problems:
+        raise InvalidDocument(tuple(problems))
+    if not isinstance(content, dict):
+        raise refusal(
+            "not_an_object", f"found {kind_of(content)}; a scenario is one object with keys"
+        )
+    return content
+
+
+def pointer(tokens: Iterable[str | int]) -> str:
+    """Joins keys and indices to a JSON pointer (RFC 6901)."""
+    return "".join(f"/{str(t).replace('~', '~0').replace('/', '~1')}" for t in tokens)
+
+
+def kind_of(value: object) -> str:
+    """Names the JSON type of a value for people."""
+    return _TYPE_NAMES.get(type(value), type(value).__name__)
+
+
+def refusal(code: str, message: str) -> InvalidDocument:
+    """An error about the document as a whole."""
+    return InvalidDocument((Problem(pointer="", code=code, message=message),))
+
+
+def decoded(data: str | bytes, limit: int) -> str:
+    """Gives the text of at most ``limit`` bytes of UTF-8, without a byte-order mark."""
+    if len(data) > limit:
+        raise refusal("too_large", f"found {len(data)} bytes; at most {limit} are allowed")
+    if isinstance(data, str):
+        return data.removeprefix("\ufeff")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise refusal(
+            "not_utf8", f"found a byte that is not UTF-8 at position {error.start}"
+        ) from error
+
+
+class _RepeatedKeys(dict[Any, Any]):
+    """An object in which keys stood twice."""
+
+    repeated: tuple[Any, ...] = ()
+
+
+def _object(pairs: list[tuple[Any, Any]]) -> dict[Any, Any]:
+    result = dict(pairs)
+    if len(result) == len(pairs):
+        return result
+    marked = _RepeatedKeys(result)
+    counts = Counter(key for key, _ in pairs)
+    marked.repeated = tuple(key for key, count in counts.items() if count > 1)
+    return marked
+
+
+def _from_json(text: str) -> Any:
+    outside = np.frombuffer(_STRING.sub("", text).encode("utf-8", "replace"), np.uint8)
+    opened = (outside == ord("[")) | (outside == ord("{"))
+    closed = (outside == ord("]")) | (outside == ord("}"))
+    depth = np.cumsum(opened.astype(np.int32) - closed)
+    if depth.size and depth.max() > MAX_DEPTH:
+        raise _too_deep()
+    try:
+        return json.loads(text, object_pairs_hook=_object)
+    except json.JSONDecodeError as error:
+        raise refusal(
+            "not_json", f"not JSON at line {error.lineno}, column {error.colno}: {error.msg}"
+        ) from error
+    except ValueError as error:  # an integer of more digits than Python converts
+        raise refusal("not_json", f"not JSON: {error}") from error
+
+
+def _too_deep() -> InvalidDocument:
+    return refusal("too_deep", f"found nesting deeper than {MAX_DEPTH} levels")
+
+
+class _PlainLoader(yaml.CSafeLoader):
+    """Safe YAML that keeps repeated keys visible."""
+
+
+def _construct_object(loader: _PlainLoader, node: yaml.MappingNode) -> dict[Any, Any]:
+    pairs = []
+    for key_node, value_node in node.value:
+        if not isinstance(key_node, yaml.ScalarNode):
+            raise yaml.constructor.ConstructorError(
+                None, None, "keys must be text", key_node.start_mark
+            )
+        key = loader.construct_object(key_node, deep=True)
+        pairs.append((key, loader.construct_object(value_node, deep=True)))
+    return _object(pairs)
+
+
+_PlainLoader.add_constructor("tag:yaml.org,2002:map", _construct_object)
+
+
+def _from_yaml(text: str) -> Any:
+    try:
+        depth = 0
+        for event in yaml.parse(text, Loader=_PlainLoader):
+            if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+                mark = event.start_mark
+                raise refusal(
+                    "not_yaml",
+                    f"found an anchor or alias{_place(mark)}; write out what it stands for",
+                )
+            if isinstance(event, yaml.CollectionStartEvent):
+                depth += 1
+                if depth > MAX_DEPTH:
+                    raise _too_deep()
+            elif isinstance(event, yaml.CollectionEndEvent):
+                depth -= 1
+        return yaml.load(text, Loader=_PlainLoader)
+    except yaml.YAMLError as error:
+        place = _place(getattr(error, "problem_mark", None))
+        reason = getattr(error, "problem", None) or getattr(error, "reason", "") or "unreadable"
+        raise refusal("not_yaml", f"not YAML{place}: {reason}") from error
+    except (ValueError, OverflowError) as error:  # a date or number that does not exist
+        raise refusal("not_yaml", f"not YAML: {error}") from error
+
+
+def _place(mark: Any) -> str:
+    return f" at line {mark.line + 1}, column {mark.column + 1}" if mark is not None else ""
+
+
+def _odd_values(content: Any) -> list[Problem]:
+    """Finds what JSON, UTF-8 or the store cannot hold; walks without recursion."""
+    problems: list[Problem] = []
+    seen = 0
+    stack: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
+    while stack and len(problems) < MAX_PROBLEMS:
+        place, value = stack.pop()
+        children: Iterable[tuple[Any, Any]]
+        if isinstance(value, dict):
+            children = value.items()
+            seen += len(value)
+            problems += _odd_keys(place, value)
+        elif isinstance(value, list | tuple):
+            children = enumerate(value)
+            seen += len(value)
+        else:
+            children = ()
+            message = _odd_leaf(value)
+            if message:
+                problems.append(Problem(pointer=pointer(place), code="odd_value", message=message))
+        if seen > MAX_VALUES:
+            raise refusal("too_large", f"found more than {MAX_VALUES} values")
+        if len(place) > MAX_DEPTH:
+            raise _too_deep()
+        for key, child in children:
+            if type(child) is not float or not math.isfinite(child):
+                stack.append(((*place, key), child))
+    return problems
+
+
+def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Problem]:
+    problems = [
+        Problem(
+            pointer=pointer((*place, key)),
+            code="repeated_key",
+            message=f"found key {str(key)[:80]!r} more than once; give it once",
+        )
+        for key in getattr(value, "repeated", ())
+    ]
+    for key in value:
+        message = (
+            _odd_leaf(key)
+            if isinstance(key, str)
+            else f"found {kind_of(key)} as a key; keys are text"
+        )
+        if message:
+            problems.append(Problem(pointer=pointer(place), code="odd_key", message=message))
+    return problems
+
+
+def _odd_leaf(value: object) -> str:
+    """Says what is odd about a value that is no container; "" where nothing is."""
+    if isinstance(value, str):
+        if value.isascii():
+            return "found the NUL character; it is not allowed" if "\0" in value else ""
+        if any("\ud800" <= character <= "\udfff" for character in value):
+            return "found half a surrogate pair; text must be valid Unicode"
+        return ""
+    if isinstance(value, bool) or value is None:
+        return ""
+    if isinstance(value, int):
+        return "" if abs(value) <= MAX_INTEGER else "found an integer beyond 64 bits"
+    if isinstance(value, float):
+        return "" if math.isfinite(value) else f"found {value}; only finite numbers are allowed"
+    return f"found {kind_of(value)}; JSON has no such value"

@@ -1,0 +1,157 @@
+"""Turns what is wrong with a document's structure into problems that tell what to do."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from drivora_service.errors import Problem
+from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
+
+ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
+
+_EXPECTED: Mapping[str, str] = {
+    "float_type": "a number",
+    "int_type": "an integer",
+    "string_type": "text",
+    "model_type": "an object",
+    "model_attributes_type": "an object",
+    "dict_type": "an object",
+    "tuple_type": "a list",
+    "list_type": "a list",
+}
+
+
+def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[Problem]:
+    """Gives a problem for each error that pydantic found in a document of type ``model``."""
+    return [
+        Problem(
+            pointer=pointer(_tokens(details)),
+            code=details["type"],
+            message=_message(details, model),
+        )
+        for details in error.errors(include_url=False)
+        if not _is_echo(details)
+    ]
+
+
+def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
+    """Finds actors whose id another actor before them has; skips what is no actor at all."""
+    problems: list[Problem] = []
+    first: dict[str, str] = {}
+    for name in ACTOR_LISTS:
+        actors = content.get(name)
+        if not isinstance(actors, list | tuple):
+            continue
+        for index, actor in enumerate(actors):
+            actor_id = actor.get("id") if isinstance(actor, Mapping) else None
+            if not isinstance(actor_id, str):
+                continue
+            place = pointer((name, index, "id"))
+            earlier = first.setdefault(actor_id, place)
+            if earlier != place:
+                message = f"found {actor_id[:80]!r} again (first at {earlier}); ids must be unique"
+                problems.append(Problem(pointer=place, code="duplicate_id", message=message))
+    return problems
+
+
+def in_document_order(
+    problems: Sequence[Problem], content: Mapping[str, Any]
+) -> tuple[Problem, ...]:
+    """Sorts problems as their places stand in the document, and bounds their number."""
+    ordered = sorted(problems, key=lambda problem: _rank(problem.pointer, content))
+    if len(ordered) <= MAX_PROBLEMS:
+        return tuple(ordered)
+    message = f"{len(ordered) - MAX_PROBLEMS} further problems are not listed"
+    return (*ordered[:MAX_PROBLEMS], Problem(pointer="", code="more_problems", message=message))
+
+
+def _is_echo(details: ErrorDetails) -> bool:
+    """True where pydantic calls a list too short because its items are wrong."""
+    return details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]
+
+
+def _rank(place: str, content: Any) -> tuple[int, ...]:
+    rank: list[int] = []
+    for token in place.split("/")[1:]:
+        if isinstance(content, Mapping):
+            key = token.replace("~1", "/").replace("~0", "~")
+            keys = list(content)
+            rank.append(keys.index(key) if key in content else len(keys))
+            content = content.get(key)
+        elif isinstance(content, list | tuple) and token.isdigit():
+            rank.append(int(token))
+            content = content[int(token)] if int(token) < len(content) else None
+    return tuple(rank)
+
+
+def _tokens(details: ErrorDetails) -> tuple[str | int, ...]:
+    """The place of an error; pydantic adds a ``[key]`` step for keys of mappings."""
+    place = details["loc"]
+    return place[:-1] if place and place[-1] == "[key]" else place
+
+
+def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
+    kind, found, context = details["type"], details["input"], details.get("ctx", {})
+    if kind == "missing":
+        return f"{details['loc'][-1]!r} is missing"
+    if kind == "extra_forbidden":
+        return _unknown_key(details["loc"], model)
+    if kind in _EXPECTED:
+        return f"found {_shown(found)}; {_EXPECTED[kind]} is needed"
+    if kind in ("enum", "literal_error"):
+        return f"found {_shown(found)}; allowed: {context['expected']}"
+    if kind == "string_pattern_mismatch":
+        return f"found {_shown(found)}; it must match {context['pattern']}"
+    if kind in ("too_long", "too_short"):
+        limit = context.get("max_length", context.get("min_length"))
+        bound = "at most" if kind == "too_long" else "at least"
+        return f"found {context['actual_length']} items; {bound} {limit} are needed"
+    if details.get("msg", "").startswith("Input should be "):
+        return (
+            f"found {_shown(found)}; it should be {details['msg'].removeprefix('Input should be ')}"
+        )
+    if kind.startswith(("string_", "int_", "float_", "finite_")):
+        return f"found {_shown(found)}; {details['msg']}"
+    return details["msg"]
+
+
+def _shown(value: object) -> str:
+    if value is None or isinstance(value, Mapping | list | tuple):
+        return kind_of(value)
+    text = repr(value)
+    text = text if len(text) <= 60 else f"{text[:57]}..."
+    return f"{kind_of(value)} {text}" if isinstance(value, str | bool) else text
+
+
+def _unknown_key(place: Sequence[str | int], model: type[BaseModel]) -> str:
+    known = tuple(_model_at(model, place[:-1]).model_fields)
+    key = str(place[-1])
+    close = difflib.get_close_matches(key, known, n=1)
+    guess = f"; did you mean {close[0]!r}?" if close else ""
+    return f"{key[:80]!r} is unknown here{guess} Allowed: {', '.join(known)}".replace(
+        "here Allowed", "here; allowed"
+    )
+
+
+def _model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
+    """The model that describes the object at ``place``; list indices and free keys are passed."""
+    for token in place:
+        field = model.model_fields.get(str(token))
+        if field is not None:
+            model = _inner_model(field.annotation) or model
+    return model
+
+
+def _inner_model(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for argument in get_args(annotation):
+        inner = _inner_model(argument)
+        if inner is not None:
+            return inner
+    return None
