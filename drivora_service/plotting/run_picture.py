@@ -1,0 +1,101 @@
+"""A run seen from above, as SVG or PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.trace import Trace
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.plotting import colors
+from drivora_service.plotting.panel import draw_panel, draw_scale_bar
+from drivora_service.plotting.road import draw_road
+from drivora_service.plotting.signals import draw_signals
+from drivora_service.plotting.trails import draw_trails
+from drivora_service.plotting.verdict_marks import draw_marks, marks_of
+from drivora_service.plotting.view import view_of_run
+
+_PANEL_IN = 2.9
+_EDGE_IN = 0.15
+_DPI = 150
+
+
+def draw_run(
+    trace: Trace,
+    network: RoadNetwork,
+    verdicts: Sequence[Verdict],
+    target: Path,
+    *,
+    color_by: Literal["actor", "time"] = "actor",
+) -> None:
+    """Draws a run: road, trails, boxes at start and end, signals, violations, legend.
+
+    The same run gives the same bytes.
+
+    Args:
+        trace: What was recorded.
+        network: The network it was recorded on.
+        verdicts: What the oracles said; the violations are drawn.
+        target: Where to write; ends in ``.svg`` or ``.png``.
+        color_by: What the colour of the egos' trails says.
+
+    Raises:
+        ValueError: The target ends in something else.
+    """
+    suffix = target.suffix.lower()
+    if suffix not in (".svg", ".png"):
+        raise ValueError(f"a picture is .svg or .png, not {target.name!r}")
+    view = view_of_run(trace, verdicts)
+    marks = marks_of(verdicts)
+    width = view.width_in + _PANEL_IN + 3 * _EDGE_IN
+    height = view.height_in + 2 * _EDGE_IN
+    with mpl.rc_context(
+        {"svg.hashsalt": "drivora", "font.family": "DejaVu Sans", "text.color": colors.INK}
+    ):
+        figure = Figure(figsize=(width, height), facecolor="white")
+        canvas = FigureCanvasSVG(figure) if suffix == ".svg" else FigureCanvasAgg(figure)
+        axes = figure.add_axes(
+            (
+                _EDGE_IN / width,
+                _EDGE_IN / height,
+                view.width_in / width,
+                view.height_in / height,
+            ),
+            facecolor=colors.GROUND,
+        )
+        axes.set_xlim(view.min_x, view.max_x)
+        axes.set_ylim(view.min_y, view.max_y)
+        axes.set_aspect("equal")
+        axes.set_autoscale_on(False)
+        axes.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
+        for side in axes.spines.values():
+            side.set_color(colors.ROAD_EDGE)
+        draw_road(axes, network, view)
+        signals = draw_signals(axes, trace, network, view)
+        scale = draw_trails(axes, trace, view, by_time=color_by == "time")
+        draw_marks(axes, marks, view)
+        draw_scale_bar(axes, view)
+        if scale is not None:
+            inset = axes.inset_axes((0.7, 0.045, 0.27, 0.022))
+            bar = figure.colorbar(scale, cax=inset, orientation="horizontal")
+            bar.set_label("time (s)", fontsize=8, labelpad=1)
+            bar.ax.xaxis.set_label_position("top")
+            bar.ax.tick_params(labelsize=7, length=2)
+        panel = figure.add_axes(
+            (
+                (view.width_in + 2 * _EDGE_IN) / width,
+                _EDGE_IN / height,
+                _PANEL_IN / width,
+                view.height_in / height,
+            )
+        )
+        draw_panel(figure, panel, trace, marks, height_in=view.height_in, signals=signals)
+        metadata = {"Date": None, "Creator": None} if suffix == ".svg" else {"Software": None}
+        canvas.print_figure(str(target), dpi=_DPI, metadata=metadata)
