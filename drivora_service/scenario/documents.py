@@ -106,13 +106,14 @@ def parse_document(
         InvalidDocument: The text cannot be read, or its content is no scenario; every problem is
             named, in document order.
     """
-    content = plain_data(data, format)
-    problems: list[Problem] = []
+    content, problems = plain_data(data, format)
     document: ScenarioDocument | None = None
     try:
         document = ScenarioDocument.model_validate(content)
     except ValidationError as error:
-        problems += structural_problems(error, ScenarioDocument)
+        odd = {problem.pointer for problem in problems}
+        structural = structural_problems(error, ScenarioDocument)
+        problems += [problem for problem in structural if problem.pointer not in odd]
     problems += duplicate_ids(content)
     if document is None or problems:
         raise InvalidDocument(in_document_order(problems, content))

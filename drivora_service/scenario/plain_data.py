@@ -42,26 +42,29 @@ _TYPE_NAMES: Mapping[type, str] = {
 def plain_data(
     data: str | bytes | Mapping[str, Any],
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
-) -> dict[str, Any]:
-    """Gives the top-level object of a text, or of parsed data, made of plain values only.
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Gives the top-level object of a text, or of parsed data, and what is odd in it.
+
+    Odd are repeated keys and values that JSON, UTF-8 or the store cannot hold.
 
     Raises:
-        InvalidDocument: The text is too large, too deep, not the language it claims to be, repeats
-            a key, or holds values that JSON does not have.
+        InvalidDocument: The text cannot be read at all: it is too large, too deep, not the language
+            it claims to be, or no object with keys of text.
     """
     if isinstance(data, str | bytes):
         text = decoded(data, MAX_DOCUMENT_BYTES if format == "json" else MAX_YAML_BYTES)
         content = _from_json(text) if format == "json" else _from_yaml(text)
     else:
         content = dict(data)
-    problems = _odd_values(content)
-    if problems:
-        raise InvalidDocument(tuple(problems))
     if not isinstance(content, dict):
         raise refusal(
             "not_an_object", f"found {kind_of(content)}; a scenario is one object with keys"
         )
-    return content
+    problems = _odd_values(content)
+    fatal = tuple(problem for problem in problems if problem.code == "odd_key")
+    if fatal:
+        raise InvalidDocument(fatal)
+    return content, problems
 
 
 def pointer(tokens: Iterable[str | int]) -> str:
