@@ -10,7 +10,8 @@ The tree::
     ├── AgentError             an ADS raised, answered garbage, hung or died
     ├── SimulatorError         libsumo refused a call that should have worked
     ├── StoreError             the database or a trace file cannot be used
-    │   └── Conflict           the request contradicts what is stored
+    │   ├── Conflict           the request contradicts what is stored
+    │   └── QueueFull          more runs wait than the queue may hold
     └── ConfigurationError     a setting cannot be used
 """
 
@@ -72,7 +73,16 @@ class NoRoute(NetworkError):
 
 
 class AgentError(DrivoraError):
-    """An ADS raised, answered garbage, hung or died."""
+    """An ADS raised, answered garbage, hung or died.
+
+    Attributes:
+        cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``.
+        log: The last lines of its log or its traceback.
+    """
+
+    def __init__(self, message: str, *, cause: str = "agent_raised", log: str = "") -> None:
+        self.cause, self.log = cause, log
+        super().__init__(message)
 
 
 class SimulatorError(DrivoraError):
@@ -85,6 +95,23 @@ class StoreError(DrivoraError):
 
 class Conflict(StoreError):
     """The request contradicts what is stored."""
+
+
+class QueueFull(StoreError):
+    """More runs wait than the queue may hold.
+
+    Attributes:
+        queued: Runs that wait now.
+        limit: Runs that may wait.
+        retry_after_s: Seconds after which it is sensible to ask again.
+    """
+
+    def __init__(self, *, queued: int, limit: int, retry_after_s: int) -> None:
+        self.queued, self.limit, self.retry_after_s = queued, limit, retry_after_s
+        super().__init__(
+            f"{queued} runs wait and the queue holds {limit}; try again in {retry_after_s} s, "
+            "or raise DRIVORA_QUEUE_LIMIT"
+        )
 
 
 class ConfigurationError(DrivoraError):

@@ -1,0 +1,1 @@
+"""The ADS interface, the catalogue, and the ADSs that are built in."""

@@ -9,23 +9,14 @@ from __future__ import annotations
 
 import mmap
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.simulation.phase import Phase
+
 _FIELDS = 4
-
-
-class Phase(IntEnum):
-    """What a worker is doing."""
-
-    IDLE = 0
-    PREPARING = 1
-    SIMULATING = 2
-    IN_AGENT = 3
-    JUDGING = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

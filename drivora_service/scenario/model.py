@@ -24,6 +24,15 @@ class NpcBehavior(StrEnum):
     """SUMO's car-following and lane-changing along the route through its waypoints."""
 
 
+class VehicleDynamics(StrEnum):
+    """How an ego's body answers its commands."""
+
+    KINEMATIC = "kinematic"
+    """A bicycle without slip, limited by the grip of its tyres."""
+    DYNAMIC = "dynamic"
+    """A bicycle with lateral velocity, yaw inertia and saturating tyres: it can skid."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waypoint:
     """A place to pass.
@@ -67,6 +76,7 @@ class EgoVehicle:
     agent: AgentChoice
     start_time: float = 0.0
     initial_speed: float = 0.0
+    dynamics: VehicleDynamics = VehicleDynamics.KINEMATIC
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

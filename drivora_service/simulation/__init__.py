@@ -1,0 +1,1 @@
+"""The episode: libsumo, vehicle dynamics, followers, lights, perception, recorder."""

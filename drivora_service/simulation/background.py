@@ -1,0 +1,104 @@
+"""SUMO-driven background traffic: a flow of fixed size that wanders through the network."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.scenario.model import Region
+
+FloatArray = NDArray[np.float64]
+
+LENGTH = 4.6
+WIDTH = 1.85
+MODEL = "background"
+_ROUTE_EDGES = 12
+_CLEARANCE = 20.0
+_SPACING = 12.0
+_TRIES = 60
+
+
+class Wanderers:
+    """Draws entry points and endless routes on the lane graph."""
+
+    def __init__(
+        self, network: RoadNetwork, region: Region | None, rng: np.random.Generator
+    ) -> None:
+        self._rng = rng
+        self._next: dict[str, tuple[str, ...]] = {}
+        lanes: list[Lane] = []
+        for lane in network.lanes:
+            if not lane.drivable or lane.is_internal:
+                continue
+            follows = sorted(set(_edges_behind(network, lane)))
+            merged = {*self._next.get(lane.edge_id, ()), *follows}
+            self._next[lane.edge_id] = tuple(sorted(merged))
+            if lane.length >= 2.0 * LENGTH and _inside(lane, region):
+                lanes.append(lane)
+        self._lanes = lanes
+        total = np.array([lane.length for lane in lanes])
+        self._weights = total / total.sum() if lanes else total
+
+    def route_from(self, edge: str) -> list[str]:
+        """Draws a random walk that begins with ``edge``; shorter where the road ends."""
+        route = [edge]
+        while len(route) < _ROUTE_EDGES:
+            choices = self._next.get(route[-1], ())
+            # Turning round on the spot is what a lost driver does, not traffic.
+            onward = tuple(c for c in choices if not _is_turn_around(route[-1], c)) or choices
+            if not onward:
+                break
+            route.append(onward[int(self._rng.integers(len(onward)))])
+        return route
+
+    def entry(self, taken: FloatArray) -> tuple[Lane, float] | None:
+        """Draws a place for a vehicle, away from places that are taken.
+
+        Args:
+            taken: (n, 2) positions to keep away from, metres.
+
+        Returns:
+            Lane and arc length of the front bumper, or ``None`` if the road is full.
+        """
+        if not self._lanes:
+            return None
+        for _ in range(_TRIES):
+            lane = self._lanes[int(self._rng.choice(len(self._lanes), p=self._weights))]
+            s = float(self._rng.uniform(LENGTH, max(lane.length - 2.0, LENGTH + 0.1)))
+            x, y, _ = lane.position_at(s * float(lane.arc[-1]) / lane.length)
+            if not len(taken) or float(np.min(np.hypot(*(taken - (x, y)).T))) > _SPACING:
+                return lane, s
+        return None
+
+
+def clearance_points(x: float, y: float) -> FloatArray:
+    """Gives points around a start that keep others a safe distance away: (9, 2) metres."""
+    angles = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
+    ring = np.column_stack((np.cos(angles), np.sin(angles))) * (_CLEARANCE - _SPACING)
+    return np.concatenate((np.array([(x, y)]), ring + np.array([x, y])))
+
+
+def _edges_behind(network: RoadNetwork, lane: Lane) -> list[str]:
+    """Gives the edges that the lane's movements lead to, through internal lanes."""
+    found = []
+    for connection in lane.connections:
+        target = network.lanes[connection.to_lane]
+        while target.is_internal and target.connections:
+            target = network.lanes[target.connections[0].to_lane]
+        if not target.is_internal and target.drivable:
+            found.append(target.edge_id)
+    return found
+
+
+def _is_turn_around(edge: str, onward: str) -> bool:
+    return edge.lstrip("-") == onward.lstrip("-") and edge != onward
+
+
+def _inside(lane: Lane, region: Region | None) -> bool:
+    if region is None:
+        return True
+    x, y, _ = lane.position_at(0.5 * float(lane.arc[-1]))
+    return region.min_x <= x <= region.max_x and region.min_y <= y <= region.max_y

@@ -1,0 +1,97 @@
+"""Which egos' boxes overlap another actor's: the collision test of the step loop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.compilation import compiled
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@compiled
+def boxes_overlap(
+    x1: float,
+    y1: float,
+    yaw1: float,
+    length1: float,
+    width1: float,
+    x2: float,
+    y2: float,
+    yaw2: float,
+    length2: float,
+    width2: float,
+) -> bool:
+    """Says whether two oriented boxes overlap (separating axes; touching does not count)."""
+    dx, dy = x2 - x1, y2 - y1
+    c1, s1, c2, s2 = math.cos(yaw1), math.sin(yaw1), math.cos(yaw2), math.sin(yaw2)
+    c, s = abs(c1 * c2 + s1 * s2), abs(s1 * c2 - c1 * s2)
+    hl1, hw1, hl2, hw2 = 0.5 * length1, 0.5 * width1, 0.5 * length2, 0.5 * width2
+    if abs(dx * c1 + dy * s1) >= hl1 + hl2 * c + hw2 * s:
+        return False
+    if abs(-dx * s1 + dy * c1) >= hw1 + hl2 * s + hw2 * c:
+        return False
+    if abs(dx * c2 + dy * s2) >= hl2 + hl1 * c + hw1 * s:
+        return False
+    return abs(-dx * s2 + dy * c2) < hw2 + hl1 * s + hw1 * c
+
+
+@compiled
+def find_contacts(
+    states: FloatArray,
+    sizes: FloatArray,
+    present: BoolArray,
+    active: BoolArray,
+    seen: BoolArray,
+    found: IntArray,
+) -> int:
+    """Finds pairs (ego, other) that overlap and were not seen before.
+
+    Args:
+        states: (N, 8) world; egos are the first M rows.
+        sizes: (N, 2) length and width, metres.
+        present: (N,) whether the actor is in the world.
+        active: (M,) whether the ego's part still goes on.
+        seen: (M, N) pairs found earlier; changed in place.
+        found: (k, 2) room for the pairs.
+
+    Returns:
+        How many rows of ``found`` were filled.
+    """
+    count = 0
+    for i in range(active.shape[0]):
+        if not active[i]:
+            continue
+        x, y = states[i, 0], states[i, 1]
+        radius = 0.5 * math.hypot(sizes[i, 0], sizes[i, 1])
+        for j in range(states.shape[0]):
+            if j == i or not present[j] or seen[i, j]:
+                continue
+            reach = radius + 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
+            dx, dy = states[j, 0] - x, states[j, 1] - y
+            if dx * dx + dy * dy >= reach * reach:
+                continue
+            if (
+                boxes_overlap(
+                    x,
+                    y,
+                    states[i, 2],
+                    sizes[i, 0],
+                    sizes[i, 1],
+                    states[j, 0],
+                    states[j, 1],
+                    states[j, 2],
+                    sizes[j, 0],
+                    sizes[j, 1],
+                )
+                and count < found.shape[0]
+            ):
+                seen[i, j] = True
+                found[count, 0], found[count, 1] = i, j
+                count += 1
+    return count

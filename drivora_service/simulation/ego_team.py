@@ -1,0 +1,273 @@
+"""The egos of an episode: their bodies, what they observe, what agents decide, how they end."""
+
+from __future__ import annotations
+
+import math
+import traceback
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
+from drivora_service.agents.log import AgentLog
+from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.errors import AgentError
+from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
+from drivora_service.scenario.model import VehicleDynamics
+from drivora_service.simulation.arrays import lay_routes, vehicle_limits
+from drivora_service.simulation.commands import write_command
+from drivora_service.simulation.dynamics import Body, CommandMode, drive_vehicles
+from drivora_service.simulation.perception import perceive
+from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.step_kernels import follow_egos
+from drivora_service.simulation.trace_assembly import Ending
+from drivora_service.simulation.world import World
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+STUCK_AFTER = 60.0
+"""Seconds below walking pace after which an ego counts as stuck (Bench2Drive)."""
+ARRIVED_SHARE = 0.99
+ARRIVED_DISTANCE = 10.0
+
+
+class EgoTeam:
+    """All egos. Rows of the arrays are egos, as in the world.
+
+    Attributes:
+        bodies: (M, 8), columns ``dynamics.Body``.
+        modes: (M,) ``CommandMode``.
+        active: (M,) egos whose part goes on and has begun.
+        in_world: (M,) egos that are on the road.
+        endings: How each ego's part ended.
+        logs: Agent logs.
+        log_names: Names of all numeric log columns.
+    """
+
+    def __init__(
+        self,
+        plan: EpisodePlan,
+        agents: Sequence[Agent | SumoDriver],
+        cells: NDArray[np.int64],
+    ) -> None:
+        count = len(plan.egos)
+        self._plan = plan
+        self.agents = list(agents)
+        self._cells = cells
+        self.bodies: FloatArray = np.zeros((count, len(Body)))
+        self.bodies[:, :3] = [ego.start for ego in plan.egos]
+        self._limits = vehicle_limits(
+            [ego.model for ego in plan.egos],
+            [ego.ego.dynamics is VehicleDynamics.DYNAMIC for ego in plan.egos],
+        )
+        self.modes: IntArray = np.full(count, int(CommandMode.HOLD), dtype=np.int64)
+        self._commands = np.zeros((count, 4))
+        self.active = np.zeros(count, dtype=np.bool_)
+        self.in_world = np.ones(count, dtype=np.bool_)
+        self.endings = [Ending() for _ in range(count)]
+        self.stuck = np.zeros(count)
+        self._routes = lay_routes(plan.egos, plan.programs)
+        self._cursors = np.zeros(count, dtype=np.int64)
+        self._wind = plan.weather.wind_acceleration * np.array(
+            [math.cos(plan.weather.wind_direction), math.sin(plan.weather.wind_direction)]
+        )
+        seeds = np.random.SeedSequence([plan.scenario.seed, 2]).spawn(2 * count)
+        self._noise = [np.random.default_rng(seed) for seed in seeds[:count]]
+        self.logs = [AgentLog() for _ in range(count)]
+        for m, agent in enumerate(self.agents):
+            if not isinstance(agent, SumoDriver):
+                self._set_up(m, agent, int(seeds[count + m].generate_state(1)[0]))
+        names = dict.fromkeys(name for log in self.logs for name in log.names)
+        self.log_names = tuple(names)
+        self._log_columns = [
+            np.array([self.log_names.index(name) for name in log.names], dtype=np.int64)
+            for log in self.logs
+        ]
+        self._observations: list[Observation] = []
+        self._buffers: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
+        self._draws = np.zeros((0, 5))
+
+    def _set_up(self, m: int, agent: Agent, seed: int) -> None:
+        plan = self._plan.egos[m]
+        context = AgentContext(
+            ego_id=plan.ego.id,
+            model=plan.model,
+            network=self._plan.network,
+            route=plan.route,
+            step_length=self._plan.scenario.step_length,
+            friction=self._plan.weather.friction,
+            seed=seed,
+            parameters=plan.ego.agent.parameters,
+            log=self.logs[m],
+        )
+        self._cells[2], self._cells[0] = m, Phase.IN_AGENT
+        try:
+            agent.setup_env(context)
+        except Exception as error:
+            raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
+        self._cells[0] = Phase.SIMULATING
+
+    def _make_room(self, count: int) -> None:
+        """Fits the observation buffers to a world of ``count`` rows."""
+        self._draws = np.zeros((count, 5))
+        self._buffers = []
+        self._observations = []
+        for m in range(len(self.agents)):
+            buffers = (
+                np.zeros((count, 8)),
+                np.zeros((count, 2)),
+                np.zeros(count, dtype=np.int64),
+                np.zeros(count, dtype=np.int64),
+            )
+            self._buffers.append(buffers)
+            self._observations.append(
+                Observation(
+                    ego=self.bodies[m],
+                    objects=buffers[0],
+                    object_sizes=buffers[1],
+                    object_kinds=buffers[2],
+                    object_ids=buffers[3],
+                )
+            )
+
+    def start_due(self, time: float) -> list[int]:
+        """Starts the egos whose start time has come; gives their rows."""
+        started = []
+        for m, ego in enumerate(self._plan.egos):
+            waiting = not self.active[m] and self.endings[m].event is None
+            if waiting and time >= ego.ego.start_time - 1e-9:
+                self.active[m] = True
+                self.bodies[m, Body.SPEED] = ego.ego.initial_speed
+                started.append(m)
+        return started
+
+    def decide(
+        self, step: int, time: float, world: World, controls: Mapping[str, Control] | None
+    ) -> None:
+        """Asks every active ego's agent, or takes its control from ``controls`` by ego id."""
+        if len(self._draws) != len(world.actors):
+            self._make_room(len(world.actors))
+        cells = self._cells
+        for m, agent in enumerate(self.agents):
+            if not self.active[m] or isinstance(agent, SumoDriver):
+                continue
+            ego = self._plan.egos[m]
+            control = None if controls is None else controls.get(ego.ego.id)
+            if control is None:
+                observation = self._observe(m, step, time, world)
+                log = self.logs[m]
+                log.step = step
+                cells[1], cells[2], cells[0] = step, m, Phase.IN_AGENT
+                try:
+                    control = agent.run_step(observation)
+                except Exception as error:
+                    where = f"run_step at {time:.2f} s"
+                    raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
+                cells[0] = Phase.SIMULATING
+                if log.names:
+                    world.logs[step, m, self._log_columns[m]] = log.row
+            command = self._commands[m]
+            self.modes[m] = write_command(
+                control, ego.model, self._plan.scenario.step_length, command
+            )
+            if self.modes[m] == CommandMode.DRIVE:
+                values = world.ego_values[step, m]
+                values[EgoCol.ACCELERATION], values[EgoCol.STEER] = command[0], command[1]
+
+    def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
+        weather = self._plan.weather
+        if weather.position_noise > 0.0 or weather.speed_noise > 0.0 or weather.dropout > 0.0:
+            rng = self._noise[m]
+            self._draws[:, :4] = rng.standard_normal((len(self._draws), 4))
+            self._draws[:, 4] = rng.random(len(self._draws))
+        objects, sizes, kinds, ids = self._buffers[m]
+        frame = world.states[step]
+        count = perceive(
+            m, frame, world.sizes, world.kinds, world.present[step],
+            weather.perception_range, weather.position_noise, weather.speed_noise,
+            weather.dropout, self._draws, objects, sizes, kinds, ids,
+        )  # fmt: skip
+        observation = self._observations[m]
+        body = self.bodies[m].tolist()
+        values = world.ego_values[step, m].tolist()
+        observation.time = time
+        observation.step = step
+        observation.ego = frame[m]
+        observation.speed = body[Body.SPEED]
+        observation.acceleration = body[Body.ACCELERATION]
+        observation.steer = body[Body.STEER]
+        observation.route_s = values[EgoCol.ROUTE_S]
+        observation.route_lateral = values[EgoCol.ROUTE_LATERAL]
+        observation.objects = objects[:count]
+        observation.object_sizes = sizes[:count]
+        observation.object_kinds = kinds[:count]
+        observation.object_ids = ids[:count]
+        distance = values[EgoCol.LIGHT_DISTANCE]
+        observation.light = Light(int(world.ego_lights[step, m]))
+        observation.light_distance = math.inf if distance != distance else distance
+        observation.speed_limit = float(self._plan.egos[m].route.speed_limits[self._cursors[m]])
+        return observation
+
+    def drive(self) -> None:
+        """Moves the bodies by one step."""
+        drive_vehicles(
+            self.bodies, self._limits, self.modes, self._commands, self._plan.weather.friction,
+            self._wind, self._plan.scenario.step_length,
+        )  # fmt: skip
+
+    def follow(self, step: int, time: float, dt: float, world: World) -> None:
+        """Tracks the active egos along their routes at a frame."""
+        routes = self._routes
+        follow_egos(
+            time, dt, world.states[step], world.sizes, self.active,
+            routes.first_point, routes.lines, routes.arcs, self._cursors,
+            routes.first_signal, routes.signal_s, routes.signal_ends, routes.signal_codes,
+            routes.signal_offsets, world.ego_values[step], world.ego_lights[step], self.stuck,
+        )  # fmt: skip
+
+    def end(self, m: int, event: TerminalEvent, step: int) -> None:
+        """Ends an ego's part: one that arrived leaves, any other stays where it is."""
+        if self.endings[m].event is None:
+            self.endings[m].event = event
+            self.endings[m].step = step
+        self.active[m] = False
+        self.modes[m] = CommandMode.HOLD
+        if event is TerminalEvent.ARRIVED:
+            self.in_world[m] = False
+
+    def find_ends(self, step: int, time: float, world: World) -> list[tuple[int, TerminalEvent]]:
+        """Finds the active egos that arrived, are stuck or have run out of time."""
+        found = []
+        for m, ego in enumerate(self._plan.egos):
+            if not self.active[m]:
+                continue
+            s = float(world.ego_values[step, m, EgoCol.ROUTE_S])
+            near = s > ARRIVED_SHARE * ego.route.length
+            if near and self._goal_distance(m, step, world) < ARRIVED_DISTANCE:
+                found.append((m, TerminalEvent.ARRIVED))
+            elif not world.present[step, m]:
+                # SUMO takes its vehicles away at the end of their last edge, behind the goal.
+                found.append((m, TerminalEvent.ARRIVED))
+            elif self.stuck[m] >= STUCK_AFTER - 1e-9:
+                found.append((m, TerminalEvent.STUCK))
+            elif time >= ego.time_limit:
+                found.append((m, TerminalEvent.TIME_LIMIT))
+        return found
+
+    def _goal_distance(self, m: int, step: int, world: World) -> float:
+        goal = self._plan.egos[m].route.line[-1]
+        state = world.states[step, m]
+        return math.hypot(float(state[0] - goal[0]), float(state[1] - goal[1]))
+
+
+def _agent_failed(ego: str, agent: str, where: str, error: Exception) -> AgentError:
+    if isinstance(error, AgentError):
+        return error
+    return AgentError(
+        f"agent {agent!r} of ego {ego!r} raised {type(error).__name__} in {where}: {error}",
+        cause="agent_raised",
+        log="".join(traceback.format_exception(error))[-4000:],
+    )

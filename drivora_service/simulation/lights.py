@@ -1,0 +1,142 @@
+"""Light programmes as they run: fixed times, known for every step without asking SUMO.
+
+The times of a document replace the phase durations of the network's own programmes; their states
+stay, since they keep a junction free of conflicts. So what a signal shows at a time is arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.networks.road_network import SignalPhase, SignalProgram
+from drivora_service.observations.trace import Light
+from drivora_service.scenario.model import LightTimes, TrafficLights
+
+FloatArray = NDArray[np.float64]
+
+_MIN_PHASE = 1.0
+_CODES: Mapping[str, Light] = {
+    "G": Light.GREEN,
+    "g": Light.GREEN,
+    "y": Light.YELLOW,
+    "u": Light.RED,
+    "r": Light.RED,
+}
+
+
+def light_of(signal: str) -> Light:
+    """Translates SUMO's letter; letters of a signal that is off mean that there is none."""
+    return _CODES.get(signal, Light.NONE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RunningProgram:
+    """A programme with fixed times.
+
+    Attributes:
+        id: The traffic light.
+        phases: Stages in order.
+        ends: (p,) end of each stage within the cycle, seconds; the last is the cycle.
+        offset: Seconds by which the programme starts later.
+    """
+
+    id: str
+    phases: tuple[SignalPhase, ...]
+    ends: FloatArray
+    offset: float
+
+    def phase_at(self, times: FloatArray) -> NDArray[np.int64]:
+        """Gives the (n,) index of the stage shown at each of (n,) times, seconds."""
+        in_cycle = np.mod(times - self.offset + 1e-9, self.ends[-1])
+        phases = np.searchsorted(self.ends, in_cycle, side="right")
+        shown: NDArray[np.int64] = np.minimum(phases, len(self.phases) - 1).astype(np.int64)
+        return shown
+
+    def time_left(self, time: float) -> float:
+        """Gives the seconds from ``time`` to the end of the stage shown then."""
+        in_cycle = (time - self.offset + 1e-9) % float(self.ends[-1])
+        phase = int(self.phase_at(np.array([time]))[0])
+        return max(float(self.ends[phase]) - in_cycle, 1e-3)
+
+
+def _is_yellow(phase: SignalPhase) -> bool:
+    return "y" in phase.state or "u" in phase.state
+
+
+def _is_green(phase: SignalPhase) -> bool:
+    return not _is_yellow(phase) and any(letter in "Gg" for letter in phase.state)
+
+
+def run_program(program: SignalProgram, times: LightTimes) -> RunningProgram:
+    """Gives a network's programme the times of a document.
+
+    Every stage that shows green (and no yellow) lasts ``green``, every stage with a yellow
+    ``yellow``. With two green stages, ``red`` is what the first stage's signals see between their
+    greens: the second stage's green makes up for it. With one, it is the all-red stage's duration.
+    With more, red follows from the others.
+    """
+    greens = [i for i, phase in enumerate(program.phases) if _is_green(phase)]
+    yellows = [i for i, phase in enumerate(program.phases) if _is_yellow(phase)]
+    durations = [phase.duration for phase in program.phases]
+    if times.green is not None:
+        for i in greens:
+            durations[i] = times.green
+    if times.yellow is not None:
+        for i in yellows:
+            durations[i] = times.yellow
+    if times.red is not None and len(program.phases) > 1:
+        if len(greens) == 2:
+            others = sum(
+                durations[i]
+                for i in range(len(durations))
+                if i not in (greens[0], greens[1]) and not _follows(i, greens, durations)
+            )
+            durations[greens[1]] = times.red - others
+        elif len(greens) == 1:
+            dark = [i for i in range(len(durations)) if i not in greens and i not in yellows]
+            for i in dark:
+                durations[i] = times.red / len(dark)
+    durations = [max(duration, _MIN_PHASE) for duration in durations]
+    return RunningProgram(
+        id=program.id,
+        phases=tuple(
+            SignalPhase(duration=duration, state=phase.state)
+            for duration, phase in zip(durations, program.phases, strict=True)
+        ),
+        ends=np.cumsum(np.array(durations)),
+        offset=program.offset if times.offset is None else times.offset,
+    )
+
+
+def _follows(i: int, greens: list[int], durations: list[float]) -> bool:
+    """Whether stage ``i`` is the clearing yellow directly behind the first green stage."""
+    return i == (greens[0] + 1) % len(durations)
+
+
+def run_programs(
+    programs: Mapping[str, SignalProgram], lights: TrafficLights
+) -> tuple[RunningProgram, ...]:
+    """Gives every programme of a network its times; a junction's own times come before the common.
+
+    Raises:
+        KeyError: If ``lights`` names a junction without a programme; validation rules that out.
+    """
+    return tuple(
+        run_program(program, _merged(lights.times, lights.junctions.get(light_id)))
+        for light_id, program in sorted(programs.items())
+    )
+
+
+def _merged(common: LightTimes, own: LightTimes | None) -> LightTimes:
+    if own is None:
+        return common
+    return LightTimes(
+        green=common.green if own.green is None else own.green,
+        yellow=common.yellow if own.yellow is None else own.yellow,
+        red=common.red if own.red is None else own.red,
+        offset=common.offset if own.offset is None else own.offset,
+    )

@@ -1,0 +1,81 @@
+"""What an ego perceives of the others: within range, noisy, sometimes missed.
+
+Range, noise and drop-out come from the weather (``scenario.weather``). In clear weather nothing is
+drawn and nothing is changed but for the range.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.compilation import compiled
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@compiled
+def perceive(
+    ego: int,
+    states: FloatArray,
+    sizes: FloatArray,
+    kinds: IntArray,
+    present: BoolArray,
+    reach: float,
+    position_noise: float,
+    speed_noise: float,
+    dropout: float,
+    draws: FloatArray,
+    seen: FloatArray,
+    seen_sizes: FloatArray,
+    seen_kinds: IntArray,
+    seen_ids: IntArray,
+) -> int:
+    """Fills the arrays of what ``ego`` perceives.
+
+    Args:
+        ego: Row of the ego.
+        states: (N, 8) world at this step.
+        sizes: (N, 2) length and width, metres.
+        kinds: (N,) kind of each actor.
+        present: (N,) whether the actor is in the world.
+        reach: Range in metres.
+        position_noise: Standard deviation of x and y, metres.
+        speed_noise: Standard deviation of vx and vy, m/s.
+        dropout: Probability that an actor is missed at a step.
+        draws: (N, 5) four standard normal and one uniform draw an actor; unused without noise.
+        seen: (N, 8) filled.
+        seen_sizes: (N, 2) filled.
+        seen_kinds: (N,) filled.
+        seen_ids: (N,) filled with the actors' rows.
+
+    Returns:
+        The number of actors perceived.
+    """
+    count = 0
+    x, y = states[ego, 0], states[ego, 1]
+    noisy = position_noise > 0.0 or speed_noise > 0.0 or dropout > 0.0
+    for j in range(states.shape[0]):
+        if j == ego or not present[j]:
+            continue
+        if math.hypot(states[j, 0] - x, states[j, 1] - y) > reach:
+            continue
+        if noisy and draws[j, 4] < dropout:
+            continue
+        for k in range(8):
+            seen[count, k] = states[j, k]
+        if noisy:
+            seen[count, 0] += position_noise * draws[j, 0]
+            seen[count, 1] += position_noise * draws[j, 1]
+            seen[count, 3] += speed_noise * draws[j, 2]
+            seen[count, 4] += speed_noise * draws[j, 3]
+        seen_sizes[count, 0] = sizes[j, 0]
+        seen_sizes[count, 1] = sizes[j, 1]
+        seen_kinds[count] = kinds[j]
+        seen_ids[count] = j
+        count += 1
+    return count

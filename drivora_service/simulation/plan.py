@@ -1,0 +1,321 @@
+"""From a validated scenario to what the episode needs: routes, paths, programmes, sizes.
+
+Frame: the network's plane, metres, radians counter-clockwise from east.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.geometry import arc_lengths
+from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.networks.projection import nearest_lane_position
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.observations.trace import Role
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.model import (
+    EgoVehicle,
+    NpcBehavior,
+    NpcObstacle,
+    NpcVehicle,
+    NpcWalker,
+    Scenario,
+    Waypoint,
+)
+from drivora_service.scenario.weather import WeatherEffects, weather_effects
+from drivora_service.simulation.followers import FollowerPath, build_path
+from drivora_service.simulation.lights import RunningProgram, run_programs
+
+FloatArray = NDArray[np.float64]
+
+JOIN_DISTANCE = 10.0
+"""Waypoints of a reactive NPC further apart than this are joined along the lanes, metres."""
+WALKING_SPEED = 1.4
+OFF_ROAD_SPEED = 8.0
+TIME_PER_METRE = 0.8
+"""Seconds a metre of route that an ego has, as the CARLA Leaderboard gives it."""
+TIME_TO_START = 5.0
+_COMFORTABLE_BRAKING_SHARE = 0.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EgoPlan:
+    """An ego and its way.
+
+    Attributes:
+        start: x, y, yaw of the box centre at the start.
+        time_limit: Seconds of simulation by which it must have arrived.
+    """
+
+    ego: EgoVehicle
+    model: ActorModel
+    route: LaneRoute
+    start: tuple[float, float, float]
+    time_limit: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FollowerPlan:
+    """An NPC vehicle or walker that follows a path.
+
+    Attributes:
+        edges: SUMO edges of its path, not empty; for one off the road, the nearest edge.
+        on_lanes: Whether its path keeps to those edges.
+        first_speed: m/s at the start.
+    """
+
+    id: str
+    role: Role
+    model: ActorModel
+    path: FollowerPath
+    edges: tuple[str, ...]
+    on_lanes: bool
+    first_speed: float
+    start_time: float
+    reacts: bool
+    stays: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DrivenPlan:
+    """An NPC vehicle that SUMO drives; ``position`` is that of the front bumper on the lane."""
+
+    id: str
+    model: ActorModel
+    edges: tuple[str, ...]
+    lane_number: int
+    position: float
+    speed: float
+    start_time: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ObstaclePlan:
+    """A static object and the SUMO edge nearest to it."""
+
+    obstacle: NpcObstacle
+    model: ActorModel
+    pose: tuple[float, float, float]
+    length: float
+    width: float
+    edge: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EpisodePlan:
+    """All that an episode needs besides the agents."""
+
+    scenario: Scenario
+    network: RoadNetwork
+    weather: WeatherEffects
+    programs: tuple[RunningProgram, ...]
+    egos: tuple[EgoPlan, ...]
+    followers: tuple[FollowerPlan, ...]
+    driven: tuple[DrivenPlan, ...]
+    obstacles: tuple[ObstaclePlan, ...]
+    max_sim_time: float
+
+
+def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
+    """Prepares an episode.
+
+    Raises:
+        NoRoute: If an actor's way cannot be driven; validation rules that out.
+        UnknownName: If a model is not in the catalogue; validation rules that out.
+    """
+    weather = weather_effects(scenario.weather)
+    egos = tuple(_plan_ego(ego, network) for ego in scenario.ego_vehicles)
+    vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
+    followers = [plan_npc(npc, network, weather.friction) for npc in vehicles]
+    followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
+    latest = max(ego.time_limit for ego in egos)
+    return EpisodePlan(
+        scenario=scenario,
+        network=network,
+        weather=weather,
+        programs=run_programs(network.programs, scenario.traffic_lights),
+        egos=egos,
+        followers=tuple(followers),
+        driven=tuple(
+            plan_driven(npc, network)
+            for npc in scenario.npc_vehicles
+            if npc.behavior is NpcBehavior.SUMO
+        ),
+        obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
+    )
+
+
+def _route_points(waypoints: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
+    return tuple(RoutePoint(point.x, point.y, point.yaw) for point in waypoints)
+
+
+def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
+    route = plan_route(network, _route_points(ego.route))
+    ahead = route.line[min(1, len(route.line) - 1)] - route.line[0]
+    start = ego.route[0]
+    yaw = math.atan2(ahead[1], ahead[0]) if start.yaw is None else start.yaw
+    return EgoPlan(
+        ego=ego,
+        model=actor_model(ActorKind.VEHICLE, ego.model),
+        route=route,
+        start=(start.x, start.y, yaw),
+        time_limit=ego.start_time + TIME_PER_METRE * route.length + TIME_TO_START,
+    )
+
+
+def _waypoint_speeds(
+    waypoints: Sequence[Waypoint], network: RoadNetwork, default: float | None
+) -> FloatArray:
+    speeds = []
+    for point in waypoints:
+        if point.speed is not None:
+            speeds.append(point.speed)
+        elif default is not None:
+            speeds.append(default)
+        else:
+            place = nearest_lane_position(network, point.x, point.y)
+            limit = OFF_ROAD_SPEED if place is None else network.lanes[place.lane].speed_limit
+            speeds.append(limit)
+    return np.array(speeds)
+
+
+def _nearest_edge(network: RoadNetwork, x: float, y: float) -> str:
+    place = nearest_lane_position(network, x, y, max_distance=200.0)
+    lane = None if place is None else network.lanes[place.lane]
+    if lane is not None and not lane.is_internal:
+        return lane.edge_id
+    return next(lane.edge_id for lane in network.lanes if lane.drivable and not lane.is_internal)
+
+
+def _straight(waypoints: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
+    line = np.array([(point.x, point.y) for point in waypoints])
+    return line, arc_lengths(line)
+
+
+def _along_lanes(
+    waypoints: Sequence[Waypoint], network: RoadNetwork
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Joins waypoints: near ones straight, far ones along the lanes between them.
+
+    A waypoint beside its lane's centre keeps its offset, which fades into that of the next.
+    """
+    pieces: list[FloatArray] = [np.array([(waypoints[0].x, waypoints[0].y)])]
+    marks = [0.0]
+    edges: list[str] = []
+    travelled = 0.0
+    for here, there in itertools.pairwise(waypoints):
+        ends = np.array([(here.x, here.y), (there.x, there.y)])
+        piece = ends
+        if float(np.hypot(*(ends[1] - ends[0]))) > JOIN_DISTANCE:
+            route = plan_route(network, _route_points((here, there)))
+            share = (route.arc / route.length)[:, None]
+            offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
+            piece = route.line + offsets
+            edges += [edge for edge in route.edges if not edges or edge != edges[-1]]
+        travelled += float(arc_lengths(piece)[-1])
+        pieces.append(piece[1:])
+        marks.append(travelled)
+    return np.concatenate(pieces), np.array(marks), tuple(edges)
+
+
+def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> FollowerPlan:
+    """Prepares a replayed or reactive NPC vehicle."""
+    model = actor_model(ActorKind.VEHICLE, npc.model)
+    edges: tuple[str, ...] = ()
+    if npc.behavior is NpcBehavior.REACTIVE and len(npc.route) > 1:
+        line, marks, edges = _along_lanes(npc.route, network)
+    else:
+        line, marks = _straight(npc.route)
+    speeds = _waypoint_speeds(npc.route, network, None)
+    start = npc.route[0]
+    yaw = start.yaw
+    if yaw is None and len(npc.route) == 1:
+        place = nearest_lane_position(network, start.x, start.y)
+        yaw = 0.0 if place is None else place.heading
+    return FollowerPlan(
+        id=npc.id,
+        role=Role.NPC_VEHICLE,
+        model=model,
+        path=build_path(
+            line,
+            speeds,
+            marks,
+            yaw,
+            friction,
+            _COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
+            is_vehicle=True,
+        ),
+        edges=edges or (_nearest_edge(network, start.x, start.y),),
+        on_lanes=bool(edges),
+        first_speed=float(speeds[0]),
+        start_time=npc.start_time,
+        reacts=npc.behavior is NpcBehavior.REACTIVE,
+        stays=len(npc.route) == 1,
+    )
+
+
+def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
+    """Prepares a walker."""
+    model = actor_model(ActorKind.WALKER, walker.model)
+    line, marks = _straight(walker.route)
+    speeds = _waypoint_speeds(walker.route, network, WALKING_SPEED)
+    start = walker.route[0]
+    return FollowerPlan(
+        id=walker.id,
+        role=Role.NPC_WALKER,
+        model=model,
+        path=build_path(
+            line, speeds, marks, start.yaw, 1.0, model.max_deceleration, is_vehicle=False
+        ),
+        edges=(_nearest_edge(network, start.x, start.y),),
+        on_lanes=False,
+        first_speed=float(speeds[0]),
+        start_time=walker.start_time,
+        reacts=False,
+        stays=True,
+    )
+
+
+def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
+    """Prepares an NPC vehicle that SUMO drives."""
+    model = actor_model(ActorKind.VEHICLE, npc.model)
+    points = _route_points(npc.route)
+    route = plan_route(network, points)
+    lane = network.lanes[int(route.point_lanes[0])]
+    place = nearest_lane_position(network, npc.route[0].x, npc.route[0].y, heading=points[0].yaw)
+    s = 0.0 if place is None else place.s + 0.5 * model.length
+    speed = npc.route[0].speed
+    return DrivenPlan(
+        id=npc.id,
+        model=model,
+        edges=route.edges,
+        lane_number=lane.lane_number,
+        position=min(max(s, model.length), lane.length),
+        speed=min(lane.speed_limit if speed is None else speed, lane.speed_limit),
+        start_time=npc.start_time,
+    )
+
+
+def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+    model = actor_model(ActorKind.OBSTACLE, obstacle.model)
+    place = obstacle.location
+    yaw = place.yaw
+    if yaw is None:
+        lane = nearest_lane_position(network, place.x, place.y)
+        yaw = 0.0 if lane is None else lane.heading
+    return ObstaclePlan(
+        obstacle=obstacle,
+        model=model,
+        pose=(place.x, place.y, yaw),
+        length=model.length if obstacle.length is None else obstacle.length,
+        width=model.width if obstacle.width is None else obstacle.width,
+        edge=_nearest_edge(network, place.x, place.y),
+    )

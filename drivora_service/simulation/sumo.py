@@ -1,0 +1,316 @@
+"""The one file that talks to libsumo.
+
+A process holds one SUMO at a time, so there is one world a process. ``open_world`` resets with
+``load``, which is bit-identical to a fresh process; ``loadState`` is not.
+
+SUMO's positions are front bumpers and its angles degrees clockwise from north; everything outside
+this file has box centres and radians counter-clockwise from east.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import libsumo
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.errors import SimulatorError
+from drivora_service.simulation.lights import RunningProgram
+
+FloatArray = NDArray[np.float64]
+
+_DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
+_ON_ROUTE = 1
+_ANYWHERE = 6
+_REACH = 3.0
+"""Metres within which SUMO looks for a lane: the time of a placement grows with it."""
+_RETRY_AFTER = 40
+"""Steps after which a vehicle that was off its route is tried on it again."""
+_OBEYS_ALL = 31
+_CHANGES_LANES = 0b011001010101
+_READ = (
+    libsumo.constants.VAR_POSITION,
+    libsumo.constants.VAR_ANGLE,
+    libsumo.constants.VAR_SPEED,
+)
+
+
+@dataclass(slots=True, eq=False)
+class MovedActor:
+    """A vehicle in SUMO that the service moves.
+
+    Attributes:
+        row: Its row in the world's arrays.
+        half_length: Metres from the centre to the front bumper.
+        follows_route: Whether it is expected on its route, where placing it is cheapest.
+        retry_in: Steps until the route is tried again.
+        stands: Whether SUMO holds it at its pose without being told each step.
+    """
+
+    row: int
+    id: str
+    half_length: float
+    follows_route: bool
+    retry_in: int = 0
+    stands: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class DrivenActor:
+    """A vehicle that SUMO drives.
+
+    Attributes:
+        row: Its row in the world's arrays.
+        half_length: Metres from the centre to the front bumper.
+    """
+
+    row: int
+    id: str
+    half_length: float
+
+
+class SumoWorld:
+    """The running simulation. Made by ``open_world``; a later call ends the earlier world."""
+
+    def __init__(self) -> None:
+        self._types: set[str] = set()
+        self._routes = 0
+
+    def set_programs(self, programs: Sequence[RunningProgram], time: float) -> None:
+        """Makes every traffic light run its fixed-time programme as from ``time`` seconds."""
+        for program in programs:
+            phases = [libsumo.trafficlight.Phase(p.duration, p.state) for p in program.phases]
+            logic = libsumo.trafficlight.Logic("drivora", 0, 0, phases)
+            libsumo.trafficlight.setProgramLogic(program.id, logic)
+            libsumo.trafficlight.setProgram(program.id, "drivora")
+            phase = int(program.phase_at(np.array([time]))[0])
+            libsumo.trafficlight.setPhase(program.id, phase)
+            libsumo.trafficlight.setPhaseDuration(program.id, program.time_left(time))
+
+    def light_state(self, light_id: str) -> str:
+        """Gives the signals that SUMO shows now, one letter a link."""
+        return str(libsumo.trafficlight.getRedYellowGreenState(light_id))
+
+    def set_friction(self, edges: Sequence[str], friction: float) -> None:
+        """Sets the friction coefficient that SUMO's drivers find on the given edges."""
+        for edge in edges:
+            libsumo.edge.setFriction(edge, friction)
+
+    def add_moved(
+        self,
+        row: int,
+        actor_id: str,
+        edges: Sequence[str],
+        *,
+        length: float,
+        width: float,
+        is_walker: bool,
+        follows_route: bool,
+    ) -> MovedActor:
+        """Adds a vehicle that will be placed every step; the first placement inserts it."""
+        vehicle_type = self._sized_type("DEFAULT_VEHTYPE", length, width, is_walker)
+        self._add(actor_id, edges, vehicle_type)
+        libsumo.vehicle.setSpeedMode(actor_id, 0)
+        libsumo.vehicle.setLaneChangeMode(actor_id, 0)
+        # Mapping onto the route works only once the vehicle is on the road: the first placements
+        # are free.
+        return MovedActor(row, actor_id, 0.5 * length, follows_route, retry_in=2)
+
+    def add_driven(
+        self,
+        row: int,
+        actor_id: str,
+        edges: Sequence[str],
+        *,
+        driver: str,
+        length: float,
+        width: float,
+        lane_number: int,
+        position: float,
+        speed: float | None,
+    ) -> DrivenActor:
+        """Adds a vehicle that SUMO drives, with its front bumper at ``position`` metres.
+
+        ``speed`` in m/s; ``None`` lets SUMO choose what is safe there.
+        """
+        vehicle_type = self._sized_type(driver, length, width, is_walker=False)
+        self._add(
+            actor_id,
+            edges,
+            vehicle_type,
+            departLane=str(lane_number),
+            departPos=f"{position:.3f}",
+            departSpeed="last" if speed is None else f"{speed:.3f}",
+        )
+        libsumo.vehicle.subscribe(actor_id, _READ)
+        return DrivenActor(row, actor_id, 0.5 * length)
+
+    def _add(self, actor_id: str, edges: Sequence[str], vehicle_type: str, **depart: str) -> None:
+        route = f"route:{self._routes}"
+        self._routes += 1
+        try:
+            libsumo.route.add(route, list(edges))
+            libsumo.vehicle.add(actor_id, route, vehicle_type, **depart)
+        except libsumo.TraCIException as error:
+            raise SimulatorError(f"SUMO does not take {actor_id!r}: {error}") from error
+
+    def _sized_type(self, base: str, length: float, width: float, is_walker: bool) -> str:
+        name = f"{base}:{length:.3f}x{width:.3f}{':walker' if is_walker else ''}"
+        if name not in self._types:
+            libsumo.vehicletype.copy(base, name)
+            libsumo.vehicletype.setLength(name, length)
+            libsumo.vehicletype.setWidth(name, width)
+            if is_walker:
+                libsumo.vehicletype.setShapeClass(name, "pedestrian")
+            self._types.add(name)
+        return name
+
+    def hand_over(self, actor: MovedActor, speed: float) -> DrivenActor:
+        """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""
+        libsumo.vehicle.setSpeed(actor.id, -1.0)
+        libsumo.vehicle.setPreviousSpeed(actor.id, speed)
+        libsumo.vehicle.setSpeedMode(actor.id, _OBEYS_ALL)
+        libsumo.vehicle.setLaneChangeMode(actor.id, _CHANGES_LANES)
+        libsumo.vehicle.subscribe(actor.id, _READ)
+        return DrivenActor(actor.row, actor.id, actor.half_length)
+
+    def take_back(self, actor: DrivenActor) -> MovedActor:
+        """Moves a vehicle again that SUMO drove until now."""
+        libsumo.vehicle.unsubscribe(actor.id)
+        libsumo.vehicle.setSpeedMode(actor.id, 0)
+        libsumo.vehicle.setLaneChangeMode(actor.id, 0)
+        return MovedActor(actor.row, actor.id, actor.half_length, follows_route=False)
+
+    def place(self, actors: Sequence[MovedActor], placements: Sequence[Sequence[float]]) -> None:
+        """Puts moved actors at their poses for the next step.
+
+        Args:
+            actors: Who is to be placed.
+            placements: For every row of the world: x and y of the front bumper in metres, SUMO's
+                angle in degrees, and 1.0 if the pose differs from the one before, else 0.0.
+        """
+        move = libsumo.vehicle.moveToXY
+        for actor in actors:
+            x, y, angle, moved = placements[actor.row]
+            if moved == 0.0:
+                if not actor.stands and actor.retry_in <= 0:
+                    libsumo.vehicle.setSpeed(actor.id, 0.0)
+                    actor.stands = True
+                if actor.stands:
+                    continue
+            elif actor.stands:
+                libsumo.vehicle.setSpeed(actor.id, -1.0)
+                actor.stands = False
+            if actor.follows_route and actor.retry_in <= 0:
+                try:
+                    move(actor.id, "", -1, x, y, angle, _ON_ROUTE, _REACH)
+                except libsumo.TraCIException:
+                    actor.retry_in = _RETRY_AFTER
+                    move(actor.id, "", -1, x, y, angle, _ANYWHERE, _REACH)
+            else:
+                actor.retry_in -= 1
+                move(actor.id, "", -1, x, y, angle, _ANYWHERE, _REACH)
+
+    def step(self) -> None:
+        """Lets SUMO simulate one step."""
+        libsumo.simulationStep()
+
+    def read_driven(
+        self, actors: Sequence[DrivenActor], states: FloatArray, present: NDArray[np.bool_]
+    ) -> None:
+        """Writes pose and speed of vehicles that SUMO drives into the world's arrays.
+
+        A vehicle that is not on the road becomes absent.
+        """
+        results = libsumo.vehicle.getAllSubscriptionResults()
+        position, angle, speed = _READ
+        for actor in actors:
+            values = results.get(actor.id)
+            if not values or values[position][0] < -1e6:
+                present[actor.row] = False
+                continue
+            yaw = math.radians(90.0 - values[angle])
+            yaw = (yaw + math.pi) % (2.0 * math.pi) - math.pi
+            cos, sin = math.cos(yaw), math.sin(yaw)
+            front_x, front_y = values[position]
+            v = values[speed]
+            states[actor.row, :5] = (
+                front_x - actor.half_length * cos,
+                front_y - actor.half_length * sin,
+                yaw,
+                v * cos,
+                v * sin,
+            )
+            present[actor.row] = True
+
+    def remaining_edges(self, actor_id: str) -> int:
+        """Gives how many edges of its route a vehicle still has before it."""
+        route = libsumo.vehicle.getRoute(actor_id)
+        return len(route) - 1 - int(libsumo.vehicle.getRouteIndex(actor_id))
+
+    def extend_route(self, actor_id: str, more: Sequence[str]) -> None:
+        """Appends edges to a vehicle's route."""
+        route = libsumo.vehicle.getRoute(actor_id)
+        index = max(int(libsumo.vehicle.getRouteIndex(actor_id)), 0)
+        libsumo.vehicle.setRoute(actor_id, [*route[index:], *more])
+
+    def last_edge(self, actor_id: str) -> str:
+        """Gives the last edge of a vehicle's route."""
+        return str(libsumo.vehicle.getRoute(actor_id)[-1])
+
+    def knows(self, actor_id: str) -> bool:
+        """Whether the vehicle is on the road or waits to enter it."""
+        return actor_id in libsumo.vehicle.getLoadedIDList()
+
+    def remove(self, actor_id: str) -> None:
+        """Takes a vehicle off the road, if it is still known."""
+        try:
+            libsumo.vehicle.remove(actor_id)
+        except libsumo.TraCIException:
+            # It left the road by itself in this very step.
+            return
+
+
+class _Process:
+    """Whether this process has started SUMO yet."""
+
+    started = False
+
+
+def open_world(network: Path, *, step_length: float, seed: int, slippery: bool) -> SumoWorld:
+    """Resets this process's SUMO to an empty network at time 0.
+
+    Args:
+        network: The ``.net.xml`` file.
+        step_length: Seconds.
+        seed: Of SUMO's own random draws.
+        slippery: Whether SUMO's drivers must heed the friction of the road (the device costs time).
+
+    Raises:
+        SimulatorError: If SUMO does not accept the network.
+    """
+    arguments = [
+        "--net-file", str(network),
+        "--additional-files", str(_DRIVER_TYPES),
+        "--step-length", repr(step_length),
+        "--seed", str(seed % 2**31),
+        "--no-warnings", "true",
+        "--no-step-log", "true",
+        "--collision.action", "none",
+        "--time-to-teleport", "-1",
+        "--device.friction.probability", "1" if slippery else "0",
+    ]  # fmt: skip
+    try:
+        if _Process.started:
+            libsumo.load(arguments)
+        else:
+            libsumo.start(["sumo", *arguments])
+            _Process.started = True
+    except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+        _Process.started = False
+        raise SimulatorError(f"SUMO does not start on {network.name}: {error}") from error
+    return SumoWorld()

@@ -1,0 +1,116 @@
+"""From the frames of an episode to its trace, with what needs no step loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.log import AgentLog
+from drivora_service.networks.projection import project_points
+from drivora_service.observations.trace import (
+    Col,
+    Contact,
+    EgoCol,
+    EgoRoute,
+    LogEvent,
+    TerminalEvent,
+    Trace,
+)
+from drivora_service.scenario.canonical import scenario_sha256
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.world import World
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(slots=True, kw_only=True)
+class Ending:
+    """How an ego's part ended; open until it has."""
+
+    event: TerminalEvent | None = None
+    step: int = -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Record:
+    """What an episode collected besides the frames."""
+
+    last_step: int
+    endings: Sequence[Ending]
+    contacts: Sequence[Contact]
+    log_names: tuple[str, ...]
+    logs: Sequence[AgentLog]
+    privileged: tuple[bool, ...]
+    versions: dict[str, str] = field(default_factory=dict)
+
+
+def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
+    """Builds the trace of a finished episode."""
+    rows = record.last_step + 1
+    dt = plan.scenario.step_length
+    times: FloatArray = np.arange(rows, dtype=np.float64) * dt
+    values = world.ego_values[:rows].copy()
+    lanes = np.full((rows, world.ego_count), -1, dtype=np.int32)
+    for m in range(world.ego_count):
+        here = np.flatnonzero(world.present[:rows, m])
+        states = world.states[here, m]
+        found = project_points(plan.network, states[:, :2].copy(), states[:, Col.YAW].copy())
+        on_lane = found.lane >= 0
+        lanes[here, m] = found.lane
+        limits = np.array([lane.speed_limit for lane in plan.network.lanes])
+        values[here, m, EgoCol.SPEED_LIMIT] = np.where(on_lane, limits[found.lane], np.nan)
+        values[here, m, EgoCol.LANE_LATERAL] = np.where(on_lane, found.lateral, np.nan)
+        values[here, m, EgoCol.LANE_HEADING] = np.where(on_lane, found.heading, np.nan)
+    names: list[str] = []
+    light_states = np.zeros((rows, len(plan.programs)), dtype=np.int32)
+    for i, program in enumerate(plan.programs):
+        index = []
+        for phase in program.phases:
+            if phase.state not in names:
+                names.append(phase.state)
+            index.append(names.index(phase.state))
+        light_states[:, i] = np.array(index, dtype=np.int32)[program.phase_at(times)]
+    return Trace(
+        network=plan.network.name,
+        network_sha256=plan.network.sha256,
+        scenario_sha256=scenario_sha256(plan.scenario),
+        step_length=dt,
+        times=times,
+        actors=tuple(world.actors),
+        states=world.states[:rows].copy(),
+        present=world.present[:rows].copy(),
+        ego_values=values,
+        ego_lanes=lanes,
+        ego_lights=world.ego_lights[:rows].copy(),
+        ego_routes=tuple(
+            EgoRoute(
+                line=ego.route.line,
+                arc=ego.route.arc,
+                length=ego.route.length,
+                goal=(float(ego.route.line[-1, 0]), float(ego.route.line[-1, 1])),
+            )
+            for ego in plan.egos
+        ),
+        ego_start_times=tuple(ego.ego.start_time for ego in plan.egos),
+        ego_ends=tuple(end.event or TerminalEvent.TIME_LIMIT for end in record.endings),
+        ego_end_steps=tuple(
+            end.step if end.event is not None else record.last_step for end in record.endings
+        ),
+        contacts=tuple(record.contacts),
+        light_ids=tuple(program.id for program in plan.programs),
+        light_states=light_states,
+        light_state_names=tuple(names),
+        log_names=record.log_names,
+        log_values=world.logs[:rows].copy(),
+        log_events=tuple(
+            LogEvent(step=step, ego=m, message=message)
+            for m, log in enumerate(record.logs)
+            for step, message in log.events
+        ),
+        privileged=record.privileged,
+        max_sim_time=plan.max_sim_time,
+        meta={"seed": plan.scenario.seed},
+    )

@@ -1,0 +1,74 @@
+"""The actors of an episode as arrays: one row each, one frame a step, grown as the run goes on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.observations.trace import Actor, Col, EgoCol, Role
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+_FIRST_CAPACITY = 1024
+KIND_OF_ROLE = {
+    Role.EGO: 0,
+    Role.NPC_VEHICLE: 0,
+    Role.BACKGROUND: 0,
+    Role.NPC_WALKER: 1,
+    Role.NPC_OBSTACLE: 2,
+}
+
+
+class World:
+    """Every frame of every actor so far.
+
+    Attributes:
+        actors: Rows in order; the egos come first.
+        sizes: (N, 2) length and width, metres.
+        kinds: (N,) 0 vehicle, 1 walker, 2 obstacle.
+        states: (capacity, N, 8) frames, columns ``Col``.
+        present: (capacity, N).
+        ego_values: (capacity, M, 8), columns ``EgoCol``.
+        ego_lights: (capacity, M).
+        logs: (capacity, M, K) numeric agent logs.
+    """
+
+    def __init__(self, actors: list[Actor], ego_count: int, log_count: int) -> None:
+        self.actors = actors
+        self.ego_count = ego_count
+        self.sizes: FloatArray = np.array([(a.length, a.width) for a in actors])
+        self.kinds: IntArray = np.array([KIND_OF_ROLE[a.role] for a in actors], dtype=np.int64)
+        n = len(actors)
+        self.states: FloatArray = np.empty((_FIRST_CAPACITY, n, len(Col)))
+        self.present: BoolArray = np.zeros((_FIRST_CAPACITY, n), dtype=np.bool_)
+        self.ego_values: FloatArray = np.full((_FIRST_CAPACITY, ego_count, len(EgoCol)), np.nan)
+        self.ego_lights: NDArray[np.uint8] = np.zeros((_FIRST_CAPACITY, ego_count), dtype=np.uint8)
+        self.logs: FloatArray = np.full((_FIRST_CAPACITY, ego_count, log_count), np.nan)
+
+    @property
+    def capacity(self) -> int:
+        """Frames that fit."""
+        return len(self.states)
+
+    def grow(self) -> None:
+        """Doubles the room for frames."""
+        more = self.capacity
+        self.states = np.concatenate((self.states, np.empty_like(self.states)))
+        self.present = np.concatenate((self.present, np.zeros_like(self.present)))
+        self.ego_values = np.concatenate(
+            (self.ego_values, np.full((more, *self.ego_values.shape[1:]), np.nan))
+        )
+        self.ego_lights = np.concatenate((self.ego_lights, np.zeros_like(self.ego_lights)))
+        self.logs = np.concatenate((self.logs, np.full((more, *self.logs.shape[1:]), np.nan)))
+
+    def add_actor(self, actor: Actor) -> None:
+        """Adds a row; the actor is absent in all frames so far."""
+        self.actors.append(actor)
+        self.sizes = np.concatenate((self.sizes, [(actor.length, actor.width)]))
+        self.kinds = np.append(self.kinds, KIND_OF_ROLE[actor.role])
+        empty = np.full((self.capacity, 1, len(Col)), np.nan)
+        self.states = np.concatenate((self.states, empty), axis=1)
+        absent = np.zeros((self.capacity, 1), dtype=np.bool_)
+        self.present = np.concatenate((self.present, absent), axis=1)
