@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -14,6 +15,8 @@ from drivora_service.observations.trace import Light, Role, Trace
 from drivora_service.plotting import colors
 from drivora_service.plotting.verdict_marks import Mark
 from drivora_service.plotting.view import View
+
+Handle = Line2D | Patch | tuple[Line2D, ...]
 
 _ROLE_NAMES = {
     Role.NPC_VEHICLE: "NPC vehicle",
@@ -43,8 +46,11 @@ def draw_panel(
     axes.text(0.0, -0.05, trace.network, va="top", fontsize=13, fontweight="bold")
     facts = f"{trace.times[-1]:.1f} s, {trace.step_count} steps of {trace.step_length * 1e3:.0f} ms"
     axes.text(0.0, -0.32, facts, va="top", fontsize=8.5, color=colors.FAINT_INK)
+    handles, labels = zip(*_entries(trace, signals=signals), strict=True)
     legend = axes.legend(
-        handles=_handles(trace, signals=signals),
+        handles,
+        labels,
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
         loc="upper left",
         bbox_to_anchor=(0.0, 1.0 - 0.52 / height_in),
         borderaxespad=0.0,
@@ -52,45 +58,39 @@ def draw_panel(
         frameon=False,
         fontsize=8.5,
         handlelength=1.9,
-        labelspacing=0.55,
+        labelspacing=0.45,
     )
     figure.draw_without_rendering()
     bottom = legend.get_window_extent().transformed(axes.transData.inverted()).y0
     _list_marks(axes, marks, float(bottom) - 0.3, -height_in)
 
 
-def _handles(trace: Trace, *, signals: bool) -> list[Line2D | Patch]:
-    handles: list[Line2D | Patch] = []
+def _entries(trace: Trace, *, signals: bool) -> list[tuple[Handle, str]]:
+    entries: list[tuple[Handle, str]] = []
     for actor in trace.actors[: trace.ego_count][:_MOST_EGOS]:
         end = trace.ego_ends[actor.row].value.replace("_", " ")
-        handles.append(
-            Line2D([], [], color=colors.ego_color(actor.row), lw=2.6, label=f"{actor.id}: {end}")
-        )
+        line = Line2D([], [], color=colors.ego_color(actor.row), lw=2.6)
+        entries.append((line, f"{actor.id}: {end}"))
     ink = colors.FAINT_INK
-    handles += [
-        Line2D([], [], color=ink, lw=1.0, ls=(0, (1, 2)), label="planned route"),
-        Line2D([], [], color=ink, marker="*", ms=10, ls="none", label="destination"),
-        Patch(facecolor="white", edgecolor=ink, label="at the start"),
-        Patch(facecolor=ink, edgecolor="white", label="at the end"),
+    entries += [
+        (Line2D([], [], color=ink, lw=1.0, ls=(0, (1, 2))), "planned route"),
+        (Line2D([], [], color=ink, marker="*", ms=10, ls="none"), "destination"),
+        (Patch(facecolor="white", edgecolor=ink), "at the start"),
+        (Patch(facecolor=ink, edgecolor="white"), "at the end"),
     ]
     present = {actor.role for actor in trace.actors}
-    handles += [
-        Line2D([], [], color=colors.ROLES[role], lw=1.6, label=name)
-        if role is not Role.NPC_OBSTACLE
-        else Patch(facecolor=colors.ROLES[role], label=name)
+    entries += [
+        (Patch(facecolor=colors.ROLES[role]), name)
+        if role is Role.NPC_OBSTACLE
+        else (Line2D([], [], color=colors.ROLES[role], lw=1.6), name)
         for role, name in _ROLE_NAMES.items()
         if role in present
     ]
     if signals:
-        handles += [
-            Line2D([], [], color=colors.LIGHTS[light], lw=3.2, label=text)
-            for light, text in (
-                (Light.RED, "red when an ego crossed, else at the end"),
-                (Light.YELLOW, "yellow"),
-                (Light.GREEN, "green"),
-            )
-        ]
-    return handles
+        lights = (Light.RED, Light.YELLOW, Light.GREEN)
+        bars = tuple(Line2D([], [], color=colors.LIGHTS[light], lw=3.2) for light in lights)
+        entries.append((bars, "signal as the first ego crossed it"))
+    return entries
 
 
 def _list_marks(axes: Axes, marks: Sequence[Mark], top: float, bottom: float) -> None:

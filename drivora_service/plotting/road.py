@@ -91,7 +91,7 @@ def _draw_arrows(axes: Axes, lanes: Iterable[Lane], view: View) -> None:
         spacing = max(30.0, view.metres_an_inch * 1.6)
         count = max(1, int(lane.arc[-1] / spacing))
         for k in range(count):
-            x, y, heading = lane.position_at(float(lane.arc[-1]) * (k + 0.5) / count)
+            x, y, heading = lane.position_at(float(lane.arc[-1]) * (k + 0.35) / count)
             if not view.holds(x, y):
                 continue
             ahead = np.array([np.cos(heading), np.sin(heading)]) * size

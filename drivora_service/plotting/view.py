@@ -14,7 +14,7 @@ _MARGIN_M = 12.0
 _MARGIN_SHARE = 0.06
 _SMALLEST_SIDE_M = 60.0
 _MAP_WIDTH_IN = 8.6
-_MAP_HEIGHTS_IN = (5.0, 8.0)
+_MAP_HEIGHTS_IN = (5.4, 8.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
