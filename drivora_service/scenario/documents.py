@@ -84,6 +84,7 @@ class ScenarioDocument(EntityDocument):
         default_factory=dict,
         description="Free data of others, by `vendor:name` or reverse domain name; carried, "
         "never interpreted.",
+        json_schema_extra={"additionalProperties": False},
     )
 
     @model_validator(mode="after")

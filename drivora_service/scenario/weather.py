@@ -92,8 +92,7 @@ def _friction(weather: Weather) -> float:
 def _perception_range(weather: Weather) -> float:
     thickness = weather.fog_density / 100.0
     visibility = _CLEAR_VISIBILITY * (_DENSEST_VISIBILITY / _CLEAR_VISIBILITY) ** thickness
-    fog_distance = weather.fog_distance if thickness > 0.0 else 0.0
-    reach = min(CLEAR_RANGE, fog_distance + visibility)
+    reach = min(CLEAR_RANGE, weather.fog_distance + visibility)
     rain = 1.0 - _RAIN_LOSS * weather.precipitation / 100.0
     return reach * rain * _light(weather.sun_altitude_angle)
 

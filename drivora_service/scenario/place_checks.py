@@ -1,0 +1,137 @@
+"""Checks that every place of a scenario lies on the network and in the document's region."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.errors import Problem
+from drivora_service.networks.projection import nearest_lane_position, project_points
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.model import NpcBehavior, Region
+from drivora_service.scenario.placed_actors import PlacedActor
+
+MAX_OFF_LANE = 12.0
+"""Metres from the centre of a drivable lane at which a waypoint of a vehicle still counts as meant
+for it: a point of the CARLA Leaderboard's routes lies 9.3 m beside the road."""
+MAX_PARKED_OFF_LANE = 30.0
+"""The same for vehicles that do not follow lanes: parked ones and those that are replayed."""
+BOUNDS_MARGIN = 50.0
+"""Metres beyond the network's bounds in which walkers and obstacles may still be."""
+_SEARCH_RADIUS = 100.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OffLanePlace:
+    """A waypoint that lies beside the lanes but near enough to be meant for one.
+
+    Attributes:
+        place: Index of the waypoint.
+        distance: Metres to the centre of the nearest drivable lane.
+    """
+
+    actor: PlacedActor
+    place: int
+    distance: float
+
+
+def check_places(
+    actors: Sequence[PlacedActor], network: RoadNetwork, region: Region | None
+) -> tuple[list[Problem], list[OffLanePlace]]:
+    """Checks all places.
+
+    Returns:
+        Problems, and the waypoints of egos that will be snapped to a lane.
+    """
+    problems: list[Problem] = []
+    snapped: list[OffLanePlace] = []
+    for actor in actors:
+        if actor.is_vehicle:
+            _check_lanes(actor, network, problems, snapped)
+        else:
+            _check_bounds(actor, network, problems)
+        if region is not None:
+            _check_region(actor, region, problems)
+    return problems, snapped
+
+
+def off_lane_limit(actor: PlacedActor) -> float:
+    """Metres from a lane's centre at which a waypoint of a vehicle is still accepted."""
+    free = actor.behavior is NpcBehavior.REPLAY or (not actor.is_ego and len(actor.places) == 1)
+    return MAX_PARKED_OFF_LANE if free else MAX_OFF_LANE
+
+
+def _check_lanes(
+    actor: PlacedActor,
+    network: RoadNetwork,
+    problems: list[Problem],
+    snapped: list[OffLanePlace],
+) -> None:
+    limit = off_lane_limit(actor)
+    points = np.array([(place.x, place.y) for place in actor.places])
+    for index in np.flatnonzero(project_points(network, points).lane < 0):
+        x, y = float(points[index, 0]), float(points[index, 1])
+        near = nearest_lane_position(network, x, y, max_distance=_SEARCH_RADIUS)
+        distance = None if near is None else abs(near.lateral)
+        if distance is None or distance > limit:
+            found = f"more than {_SEARCH_RADIUS:.0f} m" if distance is None else f"{distance:.1f} m"
+            message = (
+                f"found ({x:.2f}, {y:.2f}) in the network's plane, {found} from the nearest "
+                f"drivable lane of {network.name}; at most {limit:.0f} m are allowed"
+                f"{_bounds_hint(network, x, y)}"
+            )
+            problems.append(
+                Problem(
+                    pointer=actor.place_pointer(int(index)), code="off_network", message=message
+                )
+            )
+        elif actor.is_ego:
+            snapped.append(OffLanePlace(actor=actor, place=int(index), distance=distance))
+
+
+def _check_bounds(actor: PlacedActor, network: RoadNetwork, problems: list[Problem]) -> None:
+    for index, place in enumerate(actor.places):
+        if _is_outside(network, place.x, place.y):
+            message = (
+                f"found ({place.x:.2f}, {place.y:.2f}) in the network's plane, more than "
+                f"{BOUNDS_MARGIN:.0f} m outside {network.name}"
+                f"{_bounds_hint(network, place.x, place.y)}"
+            )
+            problems.append(
+                Problem(pointer=actor.place_pointer(index), code="off_network", message=message)
+            )
+
+
+def _is_outside(network: RoadNetwork, x: float, y: float) -> bool:
+    min_x, min_y, max_x, max_y = network.bounds
+    return not (
+        min_x - BOUNDS_MARGIN <= x <= max_x + BOUNDS_MARGIN
+        and min_y - BOUNDS_MARGIN <= y <= max_y + BOUNDS_MARGIN
+    )
+
+
+def _bounds_hint(network: RoadNetwork, x: float, y: float) -> str:
+    if not _is_outside(network, x, y):
+        return ""
+    min_x, min_y, max_x, max_y = network.bounds
+    return (
+        f"; it spans x {min_x:.0f} to {max_x:.0f} and y {min_y:.0f} to {max_y:.0f} "
+        "(coordinates of CARLA need `frame: carla`)"
+    )
+
+
+def _check_region(actor: PlacedActor, region: Region, problems: list[Problem]) -> None:
+    for index, place in enumerate(actor.places):
+        if not (
+            region.min_x <= place.x <= region.max_x and region.min_y <= place.y <= region.max_y
+        ):
+            message = (
+                f"found ({place.x:.2f}, {place.y:.2f}) in the network's plane, outside "
+                f"region_segment (x {region.min_x:.2f} to {region.max_x:.2f}, "
+                f"y {region.min_y:.2f} to {region.max_y:.2f})"
+            )
+            problems.append(
+                Problem(pointer=actor.place_pointer(index), code="outside_region", message=message)
+            )

@@ -1,0 +1,142 @@
+"""The actors of a document, placed in the network's plane, for the checks of validation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivora_service.errors import Problem, UnknownName
+from drivora_service.scenario import conversion
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model, resized
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.model import NpcBehavior, Waypoint
+from drivora_service.scenario.plain_data import pointer
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlacedActor:
+    """An actor of a document.
+
+    Attributes:
+        list_name: The document's list that it stands in, such as ``npc_vehicles``.
+        index: Its place in that list.
+        model: ``None`` where the document names a model that does not exist.
+        places: Its waypoints, or its one location, in the network's plane.
+        start_time: Seconds.
+        behavior: ``None`` where it is no NPC vehicle.
+        is_ego: Under the control of an ADS.
+    """
+
+    list_name: str
+    index: int
+    id: str
+    model: ActorModel | None
+    places: tuple[Waypoint, ...]
+    start_time: float
+    behavior: NpcBehavior | None = None
+    is_ego: bool = False
+
+    @property
+    def is_vehicle(self) -> bool:
+        """An ego or an NPC vehicle."""
+        return self.is_ego or self.behavior is not None
+
+    @property
+    def pointer(self) -> str:
+        """JSON pointer to it."""
+        return pointer((self.list_name, self.index))
+
+    def place_pointer(self, place: int) -> str:
+        """JSON pointer to one of its places."""
+        if self.list_name == "npc_obstacles":
+            return f"{self.pointer}/location"
+        return f"{self.pointer}/route/{place}"
+
+
+def place_actors(
+    document: ScenarioDocument, frame: FrameTransform
+) -> tuple[tuple[PlacedActor, ...], list[Problem]]:
+    """Gives all actors in document order, and a problem for each model that does not exist."""
+    problems: list[Problem] = []
+    actors: list[PlacedActor] = []
+    for index, ego in enumerate(document.ego_vehicles):
+        actors.append(
+            PlacedActor(
+                list_name="ego_vehicles",
+                index=index,
+                id=ego.id,
+                model=_model(ActorKind.VEHICLE, ego.model, "ego_vehicles", index, problems),
+                places=_places(ego.route, frame),
+                start_time=ego.start_time,
+                is_ego=True,
+            )
+        )
+    for index, npc in enumerate(document.npc_vehicles):
+        actors.append(
+            PlacedActor(
+                list_name="npc_vehicles",
+                index=index,
+                id=npc.id,
+                model=_model(ActorKind.VEHICLE, npc.model, "npc_vehicles", index, problems),
+                places=_places(npc.route, frame),
+                start_time=npc.start_time,
+                behavior=npc.behavior,
+            )
+        )
+    for index, walker in enumerate(document.npc_walkers):
+        actors.append(
+            PlacedActor(
+                list_name="npc_walkers",
+                index=index,
+                id=walker.id,
+                model=_model(ActorKind.WALKER, walker.model, "npc_walkers", index, problems),
+                places=_places(walker.route, frame),
+                start_time=walker.start_time,
+            )
+        )
+    for index, obstacle in enumerate(document.npc_obstacles):
+        found = _model(ActorKind.OBSTACLE, obstacle.model, "npc_obstacles", index, problems)
+        actors.append(
+            PlacedActor(
+                list_name="npc_obstacles",
+                index=index,
+                id=obstacle.id,
+                model=found and resized(found, obstacle.length, obstacle.width),
+                places=_places((obstacle.location,), frame),
+                start_time=obstacle.start_time,
+            )
+        )
+    return tuple(actors), problems
+
+
+def _places(
+    places: Sequence[conversion.PlaceDocument], frame: FrameTransform
+) -> tuple[Waypoint, ...]:
+    return tuple(conversion.waypoint(place, frame) for place in places)
+
+
+def _model(
+    kind: ActorKind, name: str, list_name: str, index: int, problems: list[Problem]
+) -> ActorModel | None:
+    try:
+        return actor_model(kind, name)
+    except UnknownName as error:
+        code, message = "unknown_model", str(error)
+        other = _kind_of(name)
+        if other is not None:
+            code = "wrong_kind"
+            message = f"found the {other.value} model {name!r}; a {kind.value} model is needed"
+        place = pointer((list_name, index, "model"))
+        problems.append(Problem(pointer=place, code=code, message=message))
+        return None
+
+
+def _kind_of(name: str) -> ActorKind | None:
+    for kind in (ActorKind.VEHICLE, ActorKind.WALKER, ActorKind.OBSTACLE):
+        try:
+            actor_model(kind, name)
+        except UnknownName:
+            continue
+        return kind
+    return None

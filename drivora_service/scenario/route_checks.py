@@ -1,0 +1,171 @@
+"""Checks that every route can be driven, by the rules by which the episode drives it.
+
+An ego's route is planned through all its waypoints. A reactive NPC joins waypoints more than
+``JOIN_DISTANCE`` apart along the lanes and nearer ones by straight lines. A replayed NPC takes its
+waypoints as they are. An NPC driven by SUMO needs a start on a lane outside junctions and a way
+through all its waypoints.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+from drivora_service.errors import NoRoute, Problem
+from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.networks.projection import nearest_lane_position
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.scenario.model import NpcBehavior, Waypoint
+from drivora_service.scenario.placed_actors import PlacedActor
+from drivora_service.scenario.start_overlaps import StartPose
+
+JOIN_DISTANCE = 10.0
+"""Metres between waypoints of a reactive NPC beyond which they are joined along the lanes."""
+MIN_ROUTE_LENGTH = 2.0
+"""Metres that an ego has to drive at least."""
+
+
+def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem], StartPose | None]:
+    """Checks the way of an actor whose places lie on the network.
+
+    Returns:
+        Problems, and where the actor appears; ``None`` where it has no way.
+    """
+    if actor.is_ego:
+        return _check_ego(actor, network)
+    if actor.behavior is NpcBehavior.SUMO:
+        return _check_driven(actor, network)
+    if actor.behavior is NpcBehavior.REACTIVE:
+        return _check_reactive(actor, network)
+    return [], _standing_pose(actor, network)
+
+
+def route_points(places: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
+    """Gives waypoints as the points of a route."""
+    return tuple(RoutePoint(place.x, place.y, place.yaw) for place in places)
+
+
+def _check_ego(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem], StartPose | None]:
+    start, destination = actor.places[0], actor.places[-1]
+    if len(actor.places) == 2 and _distance(start, destination) < MIN_ROUTE_LENGTH:
+        message = (
+            f"the destination is {_distance(start, destination):.2f} m from the start; "
+            f"at least {MIN_ROUTE_LENGTH:.0f} m are needed"
+        )
+        return [_at(actor, 1, "no_way_to_go", message)], None
+    route = _plan(actor, actor.places, network)
+    if isinstance(route, Problem):
+        return [route], None
+    if route.length < MIN_ROUTE_LENGTH:
+        message = (
+            f"the route is {route.length:.2f} m long; at least {MIN_ROUTE_LENGTH:.0f} m are needed"
+        )
+        return [_at(actor, len(actor.places) - 1, "no_way_to_go", message)], None
+    return [], _pose(actor, start, _first_heading(route))
+
+
+def _check_driven(
+    actor: PlacedActor, network: RoadNetwork
+) -> tuple[list[Problem], StartPose | None]:
+    if len(actor.places) < 2:
+        message = "found 1 waypoint; behavior sumo needs at least 2 (a parked vehicle: replay)"
+        return [Problem(pointer=f"{actor.pointer}/route", code="too_short", message=message)], None
+    start = actor.places[0]
+    route = _plan(actor, actor.places, network)
+    if isinstance(route, Problem):
+        return [route], None
+    lane = network.lanes[int(route.point_lanes[0])]
+    if lane.is_internal:
+        message = (
+            "the route of a vehicle that SUMO drives must start on a road, not inside a junction"
+        )
+        return [_at(actor, 0, "starts_in_junction", message)], None
+    near = nearest_lane_position(network, start.x, start.y, heading=start.yaw)
+    if near is None or actor.model is None:
+        return [], None
+    front = min(max(near.s + 0.5 * actor.model.length, actor.model.length), lane.length)
+    x, y, yaw = lane.position_at(front - 0.5 * actor.model.length)
+    return [], StartPose(actor=actor, x=x, y=y, yaw=yaw)
+
+
+def _check_reactive(
+    actor: PlacedActor, network: RoadNetwork
+) -> tuple[list[Problem], StartPose | None]:
+    problems: list[Problem] = []
+    first_heading: float | None = None
+    for index, (here, there) in enumerate(itertools.pairwise(actor.places)):
+        if _distance(here, there) <= JOIN_DISTANCE:
+            continue
+        route = _plan(actor, (here, there), network, first=index)
+        if isinstance(route, Problem):
+            problems.append(route)
+        elif index == 0:
+            first_heading = _first_heading(route)
+    pose = _standing_pose(actor, network)
+    if first_heading is not None:
+        pose = StartPose(actor=actor, x=pose.x, y=pose.y, yaw=first_heading)
+    return problems, pose
+
+
+def _standing_pose(actor: PlacedActor, network: RoadNetwork) -> StartPose:
+    """Heading towards the next place; else as told; else that of the lane."""
+    start = actor.places[0]
+    for place in actor.places[1:]:
+        if _distance(start, place) > 0.1:
+            heading = math.atan2(place.y - start.y, place.x - start.x)
+            return StartPose(actor=actor, x=start.x, y=start.y, yaw=heading)
+    near = None
+    if start.yaw is None:
+        near = nearest_lane_position(network, start.x, start.y)
+    return _pose(actor, start, 0.0 if near is None else near.heading)
+
+
+def _pose(actor: PlacedActor, start: Waypoint, heading: float) -> StartPose:
+    yaw = heading if start.yaw is None else start.yaw
+    return StartPose(actor=actor, x=start.x, y=start.y, yaw=yaw)
+
+
+def _plan(
+    actor: PlacedActor, places: Sequence[Waypoint], network: RoadNetwork, first: int = 0
+) -> LaneRoute | Problem:
+    """Plans a route through places, the first of which is the actor's waypoint ``first``."""
+    points = route_points(places)
+    try:
+        return plan_route(network, points)
+    except NoRoute as error:
+        reachable, blocked = 1, len(points)
+        while blocked - reachable > 1:
+            middle = (reachable + blocked) // 2
+            if _drivable(network, points[:middle]):
+                reachable = middle
+            else:
+                blocked = middle
+        here, there = places[blocked - 2], places[blocked - 1]
+        message = (
+            f"no drivable way from waypoint {first + blocked - 2} ({here.x:.2f}, {here.y:.2f}) to "
+            f"waypoint {first + blocked - 1} ({there.x:.2f}, {there.y:.2f}): {error}"
+        )
+        return _at(actor, first + blocked - 1, "no_route", message)
+
+
+def _drivable(network: RoadNetwork, points: Sequence[RoutePoint]) -> bool:
+    try:
+        plan_route(network, points)
+    except NoRoute:
+        return False
+    return True
+
+
+def _first_heading(route: LaneRoute) -> float:
+    step = route.line[min(1, len(route.line) - 1)] - route.line[0]
+    return math.atan2(float(step[1]), float(step[0]))
+
+
+def _distance(one: Waypoint, other: Waypoint) -> float:
+    return math.hypot(one.x - other.x, one.y - other.y)
+
+
+def _at(actor: PlacedActor, place: int, code: str, message: str) -> Problem:
+    return Problem(pointer=actor.place_pointer(place), code=code, message=message)

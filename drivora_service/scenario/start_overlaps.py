@@ -1,0 +1,85 @@
+"""Finds actors that would stand in one another when they appear.
+
+An actor keeps its first pose from the moment at which it appears until it moves: an ego from 0 to
+its start time, an NPC at its start time only, and one that never moves (an obstacle, a parked
+vehicle, a standing walker) from its start time on. Two actors overlap at their start where these
+times meet and their boxes do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from drivora_service.errors import Problem
+from drivora_service.geometry import FloatArray, box_corners
+from drivora_service.scenario.placed_actors import PlacedActor
+
+TOUCH = 0.02
+"""Metres by which boxes may touch."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartPose:
+    """Where an actor appears: centre in metres and heading in radians."""
+
+    actor: PlacedActor
+    x: float
+    y: float
+    yaw: float
+
+
+def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
+    """Names each actor that overlaps one before it in the document, with the first of those."""
+    boxes = [(pose, pose.actor.model) for pose in poses]
+    known = [(pose, model) for pose, model in boxes if model is not None]
+    corners = [_corners(pose, model.length - TOUCH, model.width - TOUCH) for pose, model in known]
+    polygons = shapely.polygons(np.array(corners).reshape(-1, 4, 2))
+    tree = shapely.STRtree(polygons)
+    later, earlier = tree.query(polygons, predicate="intersects")
+    first: dict[int, int] = {}
+    for a, b in zip(later.tolist(), earlier.tolist(), strict=True):
+        if b < a and b < first.get(a, a) and _meet(known[a][0].actor, known[b][0].actor):
+            first[a] = b
+    return [
+        _problem(known[a][0], known[b][0], corners[a], corners[b]) for a, b in sorted(first.items())
+    ]
+
+
+def _corners(pose: StartPose, length: float, width: float) -> FloatArray:
+    x, y, yaw = np.array([pose.x]), np.array([pose.y]), np.array([pose.yaw])
+    return box_corners(x, y, yaw, length, width)[0]
+
+
+def _still(actor: PlacedActor) -> tuple[float, float]:
+    """From when to when it keeps its first pose, seconds."""
+    if actor.is_ego:
+        return 0.0, actor.start_time
+    if len(actor.places) == 1:
+        return actor.start_time, math.inf
+    return actor.start_time, actor.start_time
+
+
+def _meet(one: PlacedActor, other: PlacedActor) -> bool:
+    (start, end), (other_start, other_end) = _still(one), _still(other)
+    return start <= other_end and other_start <= end
+
+
+def _problem(
+    pose: StartPose, other: StartPose, corners: FloatArray, other_corners: FloatArray
+) -> Problem:
+    shared = shapely.Polygon(corners).intersection(shapely.Polygon(other_corners)).area
+    gap = math.hypot(pose.x - other.x, pose.y - other.y)
+    return Problem(
+        pointer=pose.actor.place_pointer(0),
+        code="overlapping_start",
+        message=(
+            f"{pose.actor.id!r} at ({pose.x:.2f}, {pose.y:.2f}) stands in {other.actor.id!r} "
+            f"({other.actor.pointer}): centres {gap:.2f} m apart, {shared:.2f} m² shared; move one "
+            "of them or let it start at another time"
+        ),
+    )
