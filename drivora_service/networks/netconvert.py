@@ -24,6 +24,7 @@ def netconvert_version() -> str:
     Raises:
         NetworkError: It is not installed.
     """
+    _sumo_home()
     try:
         return importlib.metadata.version("eclipse-sumo")
     except importlib.metadata.PackageNotFoundError:
@@ -79,7 +80,9 @@ def _missing() -> NetworkError:
 
 def _summary(printed: str) -> str:
     lines = [line.strip() for line in printed.splitlines()]
-    errors = [line.removeprefix("Error: ") for line in lines if line.startswith("Error: ")]
+    errors = [
+        line.removeprefix("Error: ").rstrip(".") for line in lines if line.startswith("Error: ")
+    ]
     errors = errors or [line for line in lines if line and not line.startswith("Warning: ")][-1:]
     hidden = len(errors) - _SHOWN_ERRORS
     more = [f"and {hidden} more errors"] if hidden > 0 else []

@@ -1,0 +1,236 @@
+"""Importing a road network: SUMO ``.net.xml``, OpenDRIVE ``.xodr`` or OpenStreetMap ``.osm``."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from xml.parsers import expat
+
+from drivora_service.errors import NetworkError
+from drivora_service.networks.loading import load_network
+from drivora_service.networks.netconvert import convert, netconvert_version
+from drivora_service.networks.provenance import FILE_NAME, Provenance
+
+MAX_SOURCE_BYTES = 256 * 1024 * 1024
+"""A larger file is refused: a whole CARLA town has 1 to 60 MB, a city extract about 100 MB."""
+
+# What netconvert says when every road was left out.
+_NOTHING_LEFT = re.compile(r"No (nodes|edges) loaded")
+_NOTHING_LEFT_HINT = " (the file has no road that is open to cars)"
+
+_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+# Nothing is fetched to validate a file, and cars find no way to turn round on an open road.
+_COMMON = ("--xml-validation", "never", "--no-turnarounds.except-deadend", "true")
+
+# The lanes of CARLA's towns keep the ids and places they have in other conversions of the towns.
+# Finer steps than the default keep tight bends round.
+_OPENDRIVE = (*_COMMON, "--opendrive.curve-resolution", "1")
+
+# What SUMO recommends for OpenStreetMap, for roads open to cars; sidewalks stay as lanes of them.
+_OPENSTREETMAP = (
+    *_COMMON,
+    *("--keep-edges.by-vclass", "passenger"),
+    *("--remove-edges.isolated", "true"),
+    *("--geometry.remove", "true"),
+    *("--junctions.join", "true"),
+    *("--junctions.corner-detail", "5"),
+    *("--ramps.guess", "true"),
+    *("--roundabouts.guess", "true"),
+    *("--tls.guess-signals", "true"),
+    *("--tls.discard-simple", "true"),
+    *("--tls.join", "true"),
+    *("--tls.default-type", "static"),
+    *("--osm.turn-lanes", "true"),
+    *("--osm.sidewalks", "true"),
+    *("--crossings.guess", "true"),
+    *("--output.street-names", "true"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Format:
+    """One kind of source file.
+
+    Attributes:
+        root: Name of the document's root element.
+        label: What to call it in a message.
+        reader: netconvert's option that reads it; None where the file is copied.
+        options: netconvert's further options.
+        licence: What is known about the licence of such files.
+    """
+
+    root: str
+    label: str
+    reader: str | None
+    options: tuple[str, ...] = ()
+    licence: str = "that of the imported file"
+
+
+_SUMO = _Format(root="net", label="a SUMO network", reader=None)
+_XODR = _Format(root="OpenDRIVE", label="OpenDRIVE", reader="--opendrive-files", options=_OPENDRIVE)
+_OSM = _Format(
+    root="osm",
+    label="OpenStreetMap",
+    reader="--osm-files",
+    options=_OPENSTREETMAP,
+    licence="ODbL-1.0, © OpenStreetMap contributors",
+)
+_FORMATS = {".net.xml": _SUMO, ".xodr": _XODR, ".osm": _OSM, ".osm.xml": _OSM}
+
+
+def import_network(
+    source: Path,
+    name: str,
+    into: Path,
+    *,
+    replace: bool = False,
+    max_bytes: int = MAX_SOURCE_BYTES,
+) -> Path:
+    """Imports a road network under a name.
+
+    The network appears whole or not at all. Coordinates of the source become SUMO's by adding the
+    network's ``net_offset``.
+
+    Args:
+        source: A ``.net.xml``, ``.xodr``, ``.osm`` or ``.osm.xml`` file.
+        name: Its name from now on: letters, digits, ``-`` and ``_``.
+        into: Directory of the imported networks; made where it is missing.
+        replace: Put it in the place of an imported network of the same name.
+        max_bytes: Larger files are refused.
+
+    Returns:
+        ``into/<name>/<name>.net.xml``; ``provenance.yaml`` lies beside it.
+
+    Raises:
+        NetworkError: The name is not allowed or taken, the file cannot be used, or netconvert is
+            needed and missing.
+    """
+    if not _NAME.fullmatch(name):
+        raise NetworkError(
+            f"{name[:80]!r} cannot name a network: use 1 to 64 letters, digits, '-' and '_'"
+        )
+    target = into / name
+    if target.exists() and not replace:
+        raise NetworkError(
+            f"a network {name!r} is already imported; replace it or use another name"
+        )
+    data, form = _read(source, max_bytes)
+    with _staging(into) as stage:
+        path = stage / f"{name}.net.xml"
+        try:
+            network, version = _network_bytes(data, form, stage)
+            path.write_bytes(network)
+            load_network(path, name)
+        except NetworkError as error:
+            hint = _NOTHING_LEFT_HINT if _NOTHING_LEFT.search(str(error)) else ""
+            raise NetworkError(f"cannot import {source.name!r}: {error}{hint}") from error
+        provenance = Provenance(
+            title=name,
+            description=f"Imported from {form.label}.",
+            source=source.name,
+            licence=form.licence,
+            source_sha256=hashlib.sha256(data).hexdigest(),
+            netconvert=version,
+            options=form.options,
+        )
+        (stage / FILE_NAME).write_text(provenance.to_yaml(), encoding="utf-8")
+        _publish(stage, target, replace=replace)
+    return target / f"{name}.net.xml"
+
+
+def _read(source: Path, max_bytes: int) -> tuple[bytes, _Format]:
+    """Reads the file once, so that what is checked is what is converted."""
+    suffix = next((s for s in _FORMATS if source.name.lower().endswith(s)), None)
+    if suffix is None:
+        raise NetworkError(f"cannot import {source.name!r}: allowed are {', '.join(_FORMATS)}")
+    form = _FORMATS[suffix]
+    try:
+        with source.open("rb") as file:
+            data = file.read(max_bytes + 1)
+    except OSError as error:
+        raise NetworkError(f"cannot read {source.name!r}: {error.strerror}") from error
+    if len(data) > max_bytes:
+        raise NetworkError(
+            f"{source.name!r} is too large: more than {max_bytes / 1e6:.0f} MB; cut out the part "
+            "that is needed"
+        )
+    root = _root_element(data, source.name)
+    if root != form.root:
+        raise NetworkError(
+            f"{source.name!r} is not {form.label}: its root element is <{root}>, not <{form.root}>"
+        )
+    return data, form
+
+
+def _root_element(data: bytes, file_name: str) -> str:
+    """Gives the root element's name of a well-formed document without a document type."""
+    roots: list[str] = []
+
+    def start(tag: str, _attributes: dict[str, str]) -> None:
+        if not roots:
+            roots.append(tag)
+
+    def refuse(*_declaration: object) -> None:
+        # Entities are declared there only: they can read other files or grow without bound.
+        raise NetworkError(f"{file_name!r} has a document type declaration, which is not allowed")
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        raise NetworkError(f"{file_name!r} is not well-formed XML: {error}") from error
+    return roots[0]
+
+
+def _network_bytes(data: bytes, form: _Format, stage: Path) -> tuple[bytes, str | None]:
+    """Gives the network and the version of netconvert that made it, if one did."""
+    if form.reader is None:
+        return data, None
+    version = netconvert_version()
+    source = stage / "source.xml"
+    source.write_bytes(data)
+    try:
+        return convert([form.reader, str(source), *form.options]), version
+    finally:
+        source.unlink()
+
+
+@contextmanager
+def _staging(into: Path) -> Iterator[Path]:
+    """Gives a directory beside the final one, and removes what is left of it."""
+    try:
+        into.mkdir(parents=True, exist_ok=True)
+        # A dot cannot begin a network's name, so that no catalogue shows it.
+        stage = Path(tempfile.mkdtemp(prefix=".importing-", dir=into))
+    except OSError as error:
+        raise NetworkError(f"cannot write to {into}: {error.strerror}") from error
+    try:
+        yield stage
+    except OSError as error:
+        raise NetworkError(f"cannot write the imported network: {error.strerror}") from error
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def _publish(stage: Path, target: Path, *, replace: bool) -> None:
+    new = stage / "new"
+    new.mkdir()
+    for file in [path for path in stage.iterdir() if path.is_file()]:
+        file.rename(new / file.name)
+    if replace and target.exists():
+        target.rename(stage / "old")
+    try:
+        new.rename(target)
+    except OSError as error:
+        if (stage / "old").exists():
+            (stage / "old").rename(target)
+        raise NetworkError(f"a network {target.name!r} appeared meanwhile") from error
