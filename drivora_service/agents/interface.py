@@ -68,6 +68,8 @@ class Observation:
         object_kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
         object_ids: (n,) a number that stays with an actor through the run.
         light: State of the next signal on the route.
+        light_protected: Whether a green light gives the right of way over all others ("G" in SUMO);
+            with a permissive one, conflicting traffic with priority goes first.
         light_distance: Metres from the front bumper to its stop line; inf where there is none.
         speed_limit: m/s on the current lane.
     """
@@ -85,6 +87,7 @@ class Observation:
     object_kinds: IntArray
     object_ids: IntArray
     light: Light = Light.NONE
+    light_protected: bool = False
     light_distance: float = float("inf")
     speed_limit: float = 0.0
 

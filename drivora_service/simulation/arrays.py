@@ -14,6 +14,7 @@ from drivora_service.simulation.dynamics import Limit
 from drivora_service.simulation.followers import Followers, Phase, Reaction
 from drivora_service.simulation.lights import RunningProgram, light_of
 from drivora_service.simulation.plan import EgoPlan, FollowerPlan
+from drivora_service.simulation.step_kernels import PERMISSIVE
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -111,7 +112,8 @@ def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> R
         ends[i] = program.ends[-1]
         ends[i, : len(program.ends)] = program.ends
         for p, phase in enumerate(program.phases):
-            codes[i, p:] = int(light_of(phase.state[signal.link_index]))
+            letter = phase.state[signal.link_index]
+            codes[i, p:] = PERMISSIVE if letter == "g" else int(light_of(letter))
     return RouteArrays(
         first_point=_offsets([len(route.line) for route in routes]),
         lines=np.concatenate([route.line for route in routes]),

@@ -69,6 +69,7 @@ class EgoTeam:
         self.in_world = np.ones(count, dtype=np.bool_)
         self.endings = [Ending() for _ in range(count)]
         self.stuck = np.zeros(count)
+        self._protected = np.zeros(count, dtype=np.bool_)
         self._routes = lay_routes(plan.egos, plan.programs)
         self._cursors = np.zeros(count, dtype=np.int64)
         self._wind = plan.weather.wind_acceleration * np.array(
@@ -207,6 +208,7 @@ class EgoTeam:
         observation.object_ids = ids[:count]
         distance = values[EgoCol.LIGHT_DISTANCE]
         observation.light = Light(int(world.ego_lights[step, m]))
+        observation.light_protected = bool(self._protected[m])
         observation.light_distance = math.inf if distance != distance else distance
         observation.speed_limit = float(self._plan.egos[m].route.speed_limits[self._cursors[m]])
         return observation
@@ -225,7 +227,8 @@ class EgoTeam:
             time, dt, world.states[step], world.sizes, self.active,
             routes.first_point, routes.lines, routes.arcs, self._cursors,
             routes.first_signal, routes.signal_s, routes.signal_ends, routes.signal_codes,
-            routes.signal_offsets, world.ego_values[step], world.ego_lights[step], self.stuck,
+            routes.signal_offsets, world.ego_values[step], world.ego_lights[step],
+            self._protected, self.stuck,
         )  # fmt: skip
 
     def end(self, m: int, event: TerminalEvent, step: int) -> None:

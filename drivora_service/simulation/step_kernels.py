@@ -21,6 +21,8 @@ ByteArray = NDArray[np.uint8]
 STUCK_SPEED = 0.1
 QUEUE_REACH = 100.0
 """A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
+PERMISSIVE = 4
+"""Code of a green signal whose traffic yields to others with priority."""
 _SEARCH_BEHIND = 5
 _SEARCH_AHEAD = 40
 
@@ -180,6 +182,7 @@ def follow_egos(
     signal_offsets: FloatArray,
     values: FloatArray,
     lights: ByteArray,
+    protected: BoolArray,
     stuck: FloatArray,
 ) -> None:
     """Tracks every active ego along its route: distance, next signal, time it has been stuck.
@@ -197,10 +200,11 @@ def follow_egos(
         first_signal: (M + 1,) where each route's signals begin in the arrays below.
         signal_s: (S,) arc length of the stop lines, ascending a route.
         signal_ends: (S, p) ends of the stages within the cycle, seconds, padded with the cycle.
-        signal_codes: (S, p) ``Light`` a stage.
+        signal_codes: (S, p) ``Light`` a stage, or ``PERMISSIVE``.
         signal_offsets: (S,) seconds.
         values: (M, 8) of this frame, columns ``EgoCol``; changed in place.
         lights: (M,) ``Light`` of the next signal; changed in place.
+        protected: (M,) whether that signal is green with the right of way; changed in place.
         stuck: (M,) seconds stuck; changed in place.
     """
     for m in range(active.shape[0]):
@@ -217,10 +221,13 @@ def follow_egos(
         half = 0.5 * sizes[m, 0]
         values[m, 7] = np.nan
         lights[m] = 0
+        protected[m] = False
         for i in range(first_signal[m], first_signal[m + 1]):
             if s - half <= signal_s[i]:
                 values[m, 7] = signal_s[i] - (s + half)
-                lights[m] = _signal_shown(i, time, signal_ends, signal_codes, signal_offsets)
+                code = _signal_shown(i, time, signal_ends, signal_codes, signal_offsets)
+                protected[m] = code == 1
+                lights[m] = 1 if code == PERMISSIVE else code
                 break
         if math.hypot(frame[m, 3], frame[m, 4]) >= STUCK_SPEED:
             stuck[m] = 0.0

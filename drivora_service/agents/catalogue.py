@@ -1,0 +1,172 @@
+"""The agents that a document may name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from drivora_service.agents.idm.agent import IdmAgent
+from drivora_service.agents.interface import Agent
+from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.errors import AgentError, UnknownName
+
+ENTRY_POINT_GROUP = "drivora_service.agents"
+
+
+class AgentKind(StrEnum):
+    """How an ADS is built."""
+
+    MODULE_BASED = "module-based"
+    END_TO_END = "end-to-end"
+    LANGUAGE_BASED = "language-based"
+    BASELINE = "baseline"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentEntry:
+    """What the catalogue says of an agent.
+
+    Attributes:
+        source: Where it comes from: paper, package.
+        installed: Whether it can be run here.
+        reason: Why not, or "".
+        privileged: Whether it sees more than the perception model lets through.
+    """
+
+    name: str
+    kind: AgentKind
+    description: str
+    source: str
+    licence: str
+    installed: bool = True
+    reason: str = ""
+    privileged: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentPlugin:
+    """What an entry point of the group ``drivora_service.agents`` gives: an entry and a factory.
+
+    The factory takes the document's parameters and raises ``AgentError`` if it cannot use them.
+    """
+
+    entry: AgentEntry
+    create: Callable[[Mapping[str, Any]], Agent | SumoDriver]
+
+
+def _idm(parameters: Mapping[str, Any]) -> IdmAgent:
+    known = {"speed_factor"}
+    unknown = set(parameters) - known
+    if unknown:
+        raise AgentError(
+            f"agent 'idm' has no parameter {sorted(unknown)[0]!r}; known: speed_factor",
+            cause="agent_parameters",
+        )
+    factor = parameters.get("speed_factor", 1.0)
+    if isinstance(factor, bool) or not isinstance(factor, int | float) or not 0.1 <= factor <= 2.0:
+        raise AgentError(
+            f"agent 'idm': speed_factor is {factor!r}; allowed: a number from 0.1 to 2",
+            cause="agent_parameters",
+        )
+    return IdmAgent(speed_factor=float(factor))
+
+
+def _sumo(type_id: str) -> Callable[[Mapping[str, Any]], SumoDriver]:
+    def create(parameters: Mapping[str, Any]) -> SumoDriver:
+        if parameters:
+            raise AgentError(
+                "SUMO's drivers take no parameters: leave `parameters` out",
+                cause="agent_parameters",
+            )
+        return SumoDriver(type_id=type_id)
+
+    return create
+
+
+def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
+    return AgentPlugin(
+        entry=AgentEntry(
+            name=name,
+            kind=AgentKind.BASELINE,
+            description=f"SUMO's own driver: {model} with the lane-change model LC2013",
+            source="Eclipse SUMO",
+            licence="EPL-2.0",
+            privileged=True,
+        ),
+        create=_sumo(type_id),
+    )
+
+
+BUILT_IN: tuple[AgentPlugin, ...] = (
+    AgentPlugin(
+        entry=AgentEntry(
+            name="idm",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "intelligent driver model and pure pursuit along the route; obeys lights and right "
+                "of way, changes lanes where the route needs it"
+            ),
+            source="written here after Treiber, Hennecke, Helbing 2000 and Coulter 1992",
+            licence="Apache-2.0",
+        ),
+        create=_idm,
+    ),
+    _sumo_plugin("sumo-krauss", "Krauss car following", "krauss-LC2013"),
+    _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),
+    _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
+)
+
+
+class AgentCatalogue:
+    """The built-in agents and those that installed packages bring by entry point."""
+
+    def __init__(self, built_in: tuple[AgentPlugin, ...] = BUILT_IN) -> None:
+        self._built_in = {plugin.entry.name: plugin for plugin in built_in}
+        self._found: dict[str, EntryPoint] = {
+            point.name: point
+            for point in entry_points(group=ENTRY_POINT_GROUP)
+            if point.name not in self._built_in
+        }
+
+    def names(self) -> tuple[str, ...]:
+        """Gives all names, sorted."""
+        return tuple(sorted({*self._built_in, *self._found}))
+
+    def entry(self, name: str) -> AgentEntry:
+        """Gives what is known of an agent.
+
+        Raises:
+            UnknownName: If there is no such agent.
+        """
+        return self._plugin(name).entry
+
+    def entries(self) -> tuple[AgentEntry, ...]:
+        """Gives all entries, by name."""
+        return tuple(self.entry(name) for name in self.names())
+
+    def create(self, name: str, parameters: Mapping[str, Any]) -> Agent | SumoDriver:
+        """Makes an agent for one ego and one run.
+
+        Raises:
+            UnknownName: If there is no such agent.
+            AgentError: If it does not take these parameters.
+        """
+        return self._plugin(name).create(parameters)
+
+    def _plugin(self, name: str) -> AgentPlugin:
+        plugin = self._built_in.get(name)
+        if plugin is not None:
+            return plugin
+        point = self._found.get(name)
+        if point is None:
+            raise UnknownName("agent", name, self.names())
+        loaded = point.load()
+        if not isinstance(loaded, AgentPlugin):
+            raise AgentError(
+                f"entry point {name!r} gives a {type(loaded).__name__}; allowed: AgentPlugin",
+                cause="agent_plugin",
+            )
+        return loaded

@@ -1,0 +1,1 @@
+"""The intelligent-driver agent: IDM along the route, pure pursuit, lights and right of way."""

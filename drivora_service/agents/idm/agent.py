@@ -1,0 +1,110 @@
+"""A rule-based ADS: car following by the intelligent driver model, steering by pure pursuit.
+
+It obeys traffic lights and the network's right of way, yields in conflict zones by gap acceptance,
+keeps junctions clear, changes lanes where its route needs it, and never overtakes. Source of the
+car-following model: Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations
+and microscopic simulations* (2000); of the steering: Coulter, *Implementation of the pure pursuit
+path tracking algorithm* (1992).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
+from drivora_service.agents.idm.driving import decide, lane_is_free, locate
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.networks.lane_route import LaneRun
+
+FloatArray = NDArray[np.float64]
+
+_SIDE_ACCELERATION = 2.2
+_PLANNED_BRAKING = 1.8
+_SMOOTHING = 5
+
+
+class IdmAgent:
+    """The agent. One object drives one ego through one run."""
+
+    def __init__(self, speed_factor: float = 1.0) -> None:
+        """Args: speed_factor: Share of the speed limit that it drives where the road is free."""
+        self._speed_factor = speed_factor
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares speed profiles and conflict zones along the route."""
+        self._context = context
+        model = context.model
+        self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
+        self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
+        self._runs = context.route.runs
+        self._profiles = [self._profile(run) for run in self._runs]
+        self._conflicts: list[Conflicts] = [
+            find_conflicts(context.network, run, context.route) for run in self._runs
+        ]
+        self._current = 0
+        self._cursor = int(np.searchsorted(self._runs[0].arc, self._runs[0].start_s))
+        self._out = np.zeros(8)
+        self._log = context.log
+        self._log.declare("gap", "wanted_speed", "halt_distance")
+
+    def _profile(self, run: LaneRun) -> FloatArray:
+        """Gives the speed to drive at each point of a run, (n,) m/s."""
+        step = np.diff(run.line, axis=0)
+        heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+        span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)
+        turn = np.abs(np.diff(heading))
+        bend = np.zeros(len(run.line))
+        bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
+        bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
+        side = _SIDE_ACCELERATION * self._context.friction
+        speed = np.minimum(
+            run.speed_limits * self._speed_factor, np.sqrt(side / np.maximum(bend, 1e-4))
+        )
+        speed = np.maximum(speed, 2.0)
+        brake = _PLANNED_BRAKING * self._context.friction
+        for i in range(len(speed) - 2, -1, -1):
+            reach = math.sqrt(speed[i + 1] ** 2 + 2.0 * brake * (run.arc[i + 1] - run.arc[i]))
+            speed[i] = min(speed[i], reach)
+        return np.ascontiguousarray(speed)
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        """Drives."""
+        x, y, yaw = observation.ego[:3].tolist()
+        self._change_lane_when_possible(observation, x, y)
+        run, zones = self._runs[self._current], self._conflicts[self._current]
+        is_last = self._current == len(self._runs) - 1
+        self._cursor = decide(
+            x, y, yaw, observation.speed, self._half_length, self._half_width,
+            self._context.model.wheelbase, self._max_braking, self._cursor, run.line, run.arc,
+            self._profiles[self._current], math.inf if is_last else run.end_s,
+            observation.light_distance, int(observation.light), observation.light_protected,
+            zones.enter, zones.leave, zones.gate, zones.exit, zones.must_yield, zones.signalised,
+            zones.first, zones.line, zones.arc, zones.foe_enter, zones.foe_leave,
+            observation.objects, observation.object_sizes, observation.object_kinds, self._out,
+        )  # fmt: skip
+        acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
+        row = self._log.row
+        row[0], row[1], row[2] = gap, wanted, stop
+        return AccelerationControl(acceleration, steer)
+
+    def _change_lane_when_possible(self, observation: Observation, x: float, y: float) -> None:
+        if self._current == len(self._runs) - 1:
+            return
+        run, onward = self._runs[self._current], self._runs[self._current + 1]
+        if float(run.arc[self._cursor]) < run.change_from:
+            return
+        near = np.hypot(onward.line[:, 0] - x, onward.line[:, 1] - y)
+        window = np.flatnonzero(onward.arc >= onward.start_s - 5.0)
+        first = int(window[0]) if len(window) else 0
+        start = first + int(np.argmin(near[first:]))
+        cursor, s, _ = locate(onward.line, onward.arc, start, 5, x, y)
+        if lane_is_free(
+            onward.line, onward.arc, cursor, s, observation.speed, self._half_length,
+            observation.objects, observation.object_sizes, len(observation.objects),
+        ):  # fmt: skip
+            self._current += 1
+            self._cursor = cursor
+            self._log.event(f"changes to lane {onward.lanes[0]}")

@@ -1,0 +1,189 @@
+"""Where others cross an agent's route: the conflict zones of every junction on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.geometry import arc_lengths
+from drivora_service.networks.lane_route import LaneRoute, LaneRun
+from drivora_service.networks.right_of_way import Movement, right_of_way
+from drivora_service.networks.road_network import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_CLEAR_WIDTH = 2.6
+"""Two lines nearer than this cannot be driven side by side, metres: a car's width and room."""
+_APPROACH = 90.0
+_SPACING = 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Conflicts:
+    """Conflict zones of one lane run, in order along it.
+
+    Attributes:
+        enter: (C,) arc length on the run's line where the zone begins, metres.
+        leave: (C,) where it ends.
+        gate: (C,) arc length of the stop line before the junction.
+        exit: (C,) arc length where the junction ends.
+        must_yield: (C,) 1 if the other movement has the right of way.
+        signalised: (C,) 1 if a traffic light controls the junction.
+        first: (C + 1,) where the foe's line begins in the arrays below.
+        line: (n, 2) foes' lines: approach and way through the junction, end to end.
+        arc: (n,) arc lengths.
+        foe_enter: (C,) arc length on the foe's line where the zone begins.
+        foe_leave: (C,) where it ends.
+    """
+
+    enter: FloatArray
+    leave: FloatArray
+    gate: FloatArray
+    exit: FloatArray
+    must_yield: IntArray
+    signalised: IntArray
+    first: IntArray
+    line: FloatArray
+    arc: FloatArray
+    foe_enter: FloatArray
+    foe_leave: FloatArray
+
+
+def _chain_line(network: RoadNetwork, lanes: Sequence[int]) -> FloatArray:
+    points = np.concatenate([network.lanes[lane].shape for lane in lanes])
+    keep = np.concatenate(([True], np.hypot(*np.diff(points, axis=0).T) > 1e-3))
+    line = points[keep]
+    if len(line) < 2:
+        return network.lanes[lanes[0]].shape
+    arc = arc_lengths(line)
+    fine = np.linspace(0.0, arc[-1], max(2, int(np.ceil(arc[-1] / _SPACING)) + 1))
+    return np.column_stack((np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])))
+
+
+def _approach(network: RoadNetwork, movement: Movement) -> list[int]:
+    """Gives the lanes that lead into a movement, as far back as an approach matters."""
+    table = right_of_way(network)
+    lanes: list[int] = []
+    lane, length = movement.incoming, 0.0
+    while lane >= 0 and length < _APPROACH and lane not in lanes:
+        lanes.insert(0, lane)
+        length += network.lanes[lane].length
+        lane = table.before.get(lane, (-1,))[0]
+    return lanes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Zone:
+    enter: float
+    leave: float
+    gate: float
+    exit: float
+    must_yield: bool
+    signalised: bool
+    line: FloatArray
+    foe_enter: float
+    foe_leave: float
+
+
+def _near_range(
+    mine: FloatArray, theirs: FloatArray
+) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+    gaps = np.hypot(mine[:, None, 0] - theirs[None, :, 0], mine[:, None, 1] - theirs[None, :, 1])
+    near = gaps < _CLEAR_WIDTH
+    if not near.any():
+        return None
+    return np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+
+
+def find_conflicts(network: RoadNetwork, run: LaneRun, route: LaneRoute) -> Conflicts:
+    """Finds the conflict zones along a lane run.
+
+    Args:
+        network: The road network.
+        run: Lanes to follow.
+        route: The whole route: its signals say which junctions have lights.
+    """
+    table = right_of_way(network)
+    lights = {signal.traffic_light for signal in route.signals}
+    zones: list[_Zone] = []
+    handled: set[int] = set()
+    for position, lane in enumerate(run.lanes):
+        movement = table.by_lane.get(lane)
+        if movement is None or not movement.foes or lane in handled:
+            continue
+        handled.update(movement.lanes)
+        way = _chain_line(network, movement.lanes)
+        gate = _place_on(run, way[0], position)
+        span = float(arc_lengths(way)[-1])
+        signalised = bool(lights) and _has_light(network, movement)
+        for foe_lane in movement.foes:
+            foe = table.by_lane[foe_lane]
+            through = _chain_line(network, foe.lanes)
+            found = _near_range(way, through)
+            if found is None:
+                continue
+            mine, theirs = found
+            approach = _approach(network, foe)
+            line = (
+                np.concatenate((_chain_line(network, approach), through)) if approach else through
+            )
+            arc = arc_lengths(line)
+            base = float(arc[-1] - arc_lengths(through)[-1])
+            way_arc, through_arc = arc_lengths(way), arc_lengths(through)
+            zones.append(
+                _Zone(
+                    enter=gate + float(way_arc[mine[0]]),
+                    leave=gate + float(way_arc[mine[-1]]),
+                    gate=gate,
+                    exit=gate + span,
+                    must_yield=foe_lane in movement.yields_to,
+                    signalised=signalised,
+                    line=line,
+                    foe_enter=base + float(through_arc[theirs[0]]),
+                    foe_leave=base + float(through_arc[theirs[-1]]),
+                )
+            )
+    return _lay(sorted(zones, key=lambda zone: zone.enter))
+
+
+def _has_light(network: RoadNetwork, movement: Movement) -> bool:
+    if movement.incoming < 0:
+        return False
+    return any(
+        connection.to_lane == movement.lanes[0] and connection.traffic_light
+        for connection in network.lanes[movement.incoming].connections
+    )
+
+
+def _place_on(run: LaneRun, point: FloatArray, position: int) -> float:
+    """Gives the arc length on the run's line of a junction's entry.
+
+    A run may pass the same junction twice; the share of lanes before it tells where to look.
+    """
+    distance = np.hypot(run.line[:, 0] - point[0], run.line[:, 1] - point[1])
+    near = np.flatnonzero(distance < float(distance.min()) + 1.0)
+    share = position / max(len(run.lanes), 1) * float(run.arc[-1])
+    best = near[int(np.argmin(np.abs(run.arc[near] - share)))]
+    return float(run.arc[best])
+
+
+def _lay(zones: Sequence[_Zone]) -> Conflicts:
+    lines = [zone.line for zone in zones]
+    counts = [len(line) for line in lines]
+    return Conflicts(
+        enter=np.array([zone.enter for zone in zones]),
+        leave=np.array([zone.leave for zone in zones]),
+        gate=np.array([zone.gate for zone in zones]),
+        exit=np.array([zone.exit for zone in zones]),
+        must_yield=np.array([zone.must_yield for zone in zones], dtype=np.int64),
+        signalised=np.array([zone.signalised for zone in zones], dtype=np.int64),
+        first=np.concatenate(([0], np.cumsum(counts, dtype=np.int64))).astype(np.int64),
+        line=np.concatenate(lines) if lines else np.empty((0, 2)),
+        arc=np.concatenate([arc_lengths(line) for line in lines]) if lines else np.empty(0),
+        foe_enter=np.array([zone.foe_enter for zone in zones]),
+        foe_leave=np.array([zone.foe_leave for zone in zones]),
+    )

@@ -1,0 +1,90 @@
+"""Who must yield to whom inside a junction, as the network's own right-of-way table has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+from xml.etree import ElementTree
+
+from drivora_service.networks.road_network import RoadNetwork
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Movement:
+    """A way through a junction.
+
+    Attributes:
+        junction: Id of the junction.
+        lanes: Internal lanes in order.
+        incoming: Lane before the junction, or -1.
+        foes: Internal lanes (last of their movement) that cross or merge with this one.
+        yields_to: Those of ``foes`` that have the right of way.
+    """
+
+    junction: str
+    lanes: tuple[int, ...]
+    incoming: int
+    foes: tuple[int, ...]
+    yields_to: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RightOfWay:
+    """All movements of a network.
+
+    Attributes:
+        by_lane: A movement by any of its internal lanes.
+        before: Lanes that lead into a lane, by lane.
+    """
+
+    by_lane: dict[int, Movement]
+    before: dict[int, tuple[int, ...]]
+
+
+_cache: WeakKeyDictionary[RoadNetwork, RightOfWay] = WeakKeyDictionary()
+
+
+def right_of_way(network: RoadNetwork) -> RightOfWay:
+    """Gives the right-of-way table of a network, read once."""
+    table = _cache.get(network)
+    if table is None:
+        table = _read(network)
+        _cache[network] = table
+    return table
+
+
+def _read(network: RoadNetwork) -> RightOfWay:
+    into: dict[int, list[int]] = {}
+    for lane in network.lanes:
+        for connection in lane.connections:
+            into.setdefault(connection.to_lane, []).append(lane.index)
+    by_lane: dict[int, Movement] = {}
+    for _, element in ElementTree.iterparse(network.path):
+        if element.tag != "junction" or element.get("type") == "internal":
+            continue
+        last = [network.lane_by_id.get(name, -1) for name in element.get("intLanes", "").split()]
+        for request in element.findall("request"):
+            link = int(request.get("index", "-1"))
+            if not 0 <= link < len(last) or last[link] < 0:
+                continue
+            chain = [last[link]]
+            while chain[0] in into and network.lanes[into[chain[0]][0]].is_internal:
+                chain.insert(0, into[chain[0]][0])
+            movement = Movement(
+                junction=element.get("id", ""),
+                lanes=tuple(chain),
+                incoming=into.get(chain[0], [-1])[0],
+                foes=_marked(request.get("foes", ""), last),
+                yields_to=_marked(request.get("response", ""), last),
+            )
+            for index in chain:
+                by_lane[index] = movement
+        element.clear()
+    return RightOfWay(by_lane=by_lane, before={lane: tuple(lanes) for lane, lanes in into.items()})
+
+
+def _marked(bits: str, lanes: list[int]) -> tuple[int, ...]:
+    """Gives the lanes whose bit is set; the rightmost character is link 0."""
+    return tuple(
+        lane for lane, bit in zip(lanes, reversed(bits), strict=False) if bit == "1" and lane >= 0
+    )

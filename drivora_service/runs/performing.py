@@ -1,0 +1,167 @@
+"""Performing a run in the worker process: simulate, judge, measure, report.
+
+Whatever an agent or a document does, the answer is a report.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.errors import (
+    AgentError,
+    InvalidDocument,
+    NetworkError,
+    UnknownName,
+)
+from drivora_service.feedback.catalogue import score
+from drivora_service.metrics.catalogue import measure
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.observations.trace_file import write_trace
+from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.oracles.catalogue import default_oracles, judge_all
+from drivora_service.runs.progress import ProgressBoard
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.scenario.model import AgentChoice, Scenario
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.plan import plan_episode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerSetup:
+    """What every worker of an executor needs to know.
+
+    Attributes:
+        shipped_networks: Folder of the networks that come with the package.
+        imported_networks: Folder of the user's own, or ``None``.
+    """
+
+    shipped_networks: Path
+    imported_networks: Path | None = None
+
+
+@lru_cache(maxsize=4)
+def _networks(setup: WorkerSetup) -> NetworkCatalogue:
+    """Gives the catalogue, one a process, so that its networks are parsed once."""
+    return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
+
+
+@lru_cache(maxsize=1)
+def _agents() -> AgentCatalogue:
+    return AgentCatalogue()
+
+
+@lru_cache(maxsize=1)
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("drivora", "libsumo", "numpy", "numba")}
+
+
+@dataclass(slots=True)
+class _Clock:
+    """Wall time of a run's parts, seconds."""
+
+    started: float
+    stepping: float = 0.0
+
+
+def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = None) -> RunReport:
+    """Performs one run.
+
+    Args:
+        spec: What to run; its document is the canonical JSON of a validated scenario.
+        setup: Where the networks are.
+        board: Where to show progress.
+
+    Returns:
+        The report: finished, agent failed, or invalid.
+
+    Raises:
+        SimulatorError: If SUMO itself fails; the slot records it as a crash.
+    """
+    cells = np.zeros(4, dtype=np.int64) if board is None else board.cells
+    cells[3] += 1
+    cells[1] = cells[2] = 0
+    cells[0] = Phase.PREPARING
+    clock = _Clock(time.perf_counter())
+    try:
+        return _perform(spec, setup, cells, clock)
+    except AgentError as error:
+        failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
+        return _failed(spec, RunStatus.AGENT_FAILED, failure, clock)
+    except (InvalidDocument, NetworkError, UnknownName) as error:
+        failure = RunFailure(cause="invalid_document", message=str(error))
+        return _failed(spec, RunStatus.INVALID, failure, clock)
+    finally:
+        cells[0] = Phase.IDLE
+
+
+def _perform(
+    spec: RunSpec,
+    setup: WorkerSetup,
+    cells: np.ndarray[tuple[int], np.dtype[np.int64]],
+    clock: _Clock,
+) -> RunReport:
+    scenario = _with_overrides(from_canonical(spec.document), spec)
+    network = _networks(setup).get(scenario.map_region.town)
+    plan = plan_episode(scenario, network)
+    catalogue = _agents()
+    agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
+    episode = Episode(
+        plan,
+        agents,
+        privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
+        cells=cells,
+    )
+    cells[0] = Phase.SIMULATING
+    begun = time.perf_counter()
+    while not episode.done:
+        episode.step()
+    clock.stepping = time.perf_counter() - begun
+    cells[0] = Phase.JUDGING
+    trace = episode.finish()
+    trace.meta["versions"] = _versions()
+    if spec.trace_path:
+        write_trace(trace, Path(spec.trace_path))
+    verdicts = judge_all(trace, network, default_oracles())
+    return RunReport(
+        run_id=spec.run_id,
+        status=RunStatus.FINISHED,
+        verdicts=verdicts,
+        metrics=measure(trace, network, verdicts),
+        scores=score(trace, network),
+        trace_sha256=trace_sha256(trace),
+        steps=trace.step_count,
+        sim_time_s=float(trace.times[-1]),
+        wall_time_s=time.perf_counter() - clock.started,
+        step_cost_us=1e6 * clock.stepping / max(trace.step_count - 1, 1),
+        versions=_versions(),
+    )
+
+
+def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
+    if spec.agent:
+        choice = AgentChoice(name=spec.agent)
+        egos = tuple(
+            ego if ego.agent.name == spec.agent else replace(ego, agent=choice)
+            for ego in scenario.ego_vehicles
+        )
+        scenario = replace(scenario, ego_vehicles=egos)
+    return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
+
+
+def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, clock: _Clock) -> RunReport:
+    return RunReport(
+        run_id=spec.run_id,
+        status=status,
+        failure=failure,
+        wall_time_s=time.perf_counter() - clock.started,
+        versions=_versions(),
+    )
