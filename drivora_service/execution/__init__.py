@@ -1,0 +1,1 @@
+"""Running many runs at once, on workers that may die."""

@@ -1,0 +1,26 @@
+"""One try at a run: who tried, when, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from drivora_service.runs.report import RunReport
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttemptEnd:
+    """The end of an attempt. Its report is the run's own unless the attempt is repeated.
+
+    Attributes:
+        worker: Name of the slot.
+        started: When the slot took the run, UTC.
+        ended: When its end was seen, UTC.
+        signal: Name of the signal that ended the worker process, such as ``SIGSEGV``, or "".
+    """
+
+    report: RunReport
+    worker: str
+    started: datetime
+    ended: datetime
+    signal: str = ""

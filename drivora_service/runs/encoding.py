@@ -1,0 +1,33 @@
+"""Reports as JSON text, for the database and for programs."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from drivora_service.runs.report import RunReport
+
+
+def report_to_json(report: RunReport) -> str:
+    """Writes a report as JSON; NaN and infinities become ``null``."""
+    return _adapter().dump_json(report, fallback=_plain).decode()
+
+
+def report_from_json(text: str | bytes) -> RunReport:
+    """Reads what :func:`report_to_json` wrote."""
+    return _adapter().validate_json(text)
+
+
+@cache
+def _adapter() -> TypeAdapter[RunReport]:
+    return TypeAdapter(RunReport)
+
+
+def _plain(value: Any) -> Any:
+    """Turns the NumPy values that evidence may hold into Python's."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"a report cannot hold a {type(value).__name__}")

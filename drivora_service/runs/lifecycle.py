@@ -1,0 +1,168 @@
+"""The life of a run: what may happen to it, and what follows.
+
+::
+
+    queued ──start──▶ running ──end──▶ finished, invalid, agent_failed, timed_out   (final)
+      ▲                 │
+      │                 ├── simulator_crashed: repeated once; the second crash is final and
+      │                 │   quarantines the scenario
+      ├─── again ◀──────┤
+      │                 ├── infrastructure_failed: again, up to a limit
+      │                 └── interrupted (the server died): again, up to a limit
+      └──cancel──▶ cancelled
+
+Pure functions from state to state; whoever keeps the state (the store, or a list in memory) applies
+them and does what the :class:`Transition` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RetryPolicy:
+    """How often a run may fail for reasons that are not its own.
+
+    Attributes:
+        infrastructure_failures: Attempts that may be lost before the run is given up.
+        crashes: Crashes of the simulator that confirm each other.
+        interruptions: Deaths of the server that a run survives; the limit ends the loop of a run
+            that takes the whole machine down.
+    """
+
+    infrastructure_failures: int = 3
+    crashes: int = 2
+    interruptions: int = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunState:
+    """All that decides what may happen next to a run."""
+
+    status: RunStatus = RunStatus.QUEUED
+    infrastructure_failures: int = 0
+    crashes: int = 0
+    interruptions: int = 0
+    cancel_requested: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transition:
+    """What follows from an event.
+
+    Attributes:
+        state: The new state.
+        report: The end of the run, or ``None`` while it goes on.
+        quarantine: Whether the scenario crashed the simulator for sure and must not run again.
+    """
+
+    state: RunState
+    report: RunReport | None = None
+    quarantine: bool = False
+
+
+def start(state: RunState) -> RunState:
+    """A worker takes the run.
+
+    Raises:
+        ValueError: The run is not queued.
+    """
+    _expect(state, RunStatus.QUEUED)
+    return replace(state, status=RunStatus.RUNNING)
+
+
+def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
+    """An attempt ended with ``report``.
+
+    Raises:
+        ValueError: The run is not running, or the report is not final.
+    """
+    _expect(state, RunStatus.RUNNING)
+    match report.status:
+        case RunStatus.QUEUED | RunStatus.RUNNING:
+            raise ValueError(f"{report.status} is not the end of an attempt")
+        case RunStatus.SIMULATOR_CRASHED:
+            state = replace(state, crashes=state.crashes + 1)
+            if state.crashes >= policy.crashes:
+                return Transition(state=_final(state, report), report=report, quarantine=True)
+            return _again(state, report.run_id)
+        case RunStatus.INFRASTRUCTURE_FAILED:
+            state = replace(state, infrastructure_failures=state.infrastructure_failures + 1)
+            if state.infrastructure_failures >= policy.infrastructure_failures:
+                return Transition(state=_final(state, report), report=report)
+            return _again(state, report.run_id)
+        case _:
+            return Transition(state=_final(state, report), report=report)
+
+
+def interrupt(state: RunState, run_id: str, policy: RetryPolicy) -> Transition:
+    """The process that watched the run died, so nobody will report this attempt.
+
+    Raises:
+        ValueError: The run is not running.
+    """
+    _expect(state, RunStatus.RUNNING)
+    state = replace(state, interruptions=state.interruptions + 1)
+    if state.interruptions < policy.interruptions:
+        return _again(state, run_id)
+    report = RunReport(
+        run_id=run_id,
+        status=RunStatus.INFRASTRUCTURE_FAILED,
+        failure=RunFailure(
+            cause="interrupted",
+            message=f"the server died {state.interruptions} times while this run was running",
+        ),
+    )
+    return Transition(state=_final(state, report), report=report)
+
+
+def release(state: RunState, run_id: str) -> Transition:
+    """The run goes back to the queue unharmed, because the server stops.
+
+    Raises:
+        ValueError: The run is not running.
+    """
+    _expect(state, RunStatus.RUNNING)
+    return _again(state, run_id)
+
+
+def cancel(state: RunState, run_id: str) -> Transition:
+    """Somebody asks that the run be given up.
+
+    A queued run ends at once. A running one ends when its worker has let go of it; if it ends by
+    itself before, that end counts. A final one stays as it is.
+    """
+    if state.status is RunStatus.RUNNING:
+        return Transition(state=replace(state, cancel_requested=True))
+    if state.status.is_final:
+        return Transition(state=state)
+    report = cancelled_report(run_id)
+    return Transition(state=_final(state, report), report=report)
+
+
+def cancelled_report(run_id: str) -> RunReport:
+    """The report of a run that was given up."""
+    return RunReport(
+        run_id=run_id,
+        status=RunStatus.CANCELLED,
+        failure=RunFailure(cause="cancelled", message="the run was cancelled"),
+    )
+
+
+def _again(state: RunState, run_id: str) -> Transition:
+    if state.cancel_requested:
+        report = cancelled_report(run_id)
+        return Transition(state=_final(state, report), report=report)
+    return Transition(state=replace(state, status=RunStatus.QUEUED))
+
+
+def _final(state: RunState, report: RunReport) -> RunState:
+    return replace(state, status=report.status)
+
+
+def _expect(state: RunState, status: RunStatus) -> None:
+    if state.status is not status:
+        raise ValueError(f"the run is {state.status}, not {status}")

@@ -1,0 +1,162 @@
+"""Batches: runs that were asked for together."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import Conflict, UnknownName
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.cancelling import cancel_runs
+from drivora_service.store.ids import new_id
+from drivora_service.store.paging import make_token, read_token
+from drivora_service.store.records import BatchRecord, BatchState, Page, Priority
+from drivora_service.store.tables import BatchRow, RunRow
+
+SINGLE_JOBS = "jobs"
+"""Id of the batch of all jobs that were posted alone; it is never shown."""
+
+
+class BatchRepository:
+    """Reads and writes batches."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def create(self, *, name: str, priority: Priority) -> BatchRecord:
+        """Makes an empty batch; runs are added with :meth:`JobRepository.submit`."""
+        row = BatchRow(
+            id=new_id(),
+            name=name,
+            priority=int(priority),
+            state=BatchState.OPEN,
+            created_at=datetime.now(UTC),
+            size=0,
+            queued=0,
+            served=self._fair_start(priority),
+        )
+        self._session.add(row)
+        self._session.flush()
+        return self._records([row])[0]
+
+    def get(self, batch_id: str) -> BatchRecord:
+        """Gives a batch.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        return self._records([self._row(batch_id)])[0]
+
+    def page(self, *, limit: int = 50, page_token: str = "") -> Page[BatchRecord]:
+        """Gives batches, newest first.
+
+        Raises:
+            InvalidDocument: The token is not one of this list.
+        """
+        query = select(BatchRow).where(BatchRow.id != SINGLE_JOBS).order_by(BatchRow.seq.desc())
+        if page_token:
+            query = query.where(BatchRow.seq < read_token("batches", page_token))
+        rows = self._session.scalars(query.limit(limit + 1)).all()
+        shown = rows[:limit]
+        more = make_token("batches", shown[-1].seq) if len(rows) > limit else ""
+        return Page(items=tuple(self._records(shown)), next_token=more)
+
+    def pause(self, batch_id: str) -> BatchRecord:
+        """Hands out no further run of a batch; those that run go on.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: The batch was cancelled.
+        """
+        return self._set_state(batch_id, BatchState.PAUSED)
+
+    def resume(self, batch_id: str) -> BatchRecord:
+        """Hands out the runs of a paused batch again.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: The batch was cancelled.
+        """
+        row = self._row(batch_id)
+        if row.state == BatchState.PAUSED:
+            row.served = max(row.served, self._fair_start(Priority(row.priority)))
+        return self._set_state(batch_id, BatchState.OPEN)
+
+    def cancel(self, batch_id: str) -> BatchRecord:
+        """Gives up all runs of a batch that have not ended; cancelling again changes nothing.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        row = self._row(batch_id)
+        row.state = BatchState.CANCELLED
+        self._session.flush()
+        unfinished = self._session.scalars(
+            select(RunRow).where(
+                RunRow.batch_seq == row.seq,
+                RunRow.status.in_([RunStatus.QUEUED, RunStatus.RUNNING]),
+            )
+        ).all()
+        cancel_runs(self._session, unfinished)
+        return self.get(batch_id)
+
+    def _set_state(self, batch_id: str, state: BatchState) -> BatchRecord:
+        row = self._row(batch_id)
+        if row.state == BatchState.CANCELLED:
+            raise Conflict(f"batch {batch_id} was cancelled; post its scenarios again")
+        row.state = state
+        self._session.flush()
+        return self.get(batch_id)
+
+    def _row(self, batch_id: str) -> BatchRow:
+        row = self._session.scalar(
+            select(BatchRow).where(BatchRow.id == batch_id, BatchRow.id != SINGLE_JOBS)
+        )
+        if row is None:
+            raise UnknownName("batch", batch_id, ())
+        return row
+
+    def _fair_start(self, priority: Priority) -> int:
+        """A batch that comes later shall neither catch up what others have had, nor wait."""
+        least = self._session.scalar(
+            select(func.min(BatchRow.served)).where(
+                BatchRow.priority == int(priority),
+                BatchRow.queued > 0,
+                BatchRow.state == BatchState.OPEN,
+            )
+        )
+        return least or 0
+
+    def _records(self, rows: Iterable[BatchRow]) -> list[BatchRecord]:
+        rows = list(rows)
+        keys = [row.seq for row in rows]
+        counts: dict[int, dict[RunStatus, int]] = defaultdict(dict)
+        for seq, status, number in self._session.execute(
+            select(RunRow.batch_seq, RunRow.status, func.count())
+            .where(RunRow.batch_seq.in_(keys))
+            .group_by(RunRow.batch_seq, RunRow.status)
+        ):
+            counts[seq][RunStatus(status)] = number
+        broken = self._session.execute(
+            select(RunRow.batch_seq, func.count())
+            .where(RunRow.batch_seq.in_(keys), RunRow.violations > 0)
+            .group_by(RunRow.batch_seq)
+        )
+        violated = {row[0]: row[1] for row in broken}
+        return [
+            BatchRecord(
+                id=row.id,
+                name=row.name,
+                priority=Priority(row.priority),
+                state=BatchState(row.state),
+                created_at=row.created_at,
+                size=row.size,
+                counts=counts[row.seq],
+                violated_runs=violated.get(row.seq, 0),
+            )
+            for row in rows
+        ]

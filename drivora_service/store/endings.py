@@ -1,0 +1,62 @@
+"""Writing the end of a run: the row, the report and the broken rules, exactly once."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from sqlalchemy.orm import Session
+
+from drivora_service.oracles.verdict import Outcome
+from drivora_service.runs.encoding import report_to_json
+from drivora_service.runs.lifecycle import RunState
+from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
+
+
+def run_state(row: RunRow) -> RunState:
+    """Gives a row's place in the life cycle."""
+    return RunState(
+        status=RunStatus(row.status),
+        infrastructure_failures=row.infrastructure_failures,
+        crashes=row.crashes,
+        interruptions=row.interruptions,
+        cancel_requested=row.cancel_requested,
+    )
+
+
+def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
+    """Writes a row's place in the life cycle."""
+    row.status = state.status
+    row.infrastructure_failures = state.infrastructure_failures
+    row.crashes = state.crashes
+    row.interruptions = state.interruptions
+    row.cancel_requested = state.cancel_requested
+    row.revision = revision
+
+
+def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:
+    """Writes the report of a run that has just become final."""
+    row.ended_at = ended
+    row.cause = report.failure.cause if report.failure is not None else ""
+    row.trace_sha256 = report.trace_sha256
+    if report.status is RunStatus.FINISHED:
+        violated = [v for v in report.verdicts if v.outcome is Outcome.VIOLATED]
+        row.violations = len(violated)
+        row.at_fault_violations = sum(1 for v in violated if v.at_fault)
+        row.steps = report.steps
+        row.sim_time_s = report.sim_time_s
+        row.wall_time_s = report.wall_time_s
+    session.add(ReportRow(run_seq=row.seq, body=report_to_json(report)))
+    session.add_all(
+        VerdictRow(
+            run_seq=row.seq,
+            oracle=verdict.oracle,
+            ego=verdict.ego,
+            outcome=verdict.outcome,
+            at_fault=verdict.at_fault,
+            time=verdict.time,
+            counterpart=verdict.counterpart,
+        )
+        for verdict in report.verdicts
+        if verdict.outcome is not Outcome.PASSED
+    )

@@ -1,0 +1,58 @@
+"""Requests that must not be done twice."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+
+from sqlalchemy import delete
+from sqlalchemy.orm import Session
+
+from drivora_service.store.records import Reservation
+from drivora_service.store.tables import IdempotencyRow
+
+
+class IdempotencyRepository:
+    """Keys that clients give their requests.
+
+    The caller reserves a key in a transaction of its own, does the work, and completes the key in
+    the transaction that stores the work, so that both are kept or neither.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def reserve(self, key: str, fingerprint: str) -> Reservation:
+        """Takes a key, or tells who has it."""
+        row = self._session.get(IdempotencyRow, key)
+        if row is not None:
+            return Reservation(fresh=False, fingerprint=row.fingerprint, reference=row.reference)
+        self._session.add(
+            IdempotencyRow(
+                key=key, fingerprint=fingerprint, reference=None, created_at=datetime.now(UTC)
+            )
+        )
+        return Reservation(fresh=True, fingerprint=fingerprint, reference=None)
+
+    def complete(self, key: str, reference: str) -> None:
+        """Stores what the request was answered with; the key was reserved before."""
+        row = self._session.get_one(IdempotencyRow, key)
+        row.reference = reference
+
+    def give_up(self, key: str) -> None:
+        """Frees a key whose request could not be done."""
+        self._session.execute(
+            delete(IdempotencyRow).where(
+                IdempotencyRow.key == key, IdempotencyRow.reference.is_(None)
+            )
+        )
+
+    def clean(self, *, unfinished: bool, older_than: timedelta = timedelta(days=1)) -> None:
+        """Forgets old keys and, at the start of the only server, requests that died with the last.
+
+        Args:
+            unfinished: Whether keys without an answer are forgotten whatever their age.
+            older_than: Age from which a key is forgotten.
+        """
+        old = IdempotencyRow.created_at < datetime.now(UTC) - older_than
+        which = old | IdempotencyRow.reference.is_(None) if unfinished else old
+        self._session.execute(delete(IdempotencyRow).where(which))

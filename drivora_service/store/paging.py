@@ -1,0 +1,44 @@
+"""Opaque page tokens over a stable order."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import hashlib
+import json
+
+from drivora_service.errors import InvalidDocument, Problem
+
+
+def make_token(scope: str, last: int) -> str:
+    """Makes the token of the page after ``last``; ``scope`` names the query it belongs to."""
+    return base64.urlsafe_b64encode(json.dumps([_digest(scope), last]).encode()).decode().rstrip("=")
+
+
+def read_token(scope: str, token: str) -> int:
+    """Reads a token that :func:`make_token` made for the same query.
+
+    Raises:
+        InvalidDocument: It was not, or is no token at all.
+    """
+    try:
+        padded = token + "=" * (-len(token) % 4)
+        found = json.loads(base64.urlsafe_b64decode(padded.encode("ascii")))
+    except (ValueError, binascii.Error):
+        found = None
+    match found:
+        case [str(found_scope), int(last)] if found_scope == _digest(scope):
+            return last
+    raise InvalidDocument(
+        (
+            Problem(
+                pointer="/page_token",
+                code="bad_page_token",
+                message="this is not a page token of this query; leave it out to start again",
+            ),
+        )
+    )
+
+
+def _digest(scope: str) -> str:
+    return hashlib.sha256(scope.encode()).hexdigest()[:12]

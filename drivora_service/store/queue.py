@@ -1,0 +1,187 @@
+"""The queue: handing out runs, and taking back what became of them."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from drivora_service.runs import lifecycle
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import RetryPolicy, Transition
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.store.endings import run_state, set_run_state, write_report
+from drivora_service.store.quarantine import QuarantineRepository, quarantine_key
+from drivora_service.store.records import BatchState
+from drivora_service.store.revisions import latest_revision
+from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, RunRow
+
+
+class QueueRepository:
+    """Hands out queued runs as leases and takes their ends.
+
+    Only an owner's own open lease can be ended, and only once; so a report that comes twice, or
+    from a process that was given up, changes nothing.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def claim(
+        self, owner_id: str, limit: int, *, trace_path: Callable[[str], str]
+    ) -> tuple[RunSpec, ...]:
+        """Takes up to ``limit`` queued runs.
+
+        Lower priorities wait for higher ones; within a priority the batches take turns.
+
+        Args:
+            owner_id: Who answers for the runs from now on.
+            limit: Runs wanted.
+            trace_path: Gives the trace file of a run id.
+        """
+        specs: list[RunSpec] = []
+        now = datetime.now(UTC)
+        revision = latest_revision(self._session)
+        for batch, share in self._shares(limit):
+            rows = self._session.execute(
+                select(RunRow, DocumentRow.body)
+                .join(DocumentRow, DocumentRow.sha256 == RunRow.document_sha256)
+                .where(RunRow.batch_seq == batch.seq, RunRow.status == RunStatus.QUEUED)
+                .order_by(RunRow.seq)
+                .limit(share)
+                .with_for_update(skip_locked=True, of=RunRow)
+            ).all()
+            for row, document in rows:
+                revision += 1
+                set_run_state(row, lifecycle.start(run_state(row)), revision=revision)
+                row.attempts += 1
+                row.started_at = row.started_at or now
+                self._session.add(
+                    AttemptRow(
+                        run_seq=row.seq, number=row.attempts, owner_id=owner_id, claimed_at=now
+                    )
+                )
+                specs.append(
+                    RunSpec(
+                        run_id=row.id,
+                        document=document,
+                        trace_path=trace_path(row.id),
+                        agent=row.agent_override,
+                        seed=row.seed_override,
+                    )
+                )
+            batch.queued -= len(rows)
+            batch.served += len(rows)
+        return tuple(specs)
+
+    def finish(
+        self, owner_id: str, ends: Sequence[AttemptEnd], policy: RetryPolicy
+    ) -> tuple[RunReport, ...]:
+        """Writes how attempts ended and gives the reports of the runs that are over now."""
+        final: list[RunReport] = []
+        leases = self._leases(owner_id, [end.report.run_id for end in ends])
+        for end in ends:
+            lease = leases.pop(end.report.run_id, None)
+            if lease is None:
+                continue
+            row, attempt = lease
+            report = end.report
+            attempt.worker, attempt.signal = end.worker, end.signal
+            attempt.started_at = end.started
+            _close(attempt, report.status, report.failure, end.ended)
+            transition = lifecycle.end(run_state(row), report, policy)
+            self._follow(row, transition, end.ended)
+            if transition.quarantine and report.failure is not None:
+                QuarantineRepository(self._session).add(
+                    quarantine_key(row.document_sha256, row.agent_override, row.seed_override),
+                    scenario_sha256=row.document_sha256,
+                    run_id=row.id,
+                    signal=end.signal,
+                    failure=report.failure,
+                )
+            if transition.report is not None:
+                final.append(transition.report)
+        return tuple(final)
+
+    def release(self, owner_id: str, run_ids: Sequence[str]) -> None:
+        """Gives runs back to the queue because their owner stops."""
+        now = datetime.now(UTC)
+        for row, attempt in self._leases(owner_id, run_ids).values():
+            _close(attempt, "released", None, now)
+            self._follow(row, lifecycle.release(run_state(row), row.id), now)
+
+    def reclaim(self, dead_owner_id: str, policy: RetryPolicy) -> int:
+        """Gives the runs of an owner that died back to the queue, and counts them."""
+        now = datetime.now(UTC)
+        leases = self._leases(dead_owner_id, None)
+        for row, attempt in leases.values():
+            _close(attempt, "interrupted", None, now)
+            self._follow(row, lifecycle.interrupt(run_state(row), row.id, policy), now)
+        return len(leases)
+
+    def to_cancel(self) -> tuple[str, ...]:
+        """Gives the running runs that somebody wants to end."""
+        query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
+        return tuple(self._session.scalars(query))
+
+    def _shares(self, limit: int) -> list[tuple[BatchRow, int]]:
+        """Divides ``limit`` runs among the batches: one each in turn, least served first."""
+        if limit <= 0:
+            return []
+        candidates = self._session.scalars(
+            select(BatchRow)
+            .where(BatchRow.queued > 0, BatchRow.state == BatchState.OPEN)
+            .order_by(BatchRow.priority, BatchRow.served, BatchRow.seq)
+            .limit(limit)
+            .with_for_update()
+        ).all()
+        heap = [(batch.priority, batch.served, batch.seq, batch) for batch in candidates]
+        taken = dict.fromkeys(candidates, 0)
+        for _ in range(limit):
+            if not heap:
+                break
+            priority, served, seq, batch = heap[0]
+            taken[batch] += 1
+            if taken[batch] < batch.queued:
+                heapq.heapreplace(heap, (priority, served + 1, seq, batch))
+            else:
+                heapq.heappop(heap)
+        return [(batch, share) for batch, share in taken.items() if share]
+
+    def _leases(
+        self, owner_id: str, run_ids: Sequence[str] | None
+    ) -> dict[str, tuple[RunRow, AttemptRow]]:
+        query = (
+            select(RunRow, AttemptRow)
+            .join(AttemptRow, AttemptRow.run_seq == RunRow.seq)
+            .where(
+                AttemptRow.owner_id == owner_id,
+                AttemptRow.ended_at.is_(None),
+                RunRow.status == RunStatus.RUNNING,
+            )
+        )
+        if run_ids is not None:
+            query = query.where(RunRow.id.in_(run_ids))
+        return {row.id: (row, attempt) for row, attempt in self._session.execute(query)}
+
+    def _follow(self, row: RunRow, transition: Transition, when: datetime) -> None:
+        revision = latest_revision(self._session) + 1
+        set_run_state(row, transition.state, revision=revision)
+        if transition.report is not None:
+            write_report(self._session, row, transition.report, ended=when)
+        elif transition.state.status is RunStatus.QUEUED:
+            self._session.execute(
+                update(BatchRow)
+                .where(BatchRow.seq == row.batch_seq)
+                .values(queued=BatchRow.queued + 1)
+            )
+
+
+def _close(attempt: AttemptRow, outcome: str, failure: RunFailure | None, when: datetime) -> None:
+    attempt.ended_at = when
+    attempt.outcome = outcome
+    if failure is not None:
+        attempt.cause, attempt.log = failure.cause, failure.log

@@ -1,0 +1,145 @@
+"""Putting runs into the queue, many at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+
+from sqlalchemy import func, insert, select
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import Conflict, QueueFull, UnknownName
+from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.store.batches import SINGLE_JOBS
+from drivora_service.store.endings import write_report
+from drivora_service.store.ids import new_id
+from drivora_service.store.quarantine import (
+    QuarantineRepository,
+    quarantine_key,
+    quarantined_report,
+)
+from drivora_service.store.records import BatchState, NewRun, Priority
+from drivora_service.store.revisions import latest_revision
+from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
+
+_RUNS_A_SECOND = 5
+"""A cautious guess of how fast a full queue empties, for the advice when to come back."""
+
+
+def submit_runs(
+    session: Session, runs: Sequence[NewRun], *, batch_id: str, queue_limit: int | None
+) -> tuple[str, ...]:
+    """Does what :meth:`JobRepository.submit` says."""
+    batch = _batch(session, batch_id or SINGLE_JOBS)
+    if batch.state == BatchState.CANCELLED:
+        raise Conflict(f"batch {batch.id} was cancelled; post its scenarios to a new one")
+    ids = tuple(new_id() for _ in runs)
+    over = _already_over(session, runs, ids)
+    waiting = len(runs) - len(over)
+    if queue_limit is not None:
+        _check_room(session, waiting, queue_limit)
+    _store_documents(session, runs)
+    _store_runs(session, batch, runs, ids, over)
+    batch.size += len(runs)
+    batch.queued += waiting
+    for start in range(0, len(over), 500):
+        chunk = list(over)[start : start + 500]
+        for row in session.scalars(select(RunRow).where(RunRow.id.in_(chunk))):
+            write_report(session, row, over[row.id], ended=row.created_at)
+    session.flush()
+    return ids
+
+
+def _batch(session: Session, batch_id: str) -> BatchRow:
+    row = session.scalar(select(BatchRow).where(BatchRow.id == batch_id))
+    if row is not None:
+        return row
+    if batch_id != SINGLE_JOBS:
+        raise UnknownName("batch", batch_id, ())
+    row = BatchRow(
+        id=SINGLE_JOBS,
+        name="jobs posted alone",
+        priority=Priority.INTERACTIVE,
+        state=BatchState.OPEN,
+        created_at=datetime.now(UTC),
+        size=0,
+        queued=0,
+        served=0,
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def _already_over(
+    session: Session, runs: Sequence[NewRun], ids: Sequence[str]
+) -> dict[str, RunReport]:
+    """Gives the reports of the runs that are not to be run, by run id."""
+    keys = [
+        quarantine_key(run.scenario_sha256, run.agent_override, run.seed_override) for run in runs
+    ]
+    quarantined = QuarantineRepository(session).find(frozenset(keys))
+    over: dict[str, RunReport] = {}
+    for run, run_id, key in zip(runs, ids, keys, strict=True):
+        if run.report is not None:
+            over[run_id] = replace(run.report, run_id=run_id)
+        elif key in quarantined:
+            over[run_id] = quarantined_report(run_id, quarantined[key])
+    return over
+
+
+def _check_room(session: Session, more: int, limit: int) -> None:
+    queued = session.scalar(select(func.sum(BatchRow.queued)).where(BatchRow.queued > 0)) or 0
+    if more and queued + more > limit:
+        wait = math.ceil(min(queued + more - limit, queued) / _RUNS_A_SECOND)
+        raise QueueFull(queued=queued, limit=limit, retry_after_s=max(1, min(wait, 600)))
+
+
+def _store_documents(session: Session, runs: Sequence[NewRun]) -> None:
+    documents = {run.scenario_sha256: run.document for run in runs}
+    hashes = list(documents)
+    for start in range(0, len(hashes), 500):
+        chunk = hashes[start : start + 500]
+        known = session.scalars(select(DocumentRow.sha256).where(DocumentRow.sha256.in_(chunk)))
+        for sha256 in known:
+            del documents[sha256]
+    if documents:
+        session.execute(
+            insert(DocumentRow),
+            [{"sha256": sha256, "body": body} for sha256, body in documents.items()],
+        )
+
+
+def _store_runs(
+    session: Session,
+    batch: BatchRow,
+    runs: Sequence[NewRun],
+    ids: Sequence[str],
+    over: dict[str, RunReport],
+) -> None:
+    if not runs:
+        return
+    now = datetime.now(UTC)
+    revision = latest_revision(session)
+    session.execute(
+        insert(RunRow),
+        [
+            {
+                "id": run_id,
+                "revision": revision + 1 + index,
+                "batch_seq": batch.seq,
+                "item": run.item if run.item >= 0 else index,
+                "label": run.label,
+                "document_sha256": run.scenario_sha256,
+                "town": run.town,
+                "agent": run.agent,
+                "agent_override": run.agent_override,
+                "seed_override": run.seed_override,
+                "status": over[run_id].status if run_id in over else RunStatus.QUEUED,
+                "created_at": now,
+            }
+            for index, (run, run_id) in enumerate(zip(runs, ids, strict=True))
+        ],
+    )

@@ -1,0 +1,278 @@
+"""The tables.
+
+``runs`` is the status resource and the queue in one, and is kept narrow so that a million of them
+stay fast to list; documents, reports and verdicts lie apart. A job and its run share one row and
+one id. Leases are the attempts that have not ended; they live as long as their owner (one server
+process) gives heartbeats.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+from sqlalchemy import (
+    DateTime,
+    Dialect,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Text,
+    TypeDecorator,
+    text,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
+
+
+class UtcDateTime(TypeDecorator[datetime]):
+    """Aware datetimes in UTC, also in databases that keep no time zone."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, _dialect: Dialect) -> datetime | None:
+        """Turns to UTC."""
+        return None if value is None else value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, _dialect: Dialect) -> datetime | None:
+        """Marks as UTC what came back naive."""
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+class Base(DeclarativeBase):
+    """All tables, with constraints that have names and so can be migrated."""
+
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+            "ck": "ck_%(table_name)s_%(constraint_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_name)s_%(referred_table_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+    type_annotation_map = {datetime: UtcDateTime}  # noqa: RUF012 # SQLAlchemy's own spelling
+
+
+class DocumentRow(Base):
+    """A scenario in canonical JSON, once, however many runs use it."""
+
+    __tablename__ = "documents"
+
+    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
+    body: Mapped[str] = mapped_column(Text)
+
+
+class BatchRow(Base):
+    """Runs that were asked for together; the unit of fairness and of pausing.
+
+    ``queued`` counts its runs that wait, ``served`` how much of the workers it has had.
+    """
+
+    __tablename__ = "batches"
+    __table_args__ = (
+        Index(
+            "ix_batches_claimable",
+            "priority",
+            "served",
+            "seq",
+            sqlite_where=text("queued > 0 AND state = 'open'"),
+            postgresql_where=text("queued > 0 AND state = 'open'"),
+        ),
+    )
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    id: Mapped[str] = mapped_column(String(40), unique=True)
+    name: Mapped[str] = mapped_column(String(200))
+    priority: Mapped[int]
+    state: Mapped[str] = mapped_column(String(16))
+    created_at: Mapped[datetime]
+    size: Mapped[int] = mapped_column(default=0)
+    queued: Mapped[int] = mapped_column(default=0)
+    served: Mapped[int] = mapped_column(default=0)
+
+
+class RunRow(Base):
+    """One job and its run.
+
+    ``revision`` grows with every change of any run, so that "what is new" is a range.
+    """
+
+    __tablename__ = "runs"
+    __table_args__ = (
+        Index("ix_runs_batch_seq_status", "batch_seq", "status"),
+        Index("ix_runs_status", "status", "seq"),
+        Index("ix_runs_agent", "agent", "seq"),
+        Index("ix_runs_town", "town", "seq"),
+        Index("ix_runs_document_sha256", "document_sha256"),
+        Index(
+            "ix_runs_queued",
+            "batch_seq",
+            "seq",
+            sqlite_where=text("status = 'queued'"),
+            postgresql_where=text("status = 'queued'"),
+        ),
+        Index(
+            "ix_runs_violated",
+            "batch_seq",
+            "seq",
+            sqlite_where=text("violations > 0"),
+            postgresql_where=text("violations > 0"),
+        ),
+        Index(
+            "ix_runs_to_cancel",
+            "seq",
+            sqlite_where=text("status = 'running' AND cancel_requested"),
+            postgresql_where=text("status = 'running' AND cancel_requested"),
+        ),
+    )
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    id: Mapped[str] = mapped_column(String(40), unique=True)
+    revision: Mapped[int] = mapped_column(index=True)
+    batch_seq: Mapped[int] = mapped_column(ForeignKey("batches.seq"))
+    item: Mapped[int]
+    label: Mapped[str] = mapped_column(String(200))
+    document_sha256: Mapped[str] = mapped_column(ForeignKey("documents.sha256"))
+    town: Mapped[str] = mapped_column(String(100))
+    agent: Mapped[str] = mapped_column(String(200))
+    agent_override: Mapped[str] = mapped_column(String(200))
+    seed_override: Mapped[int | None]
+    status: Mapped[str] = mapped_column(String(24))
+    cause: Mapped[str] = mapped_column(String(40), default="")
+    created_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    ended_at: Mapped[datetime | None]
+    cancel_requested: Mapped[bool] = mapped_column(default=False)
+    attempts: Mapped[int] = mapped_column(default=0)
+    infrastructure_failures: Mapped[int] = mapped_column(default=0)
+    crashes: Mapped[int] = mapped_column(default=0)
+    interruptions: Mapped[int] = mapped_column(default=0)
+    violations: Mapped[int | None]
+    at_fault_violations: Mapped[int | None]
+    steps: Mapped[int | None]
+    sim_time_s: Mapped[float | None]
+    wall_time_s: Mapped[float | None]
+    trace_sha256: Mapped[str] = mapped_column(String(64), default="")
+
+    batch: Mapped[BatchRow] = relationship(lazy="raise")
+
+
+class ReportRow(Base):
+    """The whole report of a run as JSON; its key makes a second one of a run impossible."""
+
+    __tablename__ = "reports"
+
+    run_seq: Mapped[int] = mapped_column(
+        ForeignKey("runs.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    body: Mapped[str] = mapped_column(Text)
+
+
+class VerdictRow(Base):
+    """A rule that was broken, or could not be measured; rules that were kept are in the report."""
+
+    __tablename__ = "verdicts"
+    __table_args__ = (
+        Index("ix_verdicts_oracle", "oracle", "outcome", "run_seq"),
+        Index("ix_verdicts_run_seq", "run_seq"),
+    )
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    run_seq: Mapped[int] = mapped_column(ForeignKey("runs.seq", ondelete="CASCADE"))
+    oracle: Mapped[str] = mapped_column(String(60))
+    ego: Mapped[str] = mapped_column(String(200))
+    outcome: Mapped[str] = mapped_column(String(16))
+    at_fault: Mapped[bool | None]
+    time: Mapped[float | None]
+    counterpart: Mapped[str] = mapped_column(String(200))
+
+
+class OwnerRow(Base):
+    """A server process that owns leases while its heart beats."""
+
+    __tablename__ = "owners"
+
+    id: Mapped[str] = mapped_column(String(40), primary_key=True)
+    host: Mapped[str] = mapped_column(String(200))
+    pid: Mapped[int]
+    started_at: Mapped[datetime]
+    heartbeat_at: Mapped[datetime]
+    ended_at: Mapped[datetime | None]
+
+
+class AttemptRow(Base):
+    """A try at a run; a lease until it has ended."""
+
+    __tablename__ = "attempts"
+    __table_args__ = (
+        Index(
+            "ix_attempts_leases",
+            "owner_id",
+            sqlite_where=text("ended_at IS NULL"),
+            postgresql_where=text("ended_at IS NULL"),
+        ),
+    )
+
+    run_seq: Mapped[int] = mapped_column(
+        ForeignKey("runs.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    owner_id: Mapped[str] = mapped_column(ForeignKey("owners.id"))
+    worker: Mapped[str] = mapped_column(String(100), default="")
+    claimed_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    ended_at: Mapped[datetime | None]
+    outcome: Mapped[str] = mapped_column(String(24), default="")
+    cause: Mapped[str] = mapped_column(String(40), default="")
+    signal: Mapped[str] = mapped_column(String(16), default="")
+    log: Mapped[str] = mapped_column(Text, default="")
+
+
+class SlotRow(Base):
+    """What a worker slot is doing, as of the last heartbeat of its owner."""
+
+    __tablename__ = "slots"
+
+    owner_id: Mapped[str] = mapped_column(
+        ForeignKey("owners.id", ondelete="CASCADE"), primary_key=True
+    )
+    name: Mapped[str] = mapped_column(String(100), primary_key=True)
+    pid: Mapped[int | None]
+    run_id: Mapped[str] = mapped_column(String(40))
+    phase: Mapped[str] = mapped_column(String(16))
+    step: Mapped[int]
+    memory_bytes: Mapped[int]
+    runs: Mapped[int]
+    restarts: Mapped[int]
+    last_crash: Mapped[str] = mapped_column(Text)
+    updated_at: Mapped[datetime]
+
+
+class QuarantineRow(Base):
+    """A scenario that is known to crash the simulator."""
+
+    __tablename__ = "quarantine"
+
+    key: Mapped[str] = mapped_column(String(64), primary_key=True)
+    document_sha256: Mapped[str] = mapped_column(String(64), index=True)
+    run_id: Mapped[str] = mapped_column(String(40))
+    cause: Mapped[str] = mapped_column(String(40))
+    signal: Mapped[str] = mapped_column(String(16))
+    message: Mapped[str] = mapped_column(Text)
+    log: Mapped[str] = mapped_column(Text)
+    created_at: Mapped[datetime]
+
+
+class IdempotencyRow(Base):
+    """A request that must not be done twice; without a reference it is still being done."""
+
+    __tablename__ = "idempotency_keys"
+
+    key: Mapped[str] = mapped_column(String(255), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(String(64))
+    reference: Mapped[str | None] = mapped_column(Text)
+    created_at: Mapped[datetime] = mapped_column(index=True)

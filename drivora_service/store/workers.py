@@ -1,0 +1,108 @@
+"""Server processes that hold leases, and what their worker slots do."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
+
+from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
+
+from drivora_service.store.ids import new_id
+from drivora_service.store.records import OwnerRecord, SlotRecord
+from drivora_service.store.tables import OwnerRow, SlotRow
+
+
+class WorkerRepository:
+    """Owners, their heartbeats and slots."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def register(self) -> str:
+        """Registers this process as an owner of leases and gives its id."""
+        now = datetime.now(UTC)
+        owner = OwnerRow(
+            id=new_id(),
+            host=socket.gethostname(),
+            pid=os.getpid(),
+            started_at=now,
+            heartbeat_at=now,
+        )
+        self._session.add(owner)
+        self._session.flush()
+        return owner.id
+
+    def beat(self, owner_id: str, slots: Sequence[SlotRecord]) -> None:
+        """Says that an owner lives and what its slots do."""
+        self._session.execute(
+            update(OwnerRow).where(OwnerRow.id == owner_id).values(heartbeat_at=datetime.now(UTC))
+        )
+        self._session.execute(delete(SlotRow).where(SlotRow.owner_id == owner_id))
+        self._session.add_all(
+            SlotRow(
+                owner_id=owner_id,
+                name=slot.name,
+                pid=slot.pid,
+                run_id=slot.run_id,
+                phase=slot.phase,
+                step=slot.step,
+                memory_bytes=slot.memory_bytes,
+                runs=slot.runs,
+                restarts=slot.restarts,
+                last_crash=slot.last_crash,
+                updated_at=slot.updated_at,
+            )
+            for slot in slots
+        )
+
+    def leave(self, owner_id: str) -> None:
+        """Ends an owner that holds no lease any more."""
+        self._session.execute(
+            update(OwnerRow).where(OwnerRow.id == owner_id).values(ended_at=datetime.now(UTC))
+        )
+        self._session.execute(delete(SlotRow).where(SlotRow.owner_id == owner_id))
+
+    def dead_owners(self, *, me: str, silent_for: timedelta) -> tuple[str, ...]:
+        """Gives the owners other than ``me`` that gave no heartbeat for so long."""
+        query = select(OwnerRow.id).where(
+            OwnerRow.id != me,
+            OwnerRow.ended_at.is_(None),
+            OwnerRow.heartbeat_at <= datetime.now(UTC) - silent_for,
+        )
+        return tuple(self._session.scalars(query))
+
+    def living(self) -> tuple[OwnerRecord, ...]:
+        """Gives the owners that have not left, with their slots."""
+        owners = self._session.scalars(
+            select(OwnerRow).where(OwnerRow.ended_at.is_(None)).order_by(OwnerRow.started_at)
+        ).all()
+        slots = self._session.scalars(select(SlotRow).order_by(SlotRow.name)).all()
+        return tuple(
+            OwnerRecord(
+                id=owner.id,
+                host=owner.host,
+                pid=owner.pid,
+                started_at=owner.started_at,
+                heartbeat_at=owner.heartbeat_at,
+                slots=tuple(_slot(slot) for slot in slots if slot.owner_id == owner.id),
+            )
+            for owner in owners
+        )
+
+
+def _slot(row: SlotRow) -> SlotRecord:
+    return SlotRecord(
+        name=row.name,
+        pid=row.pid,
+        run_id=row.run_id,
+        phase=row.phase,
+        step=row.step,
+        memory_bytes=row.memory_bytes,
+        runs=row.runs,
+        restarts=row.restarts,
+        last_crash=row.last_crash,
+        updated_at=row.updated_at,
+    )
