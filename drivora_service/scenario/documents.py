@@ -129,7 +129,7 @@ def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
     """
     try:
         agent = AgentDocument(name=name)
-    except ValueError as error:
+    except ValidationError as error:
         message = f"{name!r} cannot be the name of an agent; see `drivora agents list`"
         raise InvalidDocument((Problem(pointer="", code="agent_name", message=message),)) from error
     egos = tuple(
@@ -137,6 +137,20 @@ def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
         for ego in document.ego_vehicles
     )
     return document.model_copy(update={"ego_vehicles": egos})
+
+
+def with_background(document: ScenarioDocument, count: int) -> ScenarioDocument:
+    """Gives the document with ``count`` vehicles of background traffic.
+
+    Raises:
+        InvalidDocument: That many are not allowed.
+    """
+    try:
+        background = BackgroundTrafficDocument(count=count)
+    except ValidationError as error:
+        problems = structural_problems(error, BackgroundTrafficDocument)
+        raise InvalidDocument(tuple(problems)) from error
+    return document.model_copy(update={"background_traffic": background})
 
 
 def document_text(document: ScenarioDocument) -> str:

@@ -110,7 +110,7 @@ def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
     if kind in ("too_long", "too_short"):
         limit = context.get("max_length", context.get("min_length"))
         bound = "at most" if kind == "too_long" else "at least"
-        return f"found {context['actual_length']} items; {bound} {limit} are needed"
+        return f"found {len(found)} items; {bound} {limit} are needed"
     if details.get("msg", "").startswith("Input should be "):
         return (
             f"found {_shown(found)}; it should be {details['msg'].removeprefix('Input should be ')}"

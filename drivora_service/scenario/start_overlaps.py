@@ -52,7 +52,8 @@ def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
 
 def _corners(pose: StartPose, length: float, width: float) -> FloatArray:
     x, y, yaw = np.array([pose.x]), np.array([pose.y]), np.array([pose.yaw])
-    return box_corners(x, y, yaw, length, width)[0]
+    corners: FloatArray = box_corners(x, y, yaw, length, width)[0]
+    return corners
 
 
 def _still(actor: PlacedActor) -> tuple[float, float]:

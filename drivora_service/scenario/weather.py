@@ -91,7 +91,7 @@ def _friction(weather: Weather) -> float:
 
 def _perception_range(weather: Weather) -> float:
     thickness = weather.fog_density / 100.0
-    visibility = _CLEAR_VISIBILITY * (_DENSEST_VISIBILITY / _CLEAR_VISIBILITY) ** thickness
+    visibility = _CLEAR_VISIBILITY * math.pow(_DENSEST_VISIBILITY / _CLEAR_VISIBILITY, thickness)
     reach = min(CLEAR_RANGE, weather.fog_distance + visibility)
     rain = 1.0 - _RAIN_LOSS * weather.precipitation / 100.0
     return reach * rain * _light(weather.sun_altitude_angle)

@@ -1,0 +1,1 @@
+"""Readers of scenarios that were written for other tools."""

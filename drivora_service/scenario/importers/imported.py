@@ -1,0 +1,29 @@
+"""What an importer gives: a document, and what it had to leave out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from drivora_service.scenario.documents import ScenarioDocument
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImportedScenario:
+    """A scenario read from a file.
+
+    Attributes:
+        name: Short name for files and listings; letters, digits, ``_`` and ``-``.
+        document: In the frame of the file.
+        notes: What was dropped or interpreted, one sentence each.
+    """
+
+    name: str
+    document: ScenarioDocument
+    notes: tuple[str, ...]
+
+
+def short_name(text: str, default: str) -> str:
+    """Makes a name for files of any text."""
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", text).strip("_")[:64]
+    return name or default
