@@ -1,0 +1,122 @@
+"""The drivable lanes of a network as a graph: where one can go from the start of each lane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from drivora_service.networks.road_network import Lane, RoadNetwork
+
+CHANGE_COST = 25.0
+"""Metres of detour that one lane change is worth."""
+
+MIN_CHANGE_LENGTH = 8.0
+"""Metres that a lane change needs at least; below, a car at walking pace cannot make it."""
+
+EASY_CHANGE_LENGTH = 40.0
+"""Metres from which a longer stretch makes a lane change no easier; what is missing is added to
+its cost."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sibling:
+    """A lane that can be reached from another of the same edge by ``changes`` lane changes."""
+
+    lane: int
+    changes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """From the start of a lane to the start of a next one.
+
+    Attributes:
+        lane: The next lane.
+        exit_lane: The lane of the first edge that leads there.
+        cost: Metres, with what lane changes add.
+    """
+
+    lane: int
+    exit_lane: int
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LaneGraph:
+    """Adjacency by lane index; empty for lanes that cars may not use.
+
+    Attributes:
+        lengths: Arc length of each lane's centre line, metres.
+        siblings: Lanes of the same edge that can be reached, the lane itself first.
+        successors: Drivable lanes behind each lane's end.
+        steps: Cheapest ways from a lane's start to the start of each lane behind its edge.
+    """
+
+    lengths: tuple[float, ...]
+    siblings: tuple[tuple[Sibling, ...], ...]
+    successors: tuple[tuple[int, ...], ...]
+    steps: tuple[tuple[Step, ...], ...]
+
+
+def change_cost(changes: int, room: float) -> float | None:
+    """Gives the cost of ``changes`` lane changes in ``room`` metres; None where they do not fit."""
+    if changes == 0:
+        return 0.0
+    each = room / changes
+    if each < MIN_CHANGE_LENGTH:
+        return None
+    return changes * (CHANGE_COST + max(0.0, EASY_CHANGE_LENGTH - each))
+
+
+@lru_cache(maxsize=128)
+def lane_graph(network: RoadNetwork) -> LaneGraph:
+    """Gives the graph of a network, built on the first call for this network object."""
+    lengths = tuple(float(lane.arc[-1]) for lane in network.lanes)
+    siblings = tuple(_siblings(network, lane) for lane in network.lanes)
+    successors = tuple(
+        tuple(
+            dict.fromkeys(
+                link.to_lane for link in lane.connections if network.lanes[link.to_lane].drivable
+            )
+        )
+        if lane.drivable
+        else ()
+        for lane in network.lanes
+    )
+    steps = tuple(leaving(lengths, siblings, successors, lane.index, 0.0) for lane in network.lanes)
+    return LaneGraph(lengths=lengths, siblings=siblings, successors=successors, steps=steps)
+
+
+def leaving(
+    lengths: tuple[float, ...],
+    siblings: tuple[tuple[Sibling, ...], ...],
+    successors: tuple[tuple[int, ...], ...],
+    lane: int,
+    s: float,
+) -> tuple[Step, ...]:
+    """Gives the cheapest ways from arc length ``s`` of a lane to each lane behind its edge."""
+    room = lengths[lane] - s
+    best: dict[int, Step] = {}
+    for sibling in siblings[lane]:
+        extra = change_cost(sibling.changes, room)
+        if extra is None:
+            continue
+        for following in successors[sibling.lane]:
+            known = best.get(following)
+            if known is None or room + extra < known.cost:
+                best[following] = Step(lane=following, exit_lane=sibling.lane, cost=room + extra)
+    return tuple(best.values())
+
+
+def _siblings(network: RoadNetwork, lane: Lane) -> tuple[Sibling, ...]:
+    if not lane.drivable:
+        return ()
+    found = [Sibling(lane=lane.index, changes=0)]
+    if lane.is_internal:
+        return tuple(found)
+    for leftwards in (True, False):
+        changes, current = 0, lane
+        while (index := current.left if leftwards else current.right) >= 0:
+            changes, current = changes + 1, network.lanes[index]
+            found.append(Sibling(lane=index, changes=changes))
+    return tuple(found)
