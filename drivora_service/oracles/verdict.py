@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Protocol
 
-from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.trace import Trace
+from drivora_service.observations.run_view import EgoView, RunView
 
 
 class Outcome(StrEnum):
@@ -56,9 +55,58 @@ class Oracle(Protocol):
         """Name in the catalogue, in snake case."""
         ...
 
-    def judge(self, trace: Trace, network: RoadNetwork) -> tuple[Verdict, ...]:
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
         """Judges a run: at least one verdict for every ego; several where a rule is broken often.
 
-        A rule that was not broken by an ego gives exactly one verdict for it.
+        A rule that was not broken by an ego gives exactly one verdict for it. Only rows of the
+        trace up to the end of the ego's part count.
         """
         ...
+
+
+def passed(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
+    """Says that an ego kept a rule."""
+    return Verdict(
+        oracle=oracle, ego=ego.id, outcome=Outcome.PASSED, message=message, evidence=evidence
+    )
+
+
+def not_measurable(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
+    """Says why it cannot be said whether an ego kept a rule."""
+    return Verdict(
+        oracle=oracle,
+        ego=ego.id,
+        outcome=Outcome.NOT_MEASURABLE,
+        message=message,
+        evidence=evidence,
+    )
+
+
+def violated(
+    oracle: str,
+    ego: EgoView,
+    k: int,
+    message: str,
+    *,
+    at_fault: bool | None = None,
+    counterpart: str = "",
+    **evidence: Any,
+) -> Verdict:
+    """Says that an ego broke a rule, from its row ``k`` on."""
+    return Verdict(
+        oracle=oracle,
+        ego=ego.id,
+        outcome=Outcome.VIOLATED,
+        message=message,
+        at_fault=at_fault,
+        time=float(ego.times[k]),
+        step=ego.first + k,
+        location=ego.location(k),
+        counterpart=counterpart,
+        evidence=evidence,
+    )
+
+
+def not_started(oracle: str, ego: EgoView) -> Verdict:
+    """Says that an ego never began to drive."""
+    return not_measurable(oracle, ego, "The run ended before the ego's start time.")

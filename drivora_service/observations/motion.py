@@ -1,0 +1,77 @@
+"""Filtered motion of a vehicle in its own frame, as comfort bounds are meant for.
+
+Savitzky-Golay filters of order 2 as in nuPlan's and Bench2Drive's comfort metrics: about 8 samples
+for accelerations and 15 for derivatives at 20 Hz, kept as durations for other step lengths. Unlike
+in Bench2Drive's public code, yaw acceleration is the derivative of the yaw rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from drivora_service.observations.trace import Col
+
+FloatArray = NDArray[np.float64]
+
+SMOOTHING_TIME = 0.4
+"""Seconds of the filter for accelerations and rates."""
+
+DERIVATIVE_TIME = 0.75
+"""Seconds of the filter for their derivatives."""
+
+_ORDER = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FilteredMotion:
+    """Signals (n,) of a vehicle, in its own frame.
+
+    Attributes:
+        longitudinal_acceleration: m/s², positive forwards.
+        lateral_acceleration: m/s², positive to the left.
+        yaw_rate: rad/s.
+        yaw_acceleration: rad/s².
+        longitudinal_jerk: m/s³.
+        jerk: Rate of change of the magnitude of the acceleration, m/s³.
+    """
+
+    longitudinal_acceleration: FloatArray
+    lateral_acceleration: FloatArray
+    yaw_rate: FloatArray
+    yaw_acceleration: FloatArray
+    longitudinal_jerk: FloatArray
+    jerk: FloatArray
+
+
+def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | None:
+    """Filters the motion of a vehicle.
+
+    Args:
+        states: (n, 8) columns ``Col``, without gaps.
+        step_length: Seconds between the rows.
+
+    Returns:
+        None where there are fewer rows than the longest filter needs.
+    """
+    smoothing = max(round(SMOOTHING_TIME / step_length), _ORDER + 1)
+    derivative = max(round(DERIVATIVE_TIME / step_length), _ORDER + 1)
+    if len(states) < max(smoothing, derivative):
+        return None
+    cos, sin = np.cos(states[:, Col.YAW]), np.sin(states[:, Col.YAW])
+    ax, ay = states[:, Col.AX], states[:, Col.AY]
+    own = np.stack((ax * cos + ay * sin, ay * cos - ax * sin, states[:, Col.YAW_RATE]))
+    smooth = savgol_filter(own, smoothing, _ORDER)
+    rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
+    slopes = savgol_filter(rising, derivative, _ORDER, deriv=1, delta=step_length)
+    return FilteredMotion(
+        longitudinal_acceleration=smooth[0],
+        lateral_acceleration=smooth[1],
+        yaw_rate=smooth[2],
+        longitudinal_jerk=slopes[0],
+        jerk=slopes[1],
+        yaw_acceleration=slopes[2],
+    )

@@ -1,0 +1,345 @@
+"""How near an ego came to the others: gaps, time to collision, needed braking, encroachment.
+
+Times to collision assume that both boxes keep their velocity and heading (exact in time; nuPlan
+samples the same model every 0.1 s). Braking and safe distances concern whoever is in front: its box
+overlaps the strip that the ego's width sweeps along its heading.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.compilation import compiled
+from drivora_service.observations.boxes import box_gap, overlap_depth, time_to_contact
+from drivora_service.observations.trace import BoolArray, FloatArray, Trace
+
+HORIZON = 10.0
+"""Seconds up to which a time to collision is looked for."""
+
+ENCROACHMENT_HORIZON = 5.0
+"""Seconds up to which a post-encroachment time is looked for."""
+
+ENCROACHMENT_STEP = 0.1
+"""Seconds between the places of the ego whose encroachment is looked for."""
+
+BEHIND = math.radians(150.0)
+"""Bearing from which on another actor is behind the ego (nuPlan)."""
+
+CROSSING_ANGLE = math.radians(30.0)
+"""Difference of headings from which on two paths cross; below it, one actor follows the other."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SafeDistance:
+    """Parameters of the longitudinal safe distance of RSS.
+
+    Source: Shalev-Shwartz, Shammah, Shashua, "On a formal model of safe and scalable self-driving
+    cars" (2017), definition 1; the values are the defaults of the ad-rss library.
+
+    Attributes:
+        response_time: Seconds.
+        acceleration: m/s² that the ego may gain during the response time.
+        own_braking: m/s² with which the ego brakes at least.
+        other_braking: m/s² with which the one in front brakes at most.
+    """
+
+    response_time: float = 1.0
+    acceleration: float = 3.5
+    own_braking: float = 4.0
+    other_braking: float = 8.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Proximity:
+    """One ego among the others, over its n judged rows.
+
+    Attributes:
+        min_gap: Least distance between its box and another, metres; None: nobody else was there.
+        min_gap_row: Row among the judged at which it was least, -1 without others.
+        min_gap_actor: Row of that actor in the trace, -1 without others.
+        time_to_collision: (n,) seconds to the first contact with anybody, inf beyond ``HORIZON``.
+        forward_time_to_collision: (n,) the same with those who are not behind.
+        drac: (n,) deceleration to avoid a crash, m/s²: squared closing speed over twice the gap; 0
+            where nothing is closed in upon, inf at no gap.
+        required_deceleration: (n,) the same, with the one in front braking on until it stands.
+        rss_violated: (n,) the distance to one in front was below the safe distance.
+        post_encroachment_time: Least seconds between one box leaving a place and the other, on a
+            crossing path, being there; 0 where they touch, None where no paths cross in time.
+    """
+
+    min_gap: float | None
+    min_gap_row: int
+    min_gap_actor: int
+    time_to_collision: FloatArray
+    forward_time_to_collision: FloatArray
+    drac: FloatArray
+    required_deceleration: FloatArray
+    rss_violated: BoolArray
+    post_encroachment_time: float | None
+
+
+def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
+    """Gives the (T,) distance between two actors' boxes in metres, NaN where one is absent."""
+    return _gaps(
+        trace.states,
+        trace.present,
+        first,
+        second,
+        _sizes(trace),
+    )
+
+
+def look_around(
+    trace: Trace, row: int, start: int, stop: int, safe: SafeDistance | None = None
+) -> Proximity:
+    """Measures an ego's proximity to everyone in rows ``start`` to ``stop`` (exclusive)."""
+    safe = safe or SafeDistance()
+    n = max(stop - start, 0)
+    sizes = _sizes(trace)
+    series = np.zeros((5, n))
+    series[:2] = np.inf
+    states = np.ascontiguousarray(trace.states)
+    present = np.ascontiguousarray(trace.present)
+    gap, gap_row, gap_actor = _scan(
+        states,
+        present,
+        sizes,
+        row,
+        start,
+        stop,
+        HORIZON,
+        BEHIND,
+        (safe.response_time, safe.acceleration, safe.own_braking, safe.other_braking),
+        series,
+    )
+    limit = round(ENCROACHMENT_HORIZON / trace.step_length)
+    every = max(round(ENCROACHMENT_STEP / trace.step_length), 1)
+    lag = _least_lag(
+        states, present, sizes, row, start, stop, every, limit, CROSSING_ANGLE, gap <= 0.0
+    )
+    return Proximity(
+        min_gap=None if math.isinf(gap) else gap,
+        min_gap_row=gap_row,
+        min_gap_actor=gap_actor,
+        time_to_collision=series[0],
+        forward_time_to_collision=series[1],
+        drac=series[2],
+        required_deceleration=series[3],
+        rss_violated=series[4] > 0.0,
+        post_encroachment_time=None if lag > limit else lag * trace.step_length,
+    )
+
+
+def _sizes(trace: Trace) -> FloatArray:
+    return np.array([(actor.length, actor.width) for actor in trace.actors], dtype=np.float64)
+
+
+@compiled
+def _gaps(
+    states: FloatArray, present: BoolArray, first: int, second: int, sizes: FloatArray
+) -> FloatArray:
+    gaps = np.full(states.shape[0], np.nan)
+    for t in range(states.shape[0]):
+        if present[t, first] and present[t, second]:
+            a, b = states[t, first], states[t, second]
+            gaps[t] = box_gap(
+                b[0] - a[0], b[1] - a[1],
+                a[2], sizes[first, 0], sizes[first, 1],
+                b[2], sizes[second, 0], sizes[second, 1],
+            )  # fmt: skip
+    return gaps
+
+
+@compiled
+def _scan(
+    states: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    row: int,
+    start: int,
+    stop: int,
+    horizon: float,
+    behind: float,
+    safe: tuple[float, float, float, float],
+    series: FloatArray,
+) -> tuple[float, int, int]:
+    """Fills ``series`` (5, n) and gives the least gap, its row among the judged, and its actor."""
+    actors = states.shape[1]
+    length, width = sizes[row, 0], sizes[row, 1]
+    radius = 0.5 * math.hypot(length, width)
+    least, least_row, least_actor = math.inf, -1, -1
+    radii = 0.5 * np.hypot(sizes[:, 0], sizes[:, 1])
+    for t in range(start, stop):
+        if not present[t, row]:
+            continue
+        k = t - start
+        ego = states[t, row]
+        x, y, yaw, vx, vy = ego[0], ego[1], ego[2], ego[3], ego[4]
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        forward = vx * cos + vy * sin
+        for j in range(actors):
+            if j == row or not present[t, j]:
+                continue
+            other = states[t, j]
+            dx, dy = other[0] - x, other[1] - y
+            clear = math.hypot(dx, dy) - radius - radii[j]
+            dvx, dvy = other[3] - vx, other[4] - vy
+            if clear < least:
+                gap = box_gap(dx, dy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1])
+                if gap < least:
+                    least, least_row, least_actor = gap, k, j
+            closing = math.hypot(dvx, dvy)
+            soonest = clear / closing if closing > 1e-9 else math.inf
+            if clear <= 0.0 or soonest < min(horizon, series[1, k]):
+                time = time_to_contact(
+                    dx, dy, dvx, dvy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1]
+                )
+                if time <= horizon:
+                    series[0, k] = min(series[0, k], time)
+                    bearing = abs(math.atan2(-dx * sin + dy * cos, dx * cos + dy * sin))
+                    if bearing < behind:
+                        series[1, k] = min(series[1, k], time)
+            ahead = dx * cos + dy * sin
+            if ahead > 0.0 and forward > 0.0:
+                c = abs(math.cos(other[2] - yaw))
+                s = abs(math.sin(other[2] - yaw))
+                across = abs(-dx * sin + dy * cos)
+                if across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
+                    continue
+                room = ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s)
+                lead = max(other[3] * cos + other[4] * sin, 0.0)
+                braking = max(-(other[5] * cos + other[6] * sin), 0.0)
+                _keep_distance(k, room, forward, lead, braking, safe, series)
+    return least, least_row, least_actor
+
+
+@compiled
+def _keep_distance(
+    k: int,
+    room: float,
+    speed: float,
+    lead: float,
+    lead_braking: float,
+    safe: tuple[float, float, float, float],
+    series: FloatArray,
+) -> None:
+    """Updates DRAC, required deceleration and the safe-distance flag of row ``k``.
+
+    Args:
+        k: Row.
+        room: Metres between the boxes along the ego's heading.
+        speed: Of the ego along its heading, m/s.
+        lead: Of the one in front along that heading, m/s; one that comes towards the ego counts as
+            standing.
+        lead_braking: Deceleration of the one in front, m/s², not negative.
+        safe: ``SafeDistance`` as numbers.
+        series: (5, n) rows 2, 3 and 4 are changed in place.
+    """
+    room = max(room, 0.0)
+    closing = speed - lead
+    drac = _ratio(closing**2, 2.0 * room) if closing > 0.0 else 0.0
+    series[2, k] = max(series[2, k], drac)
+    required = drac
+    if lead_braking > 0.0 and lead > 0.0:
+        # As fast as the one in front after 2 room / closing: if that is before it stands, match its
+        # braking and take the closing speed off; else stop behind where it will stand.
+        if closing > 0.0 and 2.0 * room * lead_braking <= closing * lead:
+            required = drac + lead_braking
+        else:
+            required = _ratio(speed**2, 2.0 * room + lead**2 / lead_braking)
+    series[3, k] = max(series[3, k], required)
+    response, acceleration, own, other = safe
+    reached = speed + response * acceleration
+    needed_room = (
+        speed * response
+        + 0.5 * acceleration * response**2
+        + reached**2 / (2.0 * own)
+        - lead**2 / (2.0 * other)
+    )
+    if room < needed_room:
+        series[4, k] = 1.0
+
+
+@compiled
+def _ratio(value: float, by: float) -> float:
+    return value / by if by > 0.0 else math.inf
+
+
+@compiled
+def _least_lag(
+    states: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    row: int,
+    start: int,
+    stop: int,
+    every: int,
+    limit: int,
+    crossing: float,
+    touched: bool,
+) -> int:
+    """Gives the least number of steps between two boxes being at the same place on crossing paths.
+
+    For every place of the ego, walks along the other's path; where the other is far, the walk jumps
+    as many steps as it needs at least to come near.
+
+    Returns:
+        ``limit + 1`` where there is none.
+    """
+    best = 0 if touched else limit + 1
+    for j in range(states.shape[1]):
+        if j == row or best == 0:
+            continue
+        reach = 0.5 * (
+            math.hypot(sizes[row, 0], sizes[row, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
+        )
+        stride = _longest_step(states, present, j, start, stop)
+        for t in range(start, stop, every):
+            for direction in (1, -1):
+                lag = 0
+                while lag < best:
+                    u = t + direction * lag
+                    if u < start or u >= stop:
+                        break
+                    if not present[u, j] or not present[t, row]:
+                        lag += 1
+                        continue
+                    ego, other = states[t, row], states[u, j]
+                    dx, dy = other[0] - ego[0], other[1] - ego[1]
+                    away = math.hypot(dx, dy) - reach
+                    if away > 0.0:
+                        if stride * (best - lag) <= away:
+                            break
+                        lag += max(1, int(away / stride))
+                        continue
+                    turn = (other[2] - ego[2] + math.pi) % (2.0 * math.pi) - math.pi
+                    if abs(turn) >= crossing and (
+                        overlap_depth(
+                            dx, dy, ego[2], sizes[row, 0], sizes[row, 1],
+                            other[2], sizes[j, 0], sizes[j, 1],
+                        ) > 0.0
+                    ):  # fmt: skip
+                        best = lag
+                        break
+                    lag += 1
+    return best
+
+
+@compiled
+def _longest_step(states: FloatArray, present: BoolArray, j: int, start: int, stop: int) -> float:
+    """Gives the longest way of an actor between two rows, metres; at least a micrometre."""
+    longest = 1e-6
+    last = -1
+    for t in range(start, stop):
+        if not present[t, j]:
+            continue
+        if last >= 0:
+            way = math.hypot(
+                states[t, j, 0] - states[last, j, 0], states[t, j, 1] - states[last, j, 1]
+            )
+            longest = max(longest, way)
+        last = t
+    return longest

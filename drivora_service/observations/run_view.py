@@ -1,0 +1,212 @@
+"""A trace as its judges look at it: ego by ego, and what several of them need computed once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from drivora_service.geometry import box_corners
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.motion import FilteredMotion, filter_motion
+from drivora_service.observations.proximity import Proximity, look_around
+from drivora_service.observations.trace import (
+    Actor,
+    BoolArray,
+    ByteArray,
+    Col,
+    EgoCol,
+    EgoRoute,
+    FloatArray,
+    IntArray,
+    TerminalEvent,
+    Trace,
+)
+
+
+class EgoView:
+    """One ego while it drives: from its start time to the end of its part.
+
+    All arrays have n rows; row ``k`` here is row ``first + k`` of the trace. n is 0 for an ego
+    whose part never began.
+
+    Attributes:
+        trace: The whole run.
+        network: Its road network.
+        row: Of the ego in the trace.
+        first: Row of the trace with which the arrays begin.
+        count: n.
+        times: Seconds.
+        states: (n, 8) columns ``Col``.
+        values: (n, 8) columns ``EgoCol``.
+        lanes: Index of the lane, -1 off every lane.
+        lights: ``Light``.
+        speed: m/s over ground.
+        forward_speed: m/s along the heading, negative backwards.
+        moved: Metres since the row before, 0 in the first.
+    """
+
+    def __init__(self, trace: Trace, network: RoadNetwork, row: int) -> None:
+        """Cuts the ego's part out of the trace."""
+        start = int(np.searchsorted(trace.times, trace.ego_start_times[row] - 1e-9))
+        stop = trace.ego_end_steps[row] + 1
+        gone = np.flatnonzero(~trace.present[start:stop, row])
+        if len(gone):
+            stop = start + int(gone[0])
+        part = slice(start, max(stop, start))
+        self.trace = trace
+        self.network = network
+        self.row = row
+        self.first = start
+        self.times: FloatArray = trace.times[part]
+        self.states: FloatArray = trace.states[part, row]
+        self.values: FloatArray = trace.ego_values[part, row]
+        self.lanes: IntArray = trace.ego_lanes[part, row]
+        self.lights: ByteArray = trace.ego_lights[part, row]
+        self.count = len(self.times)
+        vx, vy, yaw = self.states[:, Col.VX], self.states[:, Col.VY], self.states[:, Col.YAW]
+        self.speed: FloatArray = np.hypot(vx, vy)
+        self.forward_speed: FloatArray = vx * np.cos(yaw) + vy * np.sin(yaw)
+        steps = np.hypot(np.diff(self.states[:, Col.X]), np.diff(self.states[:, Col.Y]))
+        self.moved: FloatArray = np.concatenate((np.zeros(min(self.count, 1)), steps))
+
+    @property
+    def actor(self) -> Actor:
+        """The ego as an actor of the trace."""
+        return self.trace.actors[self.row]
+
+    @property
+    def id(self) -> str:
+        """Id of the ego."""
+        return self.actor.id
+
+    @property
+    def step_length(self) -> float:
+        """Seconds between rows."""
+        return self.trace.step_length
+
+    @property
+    def route(self) -> EgoRoute:
+        """The way it had to drive."""
+        return self.trace.ego_routes[self.row]
+
+    @property
+    def end(self) -> TerminalEvent:
+        """Why its part ended."""
+        return self.trace.ego_ends[self.row]
+
+    @property
+    def duration(self) -> float:
+        """Seconds from its start to the end of its part."""
+        return float(self.times[-1] - self.times[0]) if self.count else 0.0
+
+    def value(self, column: EgoCol) -> FloatArray:
+        """Gives a column (n,) of ``values``."""
+        return self.values[:, column]
+
+    def location(self, k: int) -> tuple[float, float]:
+        """Gives x and y in metres at row ``k``."""
+        return float(self.states[k, Col.X]), float(self.states[k, Col.Y])
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(n, 4, 2) corners of its box, metres; front left first, counter-clockwise."""
+        return box_corners(
+            self.states[:, Col.X],
+            self.states[:, Col.Y],
+            self.states[:, Col.YAW],
+            self.actor.length,
+            self.actor.width,
+        )
+
+    @cached_property
+    def lane_half_widths(self) -> FloatArray:
+        """(n,) half the width of the lane it is on, metres; NaN off every lane."""
+        half_widths = np.full(self.count, np.nan)
+        for lane in np.unique(self.lanes):
+            if lane >= 0:
+                half_widths[self.lanes == lane] = 0.5 * self.network.lanes[lane].width
+        return half_widths
+
+    @cached_property
+    def lateral_reach(self) -> FloatArray:
+        """(n,) metres that its box reaches from its centre across the lane; NaN off every lane."""
+        turn = self.states[:, Col.YAW] - self.value(EgoCol.LANE_HEADING)
+        along = 0.5 * self.actor.length * np.abs(np.sin(turn))
+        reach: FloatArray = along + 0.5 * self.actor.width * np.abs(np.cos(turn))
+        return reach
+
+    @cached_property
+    def in_junction(self) -> BoolArray:
+        """(n,) whether the lane it is on is inside a junction."""
+        inside = np.zeros(self.count, dtype=np.bool_)
+        for lane in np.unique(self.lanes):
+            if lane >= 0 and self.network.lanes[lane].is_internal:
+                inside[self.lanes == lane] = True
+        return inside
+
+    @cached_property
+    def outside(self) -> FloatArray:
+        """(n,) metres by which the corner furthest out is outside the drivable area."""
+        furthest = np.zeros(self.count)
+        unsure = np.flatnonzero(~self._within_lanes())
+        if len(unsure):
+            from drivora_service.networks.drivable_area import outside_distance
+
+            corners = self.corners[unsure].reshape(-1, 2)
+            furthest[unsure] = outside_distance(self.network, corners).reshape(-1, 4).max(axis=1)
+        return furthest
+
+    def _within_lanes(self) -> BoolArray:
+        """Tells the rows in which the box lies within its edge's lanes for sure."""
+        lateral = self.value(EgoCol.LANE_LATERAL)
+        within = np.zeros(self.count, dtype=np.bool_)
+        for index in np.unique(self.lanes):
+            if index < 0:
+                continue
+            here = np.flatnonzero(self.lanes == index)
+            left, right = _room_beside(self.network, int(index))
+            reach = self.lateral_reach[here]
+            within[here] = (lateral[here] + reach <= left) & (reach - lateral[here] <= right)
+        return within
+
+    @cached_property
+    def proximity(self) -> Proximity:
+        """How near it came to the others."""
+        return look_around(self.trace, self.row, self.first, self.first + self.count)
+
+    @cached_property
+    def motion(self) -> FilteredMotion | None:
+        """Its filtered motion; None where its part is too short to filter."""
+        return filter_motion(self.states, self.step_length)
+
+
+def _room_beside(network: RoadNetwork, index: int) -> tuple[float, float]:
+    """Gives the metres of road of the same edge, left and right of a lane's centre line."""
+    lane = network.lanes[index]
+    left = right = 0.5 * lane.width
+    beside = lane.left
+    while beside >= 0:
+        left += network.lanes[beside].width
+        beside = network.lanes[beside].left
+    beside = lane.right
+    while beside >= 0:
+        right += network.lanes[beside].width
+        beside = network.lanes[beside].right
+    return left, right
+
+
+class RunView:
+    """A run to be judged.
+
+    Attributes:
+        trace: What was recorded.
+        network: The road network it took place on.
+        egos: In the order of the trace.
+    """
+
+    def __init__(self, trace: Trace, network: RoadNetwork) -> None:
+        """Prepares a view; nothing costly is computed before it is asked for."""
+        self.trace = trace
+        self.network = network
+        self.egos = tuple(EgoView(trace, network, row) for row in range(trace.ego_count))

@@ -1,0 +1,85 @@
+"""The ego reaches its destination, and in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
+from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Destination:
+    """Violated if the ego does not reach the end of its route within the time limit.
+
+    Arrival is CARLA Leaderboard's, the limit is that of its routes, from the ego's start time on.
+
+    Attributes:
+        progress: Share of the route's length that must be behind.
+        distance: Metres from the goal below which the ego must be.
+        time_per_metre: Seconds a metre of route.
+        time_to_start: Seconds on top.
+    """
+
+    progress: float = 0.99
+    distance: float = 10.0
+    time_per_metre: float = 0.8
+    time_to_start: float = 5.0
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "destination"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Gives one verdict an ego."""
+        return tuple(self._judge(ego) for ego in run.egos)
+
+    def time_limit(self, ego: EgoView) -> float:
+        """Gives the seconds from its start time within which an ego must arrive."""
+        allowed = self.time_per_metre * ego.route.length + self.time_to_start
+        left = ego.trace.max_sim_time - ego.trace.ego_start_times[ego.row]
+        return min(allowed, max(left, 0.0))
+
+    def _judge(self, ego: EgoView) -> Verdict:
+        if not ego.count:
+            return not_started(self.name, ego)
+        goal_x, goal_y = ego.route.goal
+        away = np.hypot(ego.states[:, Col.X] - goal_x, ego.states[:, Col.Y] - goal_y)
+        done = ego.value(EgoCol.ROUTE_S) / ego.route.length
+        arrived = np.flatnonzero((done > self.progress) & (away < self.distance))
+        limit = self.time_limit(ego)
+        elapsed = ego.times - ego.times[0]
+        facts: dict[str, Any] = {
+            "time_limit": limit,
+            "progress": float(np.nanmax(done)) if np.any(np.isfinite(done)) else None,
+            "goal_distance": float(away[-1]),
+        }
+        if len(arrived):
+            took = float(elapsed[arrived[0]])
+            if took <= limit + 1e-9:
+                return passed(self.name, ego, f"Arrived after {took:.1f} s.", time=took, **facts)
+            return violated(
+                self.name,
+                ego,
+                int(np.argmax(elapsed > limit)),
+                f"Arrived after {took:.1f} s; the limit is {limit:.1f} s.",
+                reason="late",
+                **facts,
+            )
+        if ego.end is TerminalEvent.ARRIVED:
+            # Whoever SUMO drives leaves the road at the end of its last edge, behind the goal.
+            return passed(self.name, ego, "Left the road at the end of its route.", **facts)
+        ended = f"{away[-1]:.1f} m from the goal after {elapsed[-1]:.1f} s"
+        late = np.flatnonzero(elapsed > limit - 1e-9)
+        if ego.end is TerminalEvent.TIME_LIMIT or len(late):
+            k = int(late[0]) if len(late) else ego.count - 1
+            message = f"Not there when its time was up: {ended}; the limit is {limit:.1f} s."
+            return violated(self.name, ego, k, message, reason="timeout", **facts)
+        how = ego.end.value.replace("_", " ")
+        message = f"Not there: its part ended ({how}) {ended}."
+        return violated(self.name, ego, ego.count - 1, message, reason=ego.end.value, **facts)
