@@ -18,6 +18,7 @@ from drivora_service.errors import (
     InvalidDocument,
     NetworkError,
     Problem,
+    QueueFull,
     UnknownName,
 )
 
@@ -124,6 +125,11 @@ def _answer(request: Request, error: Exception) -> Response:
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
         case Conflict():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)
+        case QueueFull():
+            headers = {"Retry-After": str(error.retry_after_s)}
+            return problem_response(
+                HTTPStatus.TOO_MANY_REQUESTS, str(error), instance=path, headers=headers
+            )
         case NetworkError():
             return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, str(error), instance=path)
         case RequestValidationError():

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.runs.encoding import report_from_json
-from drivora_service.runs.report import RunReport
+from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.chunks import batched
 from drivora_service.store.job_records import filtered, job_query, to_record
@@ -167,6 +167,12 @@ class JobRepository:
             raise UnknownName("job", job_id, ())
         cancel_runs(self._session, [row])
         return self.get(job_id)
+
+    def counts(self) -> dict[RunStatus, int]:
+        """Counts all runs by status; statuses that no run has are 0."""
+        found = self._session.execute(select(RunRow.status, func.count()).group_by(RunRow.status))
+        numbers = {RunStatus(status): number for status, number in found}
+        return {status: numbers.get(status, 0) for status in RunStatus}
 
     def queued(self) -> int:
         """Counts the runs that wait."""

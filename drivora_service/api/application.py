@@ -1,0 +1,54 @@
+"""The HTTP application: routes, error shapes and guards around one context."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from importlib.metadata import version
+
+from fastapi import FastAPI
+
+from drivora_service.api.body_limit import BodyLimit
+from drivora_service.api.context import PREFIX, ApiContext
+from drivora_service.api.documentation import install_openapi
+from drivora_service.api.origin_guard import OriginGuard
+from drivora_service.api.problems import install_problem_handlers
+from drivora_service.api.routes import (
+    batches,
+    catalogues,
+    health,
+    jobs,
+    networks,
+    runs,
+    scenarios,
+)
+
+Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
+
+
+def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI:
+    """Builds the application.
+
+    Args:
+        context: Everything below the HTTP layer.
+        lifespan: What is started before the first request and stopped after the last.
+    """
+    api = FastAPI(
+        title="Drivora",
+        version=version("drivora"),
+        openapi_url=f"{PREFIX}/openapi.json",
+        # Both pages would load their scripts from elsewhere.
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+    )
+    api.state.context = context
+    for module in (scenarios, jobs, batches, runs, networks, catalogues):
+        api.include_router(module.router, prefix=PREFIX)
+    api.include_router(health.router)
+    api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
+    install_problem_handlers(api)
+    install_openapi(api)
+    api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
+    api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
+    return api

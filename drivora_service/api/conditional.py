@@ -1,0 +1,51 @@
+"""Answers with an ``ETag``, and 304 for clients that have them already."""
+
+from __future__ import annotations
+
+import hashlib
+
+from fastapi import Request, Response
+from pydantic import BaseModel
+
+JSON = "application/json"
+
+
+def json_answer(request: Request, body: BaseModel, *, etag: str = "") -> Response:
+    """Answers with JSON, or 304 if the client has the same already.
+
+    Args:
+        request: What was asked.
+        body: The answer.
+        etag: Stands for the content; "": its hash.
+    """
+    content = body.model_dump_json().encode()
+    return bytes_answer(request, content, media_type=JSON, etag=etag or digest(content))
+
+
+def bytes_answer(request: Request, content: bytes, *, media_type: str, etag: str) -> Response:
+    """Answers with bytes, or 304 if the client has the same already."""
+    headers = cache_headers(etag)
+    if is_known(request, etag):
+        return Response(status_code=304, headers=headers)
+    return Response(content, media_type=media_type, headers=headers)
+
+
+def is_known(request: Request, etag: str) -> bool:
+    """Whether the client says that it has the content that ``etag`` stands for."""
+    known = request.headers.get("if-none-match", "")
+    tags = {tag.strip().removeprefix("W/") for tag in known.split(",")}
+    return f'"{etag}"' in tags or "*" in tags
+
+
+def cache_headers(etag: str) -> dict[str, str]:
+    """Gives the headers that let a client ask again cheaply."""
+    return {
+        "ETag": f'"{etag}"',
+        "Cache-Control": "private, no-cache",
+        "Vary": "Accept, Authorization",
+    }
+
+
+def digest(content: bytes) -> str:
+    """Gives a short hash of an answer."""
+    return hashlib.sha256(content).hexdigest()[:32]

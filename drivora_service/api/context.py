@@ -1,0 +1,64 @@
+"""What the endpoints work with, put together once by the composition root."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.api.tokens import TokenFile
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.oracles.verdict import Oracle
+from drivora_service.store.database import Database
+
+PREFIX = "/api/v1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """How much a client may ask for at once.
+
+    Attributes:
+        body_bytes: Size of a request's body.
+        batch_items: Scenarios of a batch.
+        queued_runs: Runs that may wait; more are refused.
+    """
+
+    body_bytes: int
+    batch_items: int
+    queued_runs: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ApiContext:
+    """Everything below the HTTP layer.
+
+    Attributes:
+        tokens: Who may use the service; ``None``: everyone who reaches it.
+        trace_path: Where the trace of a run lies, by the run's id.
+        wake: Tells the dispatcher that there is work.
+        workers_alive: Whether the dispatcher hands out runs.
+    """
+
+    database: Database
+    networks: NetworkCatalogue
+    agents: AgentCatalogue
+    oracles: tuple[Oracle, ...]
+    tokens: TokenFile | None
+    limits: Limits
+    trace_path: Callable[[str], Path]
+    wake: Callable[[], None]
+    workers_alive: Callable[[], bool]
+
+
+def context_of(request: Request) -> ApiContext:
+    """Gives the context of the application that serves a request."""
+    context: ApiContext = request.app.state.context
+    return context
+
+
+Context = Annotated[ApiContext, Depends(context_of)]

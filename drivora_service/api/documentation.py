@@ -1,0 +1,113 @@
+"""The OpenAPI document: an example for every operation, and the scenario's own schema."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
+
+from drivora_service.api import problems
+from drivora_service.scenario.documents import ScenarioDocument
+
+_SCHEMAS = "#/components/schemas/"
+_SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
+_DESCRIPTION = """Post scenarios, follow their runs, fetch what was recorded and judged.
+
+Every error is `application/problem+json` (RFC 9457); `problems` names each single thing that is
+wrong with its JSON pointer. Lists come in pages: pass `next_page_token` as `page_token`. Answers
+carry an `ETag`; a request with `If-None-Match` is answered with 304 where nothing changed.
+"""
+
+
+def answers(example: BaseModel, *errors: int, status: int = 200) -> dict[int | str, dict[str, Any]]:
+    """Documents an operation: its answer with an example, and the errors it can end in."""
+    documented: dict[int | str, dict[str, Any]] = {
+        status: {
+            "description": "Done" if status < 202 else "Accepted",
+            "content": {"application/json": {"example": example.model_dump(mode="json")}},
+        }
+    }
+    for error in errors:
+        documented[error] = problem_answer(error)
+    return documented
+
+
+def problem_answer(status: int) -> dict[str, Any]:
+    """Documents an error."""
+    title, detail = _ERRORS[status]
+    example = problems.ProblemDetails(title=title, status=status, detail=detail)
+    return {
+        "description": title,
+        "content": {
+            problems.MEDIA_TYPE: {
+                "schema": {"$ref": _SCHEMAS + "ProblemDetails"},
+                "example": example.model_dump(mode="json"),
+            }
+        },
+    }
+
+
+def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
+    """Documents a body that is one scenario."""
+    content = {"schema": _SCENARIO_REF, "example": example}
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {"application/json": content, "application/yaml": content},
+        }
+    }
+
+
+def batch_body(example: Mapping[str, Any]) -> dict[str, Any]:
+    """Documents a body that is many scenarios."""
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {
+                    "schema": {"type": "array", "items": _SCENARIO_REF},
+                    "example": [example],
+                },
+                "application/x-ndjson": {"schema": _SCENARIO_REF, "example": example},
+            },
+        }
+    }
+
+
+def install_openapi(api: FastAPI) -> None:
+    """Makes the application's OpenAPI document complete with the schemas it refers to."""
+
+    def build() -> dict[str, Any]:
+        if api.openapi_schema is None:
+            document = get_openapi(
+                title=api.title,
+                version=api.version,
+                description=_DESCRIPTION,
+                routes=api.routes,
+            )
+            schemas = document.setdefault("components", {}).setdefault("schemas", {})
+            for model in (ScenarioDocument, problems.ProblemDetails):
+                schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
+                schemas.update(schema.pop("$defs", {}))
+                schemas[model.__name__] = schema
+            api.openapi_schema = document
+        return api.openapi_schema
+
+    api.openapi = build  # type: ignore[method-assign] # FastAPI's own way to extend the document
+
+
+_ERRORS: Mapping[int, tuple[str, str]] = {
+    401: ("Unauthorized", "an API token is needed: Authorization: Bearer …"),
+    403: ("Forbidden", "token 'viewer' has scope read; submit is needed"),
+    404: ("Not Found", "unknown run '0'; known: none"),
+    406: ("Not Acceptable", "observations come as application/x-ndjson or Parquet"),
+    409: ("Conflict", "the first request with this Idempotency-Key is still being done"),
+    413: ("Request Entity Too Large", "the body is larger than the bytes that are allowed"),
+    415: ("Unsupported Media Type", "the body must be plain application/json"),
+    422: ("Unprocessable Entity", "1 problem in the document"),
+    429: ("Too Many Requests", "the queue is full; try again later"),
+    503: ("Service Unavailable", "the workers are not ready"),
+}

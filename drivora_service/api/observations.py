@@ -1,0 +1,101 @@
+"""Recorded frames over HTTP: as lines of JSON or as Parquet, whole or a range of steps."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from http import HTTPStatus
+from pathlib import Path
+
+import pyarrow.parquet as pq
+from fastapi import Request, Response
+from fastapi.responses import FileResponse, StreamingResponse
+
+from drivora_service.api.conditional import cache_headers, is_known
+from drivora_service.api.problems import ApiError
+from drivora_service.observations.scene_obs import ndjson
+from drivora_service.observations.trace_file import read_steps, read_trace
+
+NDJSON = "application/x-ndjson"
+PARQUET = "application/vnd.apache.parquet"
+
+_CHUNK_BYTES = 64 * 1024
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepRange:
+    """Steps ``first`` to ``last``, both included; ``None``: to the end."""
+
+    first: int
+    last: int | None
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing is left out."""
+        return self.first == 0 and self.last is None
+
+    @property
+    def stop(self) -> int:
+        """The step behind the last one."""
+        return 2**31 - 1 if self.last is None else self.last + 1
+
+
+def observations_answer(
+    request: Request, path: Path, trace_sha256: str, steps: StepRange
+) -> Response:
+    """Answers with the recorded frames of a run in the form that the client accepts.
+
+    Raises:
+        ApiError: The range is empty (422), or the client accepts neither form (406).
+    """
+    if steps.last is not None and steps.last < steps.first:
+        raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, "`last` must not be before `first`")
+    form = _accepted(request)
+    name = "parquet" if form == PARQUET else "ndjson"
+    etag = f"{trace_sha256}-{name}-{steps.first}-{'' if steps.last is None else steps.last}"
+    headers = cache_headers(etag)
+    if is_known(request, etag):
+        return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+    if form == NDJSON:
+        trace = read_trace(path) if steps.is_whole else read_steps(path, steps.first, steps.stop)
+        lines = ndjson(trace, steps.first, steps.stop)
+        return StreamingResponse(_chunks(lines), media_type=NDJSON, headers=headers)
+    headers["Content-Disposition"] = f'attachment; filename="{path.name}"'
+    if steps.is_whole:
+        return FileResponse(path, media_type=PARQUET, headers=headers)
+    return Response(_parquet_range(path, steps), media_type=PARQUET, headers=headers)
+
+
+def _accepted(request: Request) -> str:
+    accept = request.headers.get("accept", "*/*")
+    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
+    if kinds & {PARQUET, "application/x-parquet"}:
+        return PARQUET
+    if kinds & {"*/*", "application/*", NDJSON, "application/ndjson", "application/jsonl"}:
+        return NDJSON
+    raise ApiError(
+        HTTPStatus.NOT_ACCEPTABLE, f"observations come as {NDJSON} or {PARQUET}, not {accept!r}"
+    )
+
+
+def _parquet_range(path: Path, steps: StepRange) -> bytes:
+    wanted = [("step", ">=", steps.first), ("step", "<", steps.stop)]
+    table = pq.read_table(path, filters=wanted, use_threads=False)
+    buffer = io.BytesIO()
+    pq.write_table(table, buffer)
+    return buffer.getvalue()
+
+
+def _chunks(lines: Iterator[bytes]) -> Iterator[bytes]:
+    """Joins lines, as every chunk costs a switch of threads."""
+    waiting: list[bytes] = []
+    size = 0
+    for line in lines:
+        waiting.append(line)
+        size += len(line)
+        if size >= _CHUNK_BYTES:
+            yield b"".join(waiting)
+            waiting, size = [], 0
+    if waiting:
+        yield b"".join(waiting)

@@ -1,0 +1,65 @@
+"""Query parameters that several operations share."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Query
+
+from drivora_service.api.submission import Overrides
+from drivora_service.oracles.verdict import Outcome
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.records import JobFilter
+
+_SEED_MAX = 2**31 - 1
+
+Limit = Annotated[int, Query(ge=1, le=500, description="Items of a page.")]
+PageToken = Annotated[str, Query(max_length=500, description="Where the last page ended.")]
+Label = Annotated[str, Query(max_length=200, description="Name for people.")]
+
+
+def _overrides(
+    agent: Annotated[
+        str, Query(max_length=200, description="Drives every ego in place of the documented one.")
+    ] = "",
+    seed: Annotated[
+        int | None, Query(ge=0, le=_SEED_MAX, description="Seed in place of the document's.")
+    ] = None,
+) -> Overrides:
+    return Overrides(agent=agent, seed=seed)
+
+
+RunOverrides = Annotated[Overrides, Depends(_overrides)]
+
+
+def _job_filter(
+    batch: Annotated[str, Query(max_length=40, description="Of this batch.")] = "",
+    status: Annotated[list[RunStatus] | None, Query(description="In any of these states.")] = None,
+    agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
+    town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
+    oracle: Annotated[
+        str, Query(max_length=60, description="About which this oracle said `outcome`.")
+    ] = "",
+    outcome: Annotated[Outcome, Query(description="See `oracle`.")] = Outcome.VIOLATED,
+    at_fault: Annotated[
+        bool | None, Query(description="See `oracle`: by the fault of an ego, or not.")
+    ] = None,
+    violated: Annotated[
+        bool | None, Query(description="With, or without, any broken rule.")
+    ] = None,
+    scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
+) -> JobFilter:
+    return JobFilter(
+        batch_id=batch,
+        statuses=frozenset(status or ()),
+        agent=agent,
+        town=town,
+        oracle=oracle,
+        outcome=outcome,
+        at_fault=at_fault,
+        violated=violated,
+        scenario_sha256=scenario_sha256,
+    )
+
+
+Filter = Annotated[JobFilter, Depends(_job_filter)]

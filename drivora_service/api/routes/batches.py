@@ -1,0 +1,207 @@
+"""Batches: post many scenarios at once, follow them, give them up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from drivora_service.api import bodies, examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.documentation import answers, batch_body
+from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.parameters import Limit, PageToken, RunOverrides
+from drivora_service.api.problems import problem_items
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.batches import (
+    Batch,
+    BatchItem,
+    BatchSubmission,
+    ItemResult,
+    PriorityName,
+    batch_view,
+)
+from drivora_service.api.security import reader, submitter
+from drivora_service.api.submission import Overrides, check_overrides, new_run, validated
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.store.database import Transaction
+from drivora_service.store.records import NewRun, Priority
+
+router = APIRouter(tags=["batches"])
+
+_POLL_AFTER_S = "2"
+
+
+@router.post(
+    "/batches",
+    status_code=202,
+    response_model=BatchSubmission,
+    responses=answers(examples.SUBMISSION, 401, 403, 409, 413, 415, 422, 429, status=202),
+    openapi_extra=batch_body(examples.SCENARIO),
+    dependencies=[Depends(submitter)],
+)
+def post_batch(
+    request: Request,
+    context: Context,
+    body: bodies.RawBody,
+    overrides: RunOverrides,
+    name: Annotated[str, Query(max_length=200, description="Name for people.")] = "",
+    priority: Annotated[PriorityName, Query(description="Whose runs go first.")] = PriorityName.CI,
+    idempotency_key: IdempotencyKey = "",
+) -> Response:
+    """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
+
+    Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
+    """
+
+    def prepare() -> Work:
+        check_overrides(context, overrides)
+        documents = bodies.split_batch(request, body, most=context.limits.batch_items)
+        runs: list[NewRun] = []
+        rejected: dict[int, tuple[Problem, ...]] = {}
+        for item, document in enumerate(documents):
+            try:
+                runs.append(_prepared(context, document, overrides, item))
+            except InvalidDocument as error:
+                rejected[item] = error.problems
+        if not runs:
+            raise _all_rejected(rejected)
+
+        def commit(transaction: Transaction) -> Answer:
+            batch = transaction.batches.create(name=name, priority=Priority[priority.name])
+            job_ids = transaction.jobs.submit(
+                runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
+            )
+            items = _item_results(len(documents), runs, job_ids, rejected)
+            answer = BatchSubmission(
+                batch=batch_view(transaction.batches.get(batch.id), PREFIX),
+                accepted=len(runs),
+                rejected=len(rejected),
+                items=items,
+            )
+            headers = {"Location": f"{PREFIX}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
+            return Answer(status=202, headers=headers, body=answer.model_dump_json())
+
+        return Work(commit=commit)
+
+    response = done_once(request, context, idempotency_key, body, prepare)
+    context.wake()
+    return response
+
+
+@router.get(
+    "/batches",
+    response_model=PageOf[Batch],
+    responses=answers(examples.BATCHES, 401, 403, 422),
+    dependencies=[Depends(reader)],
+)
+def list_batches(
+    request: Request, context: Context, limit: Limit = 50, page_token: PageToken = ""
+) -> Response:
+    """Lists batches, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.batches.page(limit=limit, page_token=page_token)
+    items = tuple(batch_view(record, PREFIX) for record in page.items)
+    return json_answer(request, PageOf[Batch](items=items, next_page_token=page.next_token))
+
+
+@router.get(
+    "/batches/{batch_id}",
+    response_model=Batch,
+    responses=answers(examples.BATCH, 401, 403, 404),
+    dependencies=[Depends(reader)],
+)
+def get_batch(request: Request, context: Context, batch_id: str) -> Response:
+    """Tells how far a batch is."""
+    with context.database.read() as transaction:
+        batch = batch_view(transaction.batches.get(batch_id), PREFIX)
+    response = json_answer(request, batch)
+    if not batch.done:
+        response.headers["Retry-After"] = _POLL_AFTER_S
+    return response
+
+
+@router.post(
+    "/batches/{batch_id}:cancel",
+    status_code=202,
+    response_model=Batch,
+    responses=answers(examples.BATCH, 401, 403, 404, status=202),
+    dependencies=[Depends(submitter)],
+)
+def cancel_batch(context: Context, batch_id: str) -> Batch:
+    """Gives up all runs of a batch that have not ended."""
+    with context.database.write() as transaction:
+        batch = transaction.batches.cancel(batch_id)
+    context.wake()
+    return batch_view(batch, PREFIX)
+
+
+@router.post(
+    "/batches/{batch_id}:pause",
+    status_code=202,
+    response_model=Batch,
+    responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def pause_batch(context: Context, batch_id: str) -> Batch:
+    """Starts no further run of a batch; those that run go on."""
+    with context.database.write() as transaction:
+        return batch_view(transaction.batches.pause(batch_id), PREFIX)
+
+
+@router.post(
+    "/batches/{batch_id}:resume",
+    status_code=202,
+    response_model=Batch,
+    responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def resume_batch(context: Context, batch_id: str) -> Batch:
+    """Starts the runs of a paused batch again."""
+    with context.database.write() as transaction:
+        batch = transaction.batches.resume(batch_id)
+    context.wake()
+    return batch_view(batch, PREFIX)
+
+
+def _prepared(context: ApiContext, document: Any, overrides: Overrides, item: int) -> NewRun:
+    if not isinstance(document, bytes | Mapping):
+        raise InvalidDocument(
+            (
+                Problem(
+                    pointer="", code="not_an_object", message="a scenario is one object with keys"
+                ),
+            )
+        )
+    return new_run(validated(context, document, overrides), overrides, item=item, label="")
+
+
+def _all_rejected(rejected: Mapping[int, tuple[Problem, ...]]) -> InvalidDocument:
+    return InvalidDocument(
+        tuple(
+            Problem(pointer=f"/{item}{p.pointer}", code=p.code, message=p.message)
+            for item, problems in rejected.items()
+            for p in problems
+        )
+    )
+
+
+def _item_results(
+    count: int,
+    runs: list[NewRun],
+    job_ids: tuple[str, ...],
+    rejected: Mapping[int, tuple[Problem, ...]],
+) -> tuple[BatchItem, ...]:
+    accepted = {run.item: job_id for run, job_id in zip(runs, job_ids, strict=True)}
+    return tuple(
+        BatchItem(item=item, result=ItemResult.ACCEPTED, job_id=accepted[item])
+        if item in accepted
+        else BatchItem(
+            item=item,
+            result=ItemResult.REJECTED,
+            problems=tuple(problem_items(rejected[item])),
+        )
+        for item in range(count)
+    )

@@ -1,0 +1,52 @@
+"""What can drive, and what every run is judged by."""
+
+from __future__ import annotations
+
+import inspect
+
+from fastapi import APIRouter, Depends, Request, Response
+
+from drivora_service.api import examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import Context
+from drivora_service.api.documentation import answers
+from drivora_service.api.schemas.catalogues import Agent, AgentList, Oracle, OracleList
+from drivora_service.api.security import reader
+from drivora_service.oracles import verdict
+
+router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
+
+
+@router.get("/agents", response_model=AgentList, responses=answers(examples.AGENTS, 401, 403))
+def list_agents(request: Request, context: Context) -> Response:
+    """Lists the ADSs that can drive an ego."""
+    entries = (context.agents.entry(name) for name in context.agents.names())
+    items = tuple(
+        Agent(
+            name=entry.name,
+            kind=str(entry.kind),
+            description=entry.description,
+            source=entry.source,
+            licence=entry.licence,
+            installed=entry.installed,
+            reason=entry.reason,
+        )
+        for entry in entries
+    )
+    return json_answer(request, AgentList(items=items))
+
+
+@router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
+def list_oracles(request: Request, context: Context) -> Response:
+    """Lists the rules that every run is judged by, with their thresholds."""
+    return json_answer(
+        request, OracleList(items=tuple(_oracle(oracle) for oracle in context.oracles))
+    )
+
+
+def _oracle(oracle: verdict.Oracle) -> Oracle:
+    summary = (inspect.getdoc(type(oracle)) or "").partition("\n\n")[0].replace("\n", " ")
+    thresholds = {
+        name: getattr(oracle, name) for name in getattr(oracle, "__dataclass_fields__", {})
+    }
+    return Oracle(name=oracle.name, description=summary, thresholds=thresholds)

@@ -1,0 +1,122 @@
+"""Jobs: post one scenario, follow it, give it up."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Depends, Request, Response
+
+from drivora_service.api import bodies, examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.documentation import answers, scenario_body
+from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunOverrides
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.jobs import Job, JobSummary, job_of, job_summary
+from drivora_service.api.security import reader, submitter
+from drivora_service.api.submission import check_overrides, new_run, validated
+from drivora_service.store.database import Transaction
+
+router = APIRouter(tags=["jobs"])
+
+_POLL_AFTER_S = "1"
+
+
+@router.post(
+    "/jobs",
+    status_code=202,
+    response_model=Job,
+    responses=answers(examples.JOB, 401, 403, 409, 413, 415, 422, 429, status=202),
+    openapi_extra=scenario_body(examples.SCENARIO),
+    dependencies=[Depends(submitter)],
+)
+def post_job(
+    request: Request,
+    context: Context,
+    body: bodies.RawBody,
+    overrides: RunOverrides,
+    label: Label = "",
+    idempotency_key: IdempotencyKey = "",
+) -> Response:
+    """Queues a run of the scenario in the body; `Location` is where to follow it."""
+    form = bodies.document_format(request)
+
+    def prepare() -> Work:
+        check_overrides(context, overrides)
+        run = new_run(validated(context, body, overrides, form), overrides, item=0, label=label)
+
+        def commit(transaction: Transaction) -> Answer:
+            limit = context.limits.queued_runs
+            (job_id,) = transaction.jobs.submit([run], queue_limit=limit)
+            job = _job(transaction, job_id)
+            headers = {"Location": f"{PREFIX}/jobs/{job_id}", "Retry-After": _POLL_AFTER_S}
+            return Answer(status=202, headers=headers, body=job.model_dump_json())
+
+        return Work(commit=commit)
+
+    response = done_once(request, context, idempotency_key, body, prepare)
+    context.wake()
+    return response
+
+
+@router.get(
+    "/jobs",
+    response_model=PageOf[JobSummary],
+    responses=answers(examples.JOBS, 401, 403, 422),
+    dependencies=[Depends(reader)],
+)
+def list_jobs(
+    request: Request,
+    context: Context,
+    wanted: Filter,
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists jobs, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.jobs.page(wanted, limit=limit, page_token=page_token)
+    body = PageOf[JobSummary](
+        items=tuple(job_summary(record) for record in page.items), next_page_token=page.next_token
+    )
+    return json_answer(request, body)
+
+
+@router.get(
+    "/jobs/{job_id}",
+    response_model=Job,
+    responses=answers(examples.JOB, 401, 403, 404),
+    dependencies=[Depends(reader)],
+)
+def get_job(request: Request, context: Context, job_id: str) -> Response:
+    """Tells where a job is. A run that failed is a job with an `error`."""
+    with context.database.read() as transaction:
+        job = _job(transaction, job_id)
+    response = json_answer(request, job)
+    if not job.status.is_final:
+        response.headers["Retry-After"] = _POLL_AFTER_S
+    return response
+
+
+@router.post(
+    "/jobs/{job_id}:cancel",
+    status_code=202,
+    response_model=Job,
+    responses=answers(examples.CANCELLED_JOB, 401, 403, 404, status=202),
+    dependencies=[Depends(submitter)],
+)
+def cancel_job(context: Context, job_id: str) -> Job:
+    """Gives a job up: a waiting one ends at once, a running one as soon as its worker lets go."""
+    return _cancel(context, job_id)
+
+
+def _cancel(context: ApiContext, job_id: str) -> Job:
+    with context.database.write() as transaction:
+        transaction.jobs.cancel(job_id)
+        job = _job(transaction, job_id)
+    context.wake()
+    return job
+
+
+def _job(transaction: Transaction, job_id: str) -> Job:
+    record = transaction.jobs.get(job_id)
+    report = transaction.jobs.report(job_id) if record.status.is_final else None
+    return job_of(record, report, f"{PREFIX}/runs/{job_id}")

@@ -1,0 +1,96 @@
+"""Road networks that scenarios may take place on."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Depends, Request, Response
+
+from drivora_service.api import examples
+from drivora_service.api.conditional import JSON, cache_headers, is_known, json_answer
+from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.documentation import answers
+from drivora_service.api.schemas.catalogues import (
+    LaneGeometry,
+    Network,
+    NetworkGeometry,
+    NetworkList,
+    NetworkSummary,
+)
+from drivora_service.api.security import reader
+from drivora_service.networks.road_network import FloatArray, RoadNetwork
+
+router = APIRouter(tags=["networks"], dependencies=[Depends(reader)])
+
+
+@router.get("/networks", response_model=NetworkList, responses=answers(examples.NETWORKS, 401, 403))
+def list_networks(request: Request, context: Context) -> Response:
+    """Lists the networks, shipped and imported."""
+    items = tuple(
+        NetworkSummary(name=name, url=f"{PREFIX}/networks/{name}")
+        for name in context.networks.names()
+    )
+    return json_answer(request, NetworkList(items=items))
+
+
+@router.get(
+    "/networks/{name}", response_model=Network, responses=answers(examples.NETWORK, 401, 403, 404)
+)
+def get_network(request: Request, context: Context, name: str) -> Response:
+    """Describes a network."""
+    network = context.networks.get(name)
+    return json_answer(request, network_view(network), etag=network.sha256)
+
+
+@router.get(
+    "/networks/{name}/geometry",
+    response_model=NetworkGeometry,
+    responses=answers(examples.GEOMETRY, 401, 403, 404),
+)
+def get_geometry(request: Request, context: Context, name: str) -> Response:
+    """Gives lanes and junctions of a network as lines and outlines."""
+    network = context.networks.get(name)
+    etag = f"{network.sha256}-geometry"
+    if is_known(request, etag):
+        return Response(status_code=304, headers=cache_headers(etag))
+    content = geometry_of(network).model_dump_json()
+    return Response(content, media_type=JSON, headers=cache_headers(etag))
+
+
+def network_view(network: RoadNetwork) -> Network:
+    """Gives a network as the API shows it."""
+    driven = [lane for lane in network.lanes if lane.drivable and not lane.is_internal]
+    return Network(
+        name=network.name,
+        sha256=network.sha256,
+        bounds=network.bounds,
+        net_offset=network.net_offset,
+        lanes=len(network.lanes),
+        drivable_km=round(sum(lane.length for lane in driven) / 1000.0, 3),
+        traffic_lights=len(network.programs),
+        has_sidewalks=any(lane.walkable and not lane.drivable for lane in network.lanes),
+        geometry_url=f"{PREFIX}/networks/{network.name}/geometry",
+    )
+
+
+def geometry_of(network: RoadNetwork) -> NetworkGeometry:
+    """Gives what is needed to draw a network, to the centimetre."""
+    return NetworkGeometry(
+        name=network.name,
+        sha256=network.sha256,
+        bounds=network.bounds,
+        lanes=tuple(
+            LaneGeometry(
+                id=lane.id,
+                shape=_points(lane.shape),
+                width=lane.width,
+                drivable=lane.drivable,
+                walkable=lane.walkable,
+                internal=lane.is_internal,
+            )
+            for lane in network.lanes
+        ),
+        junctions={junction: _points(shape) for junction, shape in network.junction_shapes.items()},
+    )
+
+
+def _points(shape: FloatArray) -> tuple[tuple[float, float], ...]:
+    return tuple((round(float(x), 2), round(float(y), 2)) for x, y in shape)

@@ -1,0 +1,113 @@
+"""Runs: verdicts, what was recorded, and the scenario that was driven."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from drivora_service.api import examples
+from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
+from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.documentation import answers, problem_answer
+from drivora_service.api.observations import NDJSON, PARQUET, StepRange, observations_answer
+from drivora_service.api.parameters import Filter, Limit, PageToken
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.jobs import JobSummary, job_summary
+from drivora_service.api.schemas.runs import Run, run_of
+from drivora_service.api.security import reader
+from drivora_service.errors import UnknownName
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.exporting import to_document
+
+router = APIRouter(tags=["runs"], dependencies=[Depends(reader)])
+
+
+@router.get(
+    "/runs",
+    response_model=PageOf[JobSummary],
+    responses=answers(examples.JOBS, 401, 403, 422),
+)
+def list_runs(
+    request: Request,
+    context: Context,
+    wanted: Filter,
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists runs, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.jobs.page(wanted, limit=limit, page_token=page_token)
+    body = PageOf[JobSummary](
+        items=tuple(job_summary(record) for record in page.items), next_page_token=page.next_token
+    )
+    return json_answer(request, body)
+
+
+@router.get("/runs/{run_id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
+def get_run(request: Request, context: Context, run_id: str) -> Response:
+    """Gives everything that was found out about a run."""
+    with context.database.read() as transaction:
+        record = transaction.jobs.get(run_id)
+        report = transaction.jobs.report(run_id) if record.status.is_final else None
+        attempts = transaction.jobs.attempts(run_id)
+    return json_answer(request, run_of(record, report, attempts, f"{PREFIX}/runs/{run_id}"))
+
+
+@router.get(
+    "/runs/{run_id}/scenario",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The scenario",
+            "content": {
+                JSON: {
+                    "schema": {"$ref": "#/components/schemas/ScenarioDocument"},
+                    "example": examples.SCENARIO,
+                }
+            },
+        },
+        **{status: problem_answer(status) for status in (401, 403, 404)},
+    },
+)
+def get_scenario(request: Request, context: Context, run_id: str) -> Response:
+    """Gives the scenario of a run as a document that can be posted again."""
+    with context.database.read() as transaction:
+        text = transaction.jobs.document(run_id)
+    content = document_text(to_document(from_canonical(text))).encode()
+    return bytes_answer(request, content, media_type=JSON, etag=digest(content))
+
+
+@router.get(
+    "/runs/{run_id}/observations",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "One frame a step",
+            "content": {
+                NDJSON: {"schema": {"type": "string"}, "example": examples.FRAME_LINE},
+                PARQUET: {"schema": {"type": "string", "format": "binary"}},
+            },
+        },
+        **{status: problem_answer(status) for status in (401, 403, 404, 406, 422)},
+    },
+)
+def get_observations(
+    request: Request,
+    context: Context,
+    run_id: str,
+    first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
+    last: Annotated[
+        int | None, Query(ge=0, le=10**9, description="Last step, itself included.")
+    ] = None,
+) -> Response:
+    """Gives what a run recorded: frames in the published shape, or Parquet by `Accept`."""
+    with context.database.read() as transaction:
+        record = transaction.jobs.get(run_id)
+    path = context.trace_path(record.id)
+    if not record.trace_sha256 or not path.is_file():
+        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
+    return observations_answer(
+        request, path, record.trace_sha256, StepRange(first=first, last=last)
+    )

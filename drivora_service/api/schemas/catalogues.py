@@ -1,0 +1,95 @@
+"""What can be named in a scenario: networks and agents; and the rules it is judged by."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from drivora_service.api.schemas.base import Schema
+
+
+class NetworkSummary(Schema):
+    """A road network in the list."""
+
+    name: str
+    url: str
+
+
+class Network(Schema):
+    """A road network."""
+
+    name: str
+    sha256: str = Field(description="Hash of its file.")
+    bounds: tuple[float, float, float, float] = Field(
+        description="min x, min y, max x, max y in metres."
+    )
+    net_offset: tuple[float, float] = Field(
+        description="Added to the source's coordinates, metres."
+    )
+    lanes: int
+    drivable_km: float = Field(description="Kilometres of lane outside junctions.")
+    traffic_lights: int
+    has_sidewalks: bool
+    geometry_url: str
+
+
+class LaneGeometry(Schema):
+    """A lane as a line with a width."""
+
+    id: str
+    shape: tuple[tuple[float, float], ...] = Field(description="Centre line, metres.")
+    width: float
+    drivable: bool
+    walkable: bool
+    internal: bool = Field(description="Inside a junction.")
+
+
+class NetworkGeometry(Schema):
+    """All that is needed to draw a network."""
+
+    name: str
+    sha256: str
+    bounds: tuple[float, float, float, float]
+    lanes: tuple[LaneGeometry, ...]
+    junctions: dict[str, tuple[tuple[float, float], ...]] = Field(
+        description="Outline of each junction, metres."
+    )
+
+
+class Agent(Schema):
+    """An ADS that can drive an ego."""
+
+    name: str
+    kind: str
+    description: str
+    source: str
+    licence: str
+    installed: bool
+    reason: str = Field(description="Why it cannot be used here; empty if it can.")
+
+
+class AgentList(Schema):
+    """All agents."""
+
+    items: tuple[Agent, ...]
+
+
+class NetworkList(Schema):
+    """All networks."""
+
+    items: tuple[NetworkSummary, ...]
+
+
+class Oracle(Schema):
+    """A rule that every run is judged by."""
+
+    name: str
+    description: str
+    thresholds: dict[str, Any] = Field(description="Its parameters; SI units.")
+
+
+class OracleList(Schema):
+    """All rules."""
+
+    items: tuple[Oracle, ...]

@@ -1,0 +1,76 @@
+"""From a document that came in to a run that can be queued."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from drivora_service.api.context import ApiContext
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.documents import parse_document
+from drivora_service.scenario.validation import ValidScenario, validate_document
+from drivora_service.store.records import NewRun
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overrides:
+    """What a request sets in place of what its documents say.
+
+    Attributes:
+        agent: Drives every ego; "": as documented.
+        seed: Seeds the run; ``None``: as documented.
+    """
+
+    agent: str = ""
+    seed: int | None = None
+
+
+def check_overrides(context: ApiContext, overrides: Overrides) -> None:
+    """Checks an agent's name.
+
+    Raises:
+        InvalidDocument: There is no such agent.
+    """
+    known = context.agents.names()
+    if overrides.agent and overrides.agent not in known:
+        message = f"unknown agent {overrides.agent!r}; known: {', '.join(known)}"
+        raise InvalidDocument((Problem(pointer="", code="unknown_agent", message=message),))
+
+
+def validated(
+    context: ApiContext,
+    data: bytes | Mapping[str, Any],
+    overrides: Overrides,
+    form: Literal["json", "yaml"] = "json",
+) -> ValidScenario:
+    """Parses and checks a document.
+
+    Raises:
+        InvalidDocument: It cannot be run; every problem is named.
+    """
+    document = parse_document(data, form)
+    agents = set(context.agents.names())
+    if overrides.agent:
+        # Nobody will drive as documented, so those names need not exist here.
+        agents.update(ego.agent_name for ego in document.ego_vehicles if ego.agent_name)
+    return validate_document(document, context.networks, agents)
+
+
+def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:
+    """Gives the run of a scenario that can be run."""
+    scenario = valid.scenario
+    document = canonical_json(scenario)
+    names = dict.fromkeys(ego.agent.name for ego in scenario.ego_vehicles)
+    return NewRun(
+        document=document,
+        scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
+        town=scenario.map_region.town,
+        agent=overrides.agent or ",".join(names),
+        agent_override=overrides.agent,
+        seed_override=overrides.seed,
+        label=label,
+        item=item,
+    )

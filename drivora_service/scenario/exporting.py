@@ -1,0 +1,148 @@
+"""From a scenario back to a document, which validates to the identical scenario."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.model import (
+    AgentChoice,
+    LightTimes,
+    NpcObstacle,
+    NpcVehicle,
+    Region,
+    Scenario,
+    Waypoint,
+)
+
+_NEIGHBOURS = 64
+"""Floating-point numbers that are tried on either side."""
+
+
+def to_document(scenario: Scenario) -> ScenarioDocument:
+    """Gives the document, in the network's plane, that a scenario stands for."""
+    background = scenario.background_traffic
+    return ScenarioDocument.model_validate(
+        {
+            "frame": "sumo",
+            "ego_vehicles": [
+                {
+                    "id": ego.id,
+                    "model": ego.model,
+                    "route": _route(ego.route),
+                    "agent": _agent(ego.agent),
+                    "start_time": ego.start_time,
+                    "initial_speed": ego.initial_speed,
+                }
+                for ego in scenario.ego_vehicles
+            ],
+            "npc_vehicles": [_npc(npc) for npc in scenario.npc_vehicles],
+            "npc_walkers": [
+                {
+                    "id": walker.id,
+                    "model": walker.model,
+                    "route": _route(walker.route),
+                    "start_time": walker.start_time,
+                }
+                for walker in scenario.npc_walkers
+            ],
+            "npc_obstacles": [_obstacle(obstacle) for obstacle in scenario.npc_obstacles],
+            "map_region": {
+                "town": scenario.map_region.town,
+                "region_segment": _region(scenario.map_region.region_segment),
+            },
+            "weather": {
+                name: getattr(scenario.weather, name)
+                for name in scenario.weather.__dataclass_fields__
+            },
+            "traffic_lights": {
+                **_light_times(scenario.traffic_lights.times),
+                "junctions": {
+                    light: _light_times(times)
+                    for light, times in scenario.traffic_lights.junctions.items()
+                },
+            },
+            "background_traffic": None
+            if background is None
+            else {"count": background.count, "start_time": background.start_time},
+            "seed": scenario.seed,
+            "step_length": scenario.step_length,
+            "max_sim_time": scenario.max_sim_time,
+            "extensions": dict(scenario.extensions),
+        }
+    )
+
+
+def _yaw(angle: float) -> float:
+    """Gives the degrees that are read back as exactly ``angle``, where there are any."""
+    frame = FrameTransform()
+    value = frame.yaw_from_network(angle)
+    for limit in (-math.inf, math.inf):
+        candidate = value
+        for _ in range(_NEIGHBOURS):
+            if frame.yaw_to_network(candidate) == angle:
+                return candidate
+            candidate = math.nextafter(candidate, limit)
+    return value
+
+
+def _route(route: tuple[Waypoint, ...]) -> list[dict[str, float]]:
+    return [_place(waypoint) for waypoint in route]
+
+
+def _place(waypoint: Waypoint) -> dict[str, float]:
+    place = {"x": waypoint.x, "y": waypoint.y}
+    if waypoint.z is not None:
+        place["z"] = waypoint.z
+    if waypoint.yaw is not None:
+        place["yaw"] = _yaw(waypoint.yaw)
+    if waypoint.speed is not None:
+        place["speed"] = waypoint.speed
+    return place
+
+
+def _agent(agent: AgentChoice) -> dict[str, Any]:
+    return {"name": agent.name, "parameters": dict(agent.parameters)}
+
+
+def _npc(npc: NpcVehicle) -> dict[str, Any]:
+    return {
+        "id": npc.id,
+        "model": npc.model,
+        "route": _route(npc.route),
+        "start_time": npc.start_time,
+        "behavior": npc.behavior.value,
+    }
+
+
+def _obstacle(obstacle: NpcObstacle) -> dict[str, Any]:
+    return {
+        "id": obstacle.id,
+        "model": obstacle.model,
+        "location": _place(obstacle.location),
+        "length": obstacle.length,
+        "width": obstacle.width,
+        "start_time": obstacle.start_time,
+    }
+
+
+def _region(region: Region | None) -> dict[str, float] | None:
+    if region is None:
+        return None
+    return {
+        "min_x": region.min_x,
+        "max_x": region.max_x,
+        "min_y": region.min_y,
+        "max_y": region.max_y,
+    }
+
+
+def _light_times(times: LightTimes) -> dict[str, float | None]:
+    return {
+        "green_time": times.green,
+        "yellow_time": times.yellow,
+        "red_time": times.red,
+        "offset": times.offset,
+    }
