@@ -1,0 +1,100 @@
+"""The networks that scenarios may name: those that are shipped, and those that were imported."""
+
+from __future__ import annotations
+
+import re
+import threading
+from pathlib import Path
+
+from drivora_service.errors import UnknownName
+from drivora_service.networks.loading import load_network
+from drivora_service.networks.provenance import FILE_NAME, Provenance, read_provenance
+from drivora_service.networks.road_network import RoadNetwork
+
+_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
+
+_SUFFIX = ".net.xml"
+
+
+def shipped_networks() -> Path:
+    """Gives the folder of the shipped networks, in a checkout or in an installed package."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "_data" / "sumo_nets"
+    return installed if installed.is_dir() else package.parent / "sumo_nets"
+
+
+def is_network_name(name: str) -> bool:
+    """Tells whether a name is made of letters, digits, ``_`` and ``-`` only, 64 at most."""
+    return _NAME.fullmatch(name) is not None
+
+
+class NetworkCatalogue:
+    """Networks by name, each read once a process.
+
+    A folder of networks holds ``NAME/NAME.net.xml`` (with ``provenance.yaml`` beside it) or
+    ``NAME.net.xml``. A shipped network cannot be replaced by an imported one of the same name.
+    Networks that are imported while the process runs are found too. Threads may share a catalogue.
+    """
+
+    def __init__(self, shipped: Path, imported: Path | None = None) -> None:
+        self._folders = (shipped,) if imported is None else (shipped, imported)
+        self._networks: dict[str, tuple[tuple[int, int], RoadNetwork]] = {}
+        self._lock = threading.Lock()
+
+    def names(self) -> tuple[str, ...]:
+        """Gives all names in alphabetical order."""
+        names: set[str] = set()
+        for folder in self._folders:
+            if folder.is_dir():
+                names.update(p.name.removesuffix(_SUFFIX) for p in folder.glob(f"*{_SUFFIX}"))
+                names.update(
+                    p.name for p in folder.iterdir() if (p / f"{p.name}{_SUFFIX}").is_file()
+                )
+        return tuple(sorted(filter(is_network_name, names)))
+
+    def path(self, name: str) -> Path:
+        """Gives the ``.net.xml`` file of a network.
+
+        Raises:
+            UnknownName: There is no such network; a name is never taken as a path.
+        """
+        if is_network_name(name):
+            for folder in self._folders:
+                for path in (folder / name / f"{name}{_SUFFIX}", folder / f"{name}{_SUFFIX}"):
+                    if path.is_file():
+                        return path
+        raise UnknownName(
+            "network",
+            name,
+            self.names(),
+            hint="import it with `drivora networks import FILE --name NAME`",
+        )
+
+    def get(self, name: str) -> RoadNetwork:
+        """Gives a network, read on the first call and again when its file has changed.
+
+        Raises:
+            UnknownName: There is no such network.
+            NetworkError: Its file cannot be used.
+        """
+        path = self.path(name)
+        status = path.stat()
+        version = (status.st_mtime_ns, status.st_size)
+        with self._lock:
+            known = self._networks.get(name)
+            if known is None or known[0] != version or known[1].path != path:
+                known = (version, load_network(path, name))
+                self._networks[name] = known
+            return known[1]
+
+    def provenance(self, name: str) -> Provenance | None:
+        """Gives where a network comes from; None where no ``provenance.yaml`` lies beside it.
+
+        Raises:
+            UnknownName: There is no such network.
+            NetworkError: The ``provenance.yaml`` cannot be used.
+        """
+        folder = self.path(name).parent
+        if folder.name != name or not (folder / FILE_NAME).is_file():
+            return None
+        return read_provenance(folder)

@@ -1,0 +1,95 @@
+"""The area that vehicles may use, and how far outside it a point is.
+
+It is the union of the lanes open to cars, at their full width, with the outlines of the junctions
+that they meet in. Shoulders, parking lanes closed to passenger cars, sidewalks and crossings beside
+the junction are outside. A carriageway's gaps, up to a few decimetres between lanes and where a
+bend's outside is beyond both of its lanes' ends, are inside.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from drivora_service.networks.road_network import FloatArray, Lane, RoadNetwork
+
+MAX_GAP = 0.5
+"""Metres between two lanes, or a lane and a junction, that belong together."""
+
+TOLERANCE = 0.01
+"""Metres by which a lane's centre line may be moved when it is simplified."""
+
+TILE = 40.0
+"""Metres: side of the tiles that the area is cut into, so that a query meets a small polygon."""
+
+Tree = shapely.STRtree
+
+
+def drivable_area(network: RoadNetwork) -> BaseGeometry:
+    """Gives the area as one polygon or several, metres."""
+    return _area(network)[0]
+
+
+def outside_distance(network: RoadNetwork, points: FloatArray) -> FloatArray:
+    """Gives how far each of (n, 2) points is outside the drivable area.
+
+    Returns:
+        (n,) metres; 0 inside. NaN for a point that is not finite.
+    """
+    tiles = _area(network)[1]
+    xy = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    distance = np.full(len(xy), np.nan)
+    finite = np.isfinite(xy).all(axis=1)
+    if not finite.any():
+        return distance
+    places = np.asarray(shapely.points(xy[finite]))
+    gaps = np.full(len(places), np.inf)
+    gaps[tiles.query(places, predicate="intersects")[0]] = 0.0
+    outside = np.nonzero(gaps)[0]
+    if len(outside):
+        (asked, _), found = tiles.query_nearest(
+            places[outside], return_distance=True, all_matches=False
+        )
+        gaps[outside[asked]] = found
+    distance[finite] = gaps
+    return distance
+
+
+@lru_cache(maxsize=128)
+def _area(network: RoadNetwork) -> tuple[BaseGeometry, Tree]:
+    lanes = [lane for lane in network.lanes if lane.drivable]
+    parts = [_lane_area(lane) for lane in lanes]
+    met = {lane.to_junction for lane in lanes} - {""}
+    for junction in sorted(met & network.junction_shapes.keys()):
+        outline = shapely.make_valid(shapely.Polygon(network.junction_shapes[junction]))
+        # An outline that crosses itself falls into parts; one that encloses nothing, into lines.
+        parts.extend(part for part in shapely.get_parts(outline) if part.area > 0.0)
+    union = shapely.union_all(parts)
+    half = 0.5 * MAX_GAP
+    closed = union.buffer(half, join_style="mitre").buffer(-half, join_style="mitre")
+    # Closing with mitred corners can cut off slivers; the union itself is inside in any case.
+    area = shapely.union_all([closed, union])
+    return area, Tree(_tiles(area))
+
+
+def _lane_area(lane: Lane) -> BaseGeometry:
+    # Imported lanes have a point every few decimetres; a few of them say the same.
+    line = shapely.LineString(lane.shape).simplify(TOLERANCE)
+    return line.buffer(0.5 * lane.width, cap_style="flat", join_style="round", quad_segs=4)
+
+
+def _tiles(area: BaseGeometry) -> list[BaseGeometry]:
+    """Cuts the area along a grid; the tiles share their borders."""
+    min_x, min_y, max_x, max_y = area.bounds
+    xs, ys = np.arange(min_x, max_x, TILE), np.arange(min_y, max_y, TILE)
+    x, y = (axis.ravel() for axis in np.meshgrid(xs, ys))
+    boxes = shapely.box(x, y, x + TILE, y + TILE)
+    shapely.prepare(area)
+    met = boxes[shapely.intersects(area, boxes)]
+    pieces = shapely.intersection(met, area)
+    tiles = [piece for piece in pieces if piece.area > 0.0]
+    shapely.prepare(tiles)
+    return tiles
