@@ -44,7 +44,7 @@ def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem]
 
 def route_points(places: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
     """Gives waypoints as the points of a route."""
-    return tuple(RoutePoint(place.x, place.y, place.yaw) for place in places)
+    return tuple(RoutePoint(x=place.x, y=place.y, yaw=place.yaw) for place in places)
 
 
 def _check_ego(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem], StartPose | None]:

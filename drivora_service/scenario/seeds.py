@@ -28,7 +28,8 @@ from drivora_service.scenario.entities import (
 DEFAULT_MODEL = "vehicle.lincoln.mkz_2017"
 MAX_SEEDS = 10_000
 MAX_LENGTH = 100_000.0
-_ATTEMPTS_PER_SEED = 200
+_PATIENCE = 500
+"""Candidates refused in a row after which the search ends."""
 _END_MARGIN = 6.0
 """Metres that start and destination keep from the ends of their lanes, where these are longer."""
 _MIN_DIFFERENCE = 5.0
@@ -93,16 +94,17 @@ def _generate(
     weights /= weights.sum()
     refused: Counter[str] = Counter()
     found: list[tuple[float, float, float, float]] = []
-    for _ in range(_ATTEMPTS_PER_SEED * count):
-        if len(found) == count:
-            return
+    misses = 0
+    while len(found) < count and misses < _PATIENCE:
         lane = starts[int(random.choice(len(starts), p=weights))]
         wanted = float(random.uniform(min_length, max_length))
         route = _walk(network, lane, wanted, random)
         reason = _refusal(network, route, min_length, max_length, found)
         if reason is not None or route is None:
             refused[reason or _DEAD_END] += 1
+            misses += 1
             continue
+        misses = 0
         start, destination = route
         found.append((start.x, start.y, destination.x, destination.y))
         yield _document(network, start, destination, seed + len(found) - 1, agent)
@@ -110,8 +112,8 @@ def _generate(
         reasons = "; ".join(f"{reason}: {times}" for reason, times in refused.most_common())
         raise NetworkError(
             f"found {len(found)} of {count} routes of {min_length:g} to {max_length:g} m on "
-            f"{network.name} in {_ATTEMPTS_PER_SEED * count} attempts. Refused: {reasons}. Ask for "
-            "fewer, or for another length"
+            f"{network.name}; the last {_PATIENCE} candidates were all refused. Refused in all: "
+            f"{reasons}. Ask for fewer, or for another length"
         )
 
 
@@ -144,7 +146,7 @@ def _walk(
 
 def _point(lane: Lane, s: float) -> RoutePoint:
     x, y, yaw = lane.position_at(s)
-    return RoutePoint(round(x, 2), round(y, 2), round(yaw, 4))
+    return RoutePoint(x=round(x, 2), y=round(y, 2), yaw=round(yaw, 4))
 
 
 def _refusal(
