@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
+from functools import lru_cache
 from xml.etree import ElementTree
 
 from drivora_service.networks.road_network import RoadNetwork
@@ -41,19 +41,9 @@ class RightOfWay:
     before: dict[int, tuple[int, ...]]
 
 
-_cache: WeakKeyDictionary[RoadNetwork, RightOfWay] = WeakKeyDictionary()
-
-
+@lru_cache(maxsize=128)
 def right_of_way(network: RoadNetwork) -> RightOfWay:
     """Gives the right-of-way table of a network, read once."""
-    table = _cache.get(network)
-    if table is None:
-        table = _read(network)
-        _cache[network] = table
-    return table
-
-
-def _read(network: RoadNetwork) -> RightOfWay:
     into: dict[int, list[int]] = {}
     for lane in network.lanes:
         for connection in lane.connections:

@@ -28,24 +28,12 @@ from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice, Scenario
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import Phase
 from drivora_service.simulation.plan import plan_episode
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WorkerSetup:
-    """What every worker of an executor needs to know.
-
-    Attributes:
-        shipped_networks: Folder of the networks that come with the package.
-        imported_networks: Folder of the user's own, or ``None``.
-    """
-
-    shipped_networks: Path
-    imported_networks: Path | None = None
 
 
 @lru_cache(maxsize=4)

@@ -43,6 +43,7 @@ def vehicle_limits(models: Sequence[ActorModel], dynamic: Sequence[bool]) -> Flo
 def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followers:
     """Lays follower plans end to end, all waiting for their start."""
     count = len(plans)
+    models = [plan.model for plan in plans]
 
     def joined(parts: list[FloatArray], shape: tuple[int, ...]) -> FloatArray:
         return np.concatenate(parts) if parts else np.empty(shape)
@@ -55,19 +56,19 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         arc=joined([plan.path.arc for plan in plans], (0,)),
         wanted=joined([plan.path.wanted for plan in plans], (0,)),
         s=np.zeros(count),
-        speed=np.array([plan.first_speed for plan in plans]),
+        speed=np.array([plan.first_speed for plan in plans], dtype=np.float64),
         cursor=np.zeros(count, dtype=np.int64),
         phase=np.full(count, int(Phase.WAITING), dtype=np.int64),
-        start_time=np.array([plan.start_time for plan in plans]),
+        start_time=np.array([plan.start_time for plan in plans], dtype=np.float64),
         reaction=np.array(
             [int(Reaction.BRAKES if plan.reacts else Reaction.NONE) for plan in plans],
             dtype=np.int64,
         ),
         stays=np.array([plan.stays for plan in plans], dtype=np.bool_),
-        max_acceleration=np.array([plan.model.max_acceleration for plan in plans]),
-        max_deceleration=np.array([plan.model.max_deceleration for plan in plans]),
-        length=np.array([plan.model.length for plan in plans]),
-        width=np.array([plan.model.width for plan in plans]),
+        max_acceleration=np.array([m.max_acceleration for m in models], dtype=np.float64),
+        max_deceleration=np.array([m.max_deceleration for m in models], dtype=np.float64),
+        length=np.array([m.length for m in models], dtype=np.float64),
+        width=np.array([m.width for m in models], dtype=np.float64),
     )
 
 

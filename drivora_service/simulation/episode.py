@@ -134,8 +134,9 @@ class Episode:
         if slippery:
             edges = [edge for edge in plan.network.edge_lanes if not edge.startswith(":")]
             self._sumo.set_friction(edges, plan.weather.friction)
-        # SUMO is one step ahead while it makes row 0.
-        self._sumo.set_programs(plan.programs, -self._dt)
+        # SUMO switches at the beginning of a step: what it shows after the step that makes row 0 is
+        # what the programmes say of time 0.
+        self._sumo.set_programs(plan.programs, 0.0)
         self._traffic = Traffic(self._sumo, bodies)
         self._announce(actors)
         self._make_first_frame()

@@ -96,7 +96,7 @@ def build_path(
     yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
     # The speed that counts between two waypoints is that of the one ahead.
     ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
-    wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))]
+    wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)
     if is_vehicle:
         bend = np.abs(np.gradient(yaw, fine))
         wanted = np.minimum(

@@ -154,7 +154,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
 
 
 def _route_points(waypoints: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
-    return tuple(RoutePoint(point.x, point.y, point.yaw) for point in waypoints)
+    return tuple(RoutePoint(x=point.x, y=point.y, yaw=point.yaw) for point in waypoints)
 
 
 def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
