@@ -33,6 +33,10 @@ OFF_LANE_COST = 500.0
 """Metres of detour that are worth leaving the lane, or lanes, that the point is on; a start is
 not moved to a neighbouring lane either, while a later point may be passed one lane beside it."""
 
+MAX_EXTRA_COST = 600.0
+"""Metres by which a lane may cost more than the cheapest for its point; a dearer one, such as the
+opposite lane of a point with a heading, is not meant even where no other is reachable."""
+
 MIN_LENGTH = 0.1
 """Metres; a shorter way is none, and the route goes around instead."""
 
@@ -104,7 +108,8 @@ def _candidates(
         if position not in on_lane and not beside:
             cost += OFF_LANE_COST
         candidates.append(Candidate(lane=position.lane, s=position.s, cost=cost))
-    return tuple(candidates)
+    limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
+    return tuple(candidate for candidate in candidates if candidate.cost <= limit)
 
 
 def _is_on(network: RoadNetwork, position: LanePosition) -> bool:
