@@ -12,7 +12,8 @@ from drivora_service.errors import InvalidDocument, Problem
 
 def make_token(scope: str, last: int) -> str:
     """Makes the token of the page after ``last``; ``scope`` names the query it belongs to."""
-    return base64.urlsafe_b64encode(json.dumps([_digest(scope), last]).encode()).decode().rstrip("=")
+    content = json.dumps([_digest(scope), last]).encode()
+    return base64.urlsafe_b64encode(content).decode().rstrip("=")
 
 
 def read_token(scope: str, token: str) -> int:

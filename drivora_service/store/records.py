@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.slot_state import SlotState
 
 Item = TypeVar("Item")
 
@@ -184,22 +185,6 @@ class QuarantineRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SlotRecord:
-    """What a worker slot does, as of ``updated_at``."""
-
-    name: str
-    pid: int | None
-    run_id: str
-    phase: str
-    step: int
-    memory_bytes: int
-    runs: int
-    restarts: int
-    last_crash: str
-    updated_at: datetime
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class OwnerRecord:
     """A server process and its slots."""
 
@@ -208,7 +193,7 @@ class OwnerRecord:
     pid: int
     started_at: datetime
     heartbeat_at: datetime
-    slots: tuple[SlotRecord, ...]
+    slots: tuple[SlotState, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

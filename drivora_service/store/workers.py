@@ -10,8 +10,9 @@ from datetime import UTC, datetime, timedelta
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
+from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.ids import new_id
-from drivora_service.store.records import OwnerRecord, SlotRecord
+from drivora_service.store.records import OwnerRecord
 from drivora_service.store.tables import OwnerRow, SlotRow
 
 
@@ -35,7 +36,7 @@ class WorkerRepository:
         self._session.flush()
         return owner.id
 
-    def beat(self, owner_id: str, slots: Sequence[SlotRecord]) -> None:
+    def beat(self, owner_id: str, slots: Sequence[SlotState]) -> None:
         """Says that an owner lives and what its slots do."""
         self._session.execute(
             update(OwnerRow).where(OwnerRow.id == owner_id).values(heartbeat_at=datetime.now(UTC))
@@ -93,8 +94,8 @@ class WorkerRepository:
         )
 
 
-def _slot(row: SlotRow) -> SlotRecord:
-    return SlotRecord(
+def _slot(row: SlotRow) -> SlotState:
+    return SlotState(
         name=row.name,
         pid=row.pid,
         run_id=row.run_id,

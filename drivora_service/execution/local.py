@@ -1,0 +1,147 @@
+"""The executor of one machine: K slots that share a queue."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+
+from drivora_service.execution.executor import Limits
+from drivora_service.execution.slot import Slot
+from drivora_service.execution.worker import ENVIRONMENT, PERFORM, WorkerFiles
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import cancelled_report
+from drivora_service.runs.report import RunSpec
+from drivora_service.runs.slot_state import SlotState
+
+
+class LocalExecutor:
+    """Runs attempts on worker processes of this machine. Safe to use from several threads."""
+
+    def __init__(
+        self,
+        *,
+        slots: int,
+        setup: object,
+        folder: Path,
+        limits: Limits = Limits(),  # noqa: B008 # frozen
+        perform: str = PERFORM,
+    ) -> None:
+        """Starts the slots; their workers get ready while the caller goes on.
+
+        Args:
+            slots: Worker processes.
+            setup: What every worker is told; must be picklable.
+            folder: For the workers' logs and progress; made if it does not exist.
+            limits: What a worker may use.
+            perform: What does a run, as ``module:function``; see ``execution.worker.Perform``.
+        """
+        # Worker processes inherit these, before anything is imported there.
+        os.environ.update(ENVIRONMENT)
+        folder.mkdir(parents=True, exist_ok=True)
+        self._changed = threading.Condition()
+        self._waiting: deque[RunSpec] = deque()
+        self._ended: deque[AttemptEnd] = deque()
+        self._woken = False
+        self._closed = False
+        self._slots = tuple(
+            Slot(
+                name,
+                perform=perform,
+                setup=setup,
+                files=WorkerFiles(
+                    log=folder / f"{name}.log",
+                    board=folder / f"{name}.board",
+                    pid=folder / f"{name}.pid",
+                ),
+                limits=limits,
+                source=self,
+                sink=self._put_end,
+            )
+            for name in (f"slot-{number}" for number in range(slots))
+        )
+
+    @property
+    def capacity(self) -> int:
+        """Slots: attempts that can go on at once."""
+        return len(self._slots)
+
+    def submit(self, spec: RunSpec) -> None:
+        """Starts an attempt as soon as a slot is free; specs wait in the order of their coming."""
+        with self._changed:
+            if self._closed:
+                raise RuntimeError("the executor is closed")
+            self._waiting.append(spec)
+            self._changed.notify_all()
+
+    def cancel(self, run_id: str) -> None:
+        """Ends an attempt; it comes back as ``cancelled``, or as it ended just before."""
+        with self._changed:
+            for spec in self._waiting:
+                if spec.run_id == run_id:
+                    self._waiting.remove(spec)
+                    now = datetime.now(UTC)
+                    report = cancelled_report(run_id)
+                    self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
+                    self._changed.notify_all()
+                    return
+        for slot in self._slots:
+            slot.cancel(run_id)
+
+    def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
+        """Gives the attempts that have ended since the last call.
+
+        Waits for one if there is none, until :meth:`wake` or for ``timeout`` seconds.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._ended or self._woken or self._closed, timeout)
+            self._woken = False
+            ended = tuple(self._ended)
+            self._ended.clear()
+        return ended
+
+    def wake(self) -> None:
+        """Makes a :meth:`wait` that is going on, or the next one, return at once."""
+        with self._changed:
+            self._woken = True
+            self._changed.notify_all()
+
+    def slots(self) -> tuple[SlotState, ...]:
+        """Tells what each slot does."""
+        return tuple(slot.state() for slot in self._slots)
+
+    def close(self) -> None:
+        """Ends every attempt and every worker process; nothing is left behind."""
+        with self._changed:
+            self._closed = True
+            self._waiting.clear()
+            self._changed.notify_all()
+        for slot in self._slots:
+            slot.stop()
+        for slot in self._slots:
+            slot.join()
+
+    def take(self) -> RunSpec | None:
+        """Waits for the next run of a slot; ``None`` once the executor is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting or self._closed)
+            return None if self._closed else self._waiting.popleft()
+
+    def _put_end(self, end: AttemptEnd) -> None:
+        with self._changed:
+            self._ended.append(end)
+            self._changed.notify_all()
+
+    def __enter__(self) -> LocalExecutor:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,179 @@
+"""A slot: a thin supervisor, in a thread, of one worker process."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Protocol
+
+from pebble import ProcessExpired, ProcessFuture
+
+from drivora_service.execution.child import Child
+from drivora_service.execution.deaths import report_death, report_loss, signal_name
+from drivora_service.execution.executor import Limits
+from drivora_service.execution.watch import Watch
+from drivora_service.execution.worker import WorkerFiles
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import cancelled_report
+from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.slot_state import SlotState
+
+_POLL_S = 0.05
+"""Seconds between two looks at a run: limits are kept to this, and a look costs some 50 us."""
+
+
+class Source(Protocol):
+    """Where a slot gets its runs."""
+
+    def take(self) -> RunSpec | None:
+        """Waits for the next run; ``None`` says that the slot shall end."""
+        ...
+
+
+class Slot:
+    """Takes runs from a source, one after another, and says how each attempt ended."""
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        perform: str,
+        setup: object,
+        files: WorkerFiles,
+        limits: Limits,
+        source: Source,
+        sink: Callable[[AttemptEnd], None],
+    ) -> None:
+        """Starts the slot and its worker."""
+        self.name = name
+        self._perform, self._setup, self._files = perform, setup, files
+        self._limits, self._source, self._sink = limits, source, sink
+        self._child: Child | None = None
+        self._run_id = ""
+        self._runs = 0
+        self._last_crash = ""
+        self._closing = False
+        self._stop_run = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
+        self._thread.start()
+
+    def cancel(self, run_id: str) -> None:
+        """Ends the run if it is this slot's."""
+        if self._run_id == run_id:
+            self._stop_run.set()
+
+    def state(self) -> SlotState:
+        """Tells what the slot does."""
+        child = self._child
+        progress = None if child is None else child.board.read()
+        return SlotState(
+            name=self.name,
+            pid=None if child is None else child.pid,
+            run_id=self._run_id,
+            phase="starting" if progress is None else progress.phase.name.lower(),
+            step=0 if progress is None else progress.step,
+            memory_bytes=0 if child is None else child.memory_bytes(),
+            runs=self._runs,
+            restarts=0 if child is None else child.restarts,
+            last_crash=self._last_crash,
+            updated_at=datetime.now(UTC),
+        )
+
+    def stop(self) -> None:
+        """Ends the slot with the run that it may have; does not wait for that."""
+        self._closing = True
+        self._stop_run.set()
+
+    def join(self) -> None:
+        """Waits for the end of the slot and of its worker; its source has ended."""
+        self._thread.join()
+
+    def _serve(self) -> None:
+        # The kernel ends a worker with the thread that started it, so that must be this one.
+        self._child = child = Child(
+            perform=self._perform,
+            setup=self._setup,
+            files=self._files,
+            runs_per_worker=self._limits.runs_per_worker,
+        )
+        try:
+            while (spec := self._source.take()) is not None:
+                self._sink(self._attempt(child, spec))
+        finally:
+            child.end()
+
+    def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
+        self._run_id = spec.run_id
+        started = datetime.now(UTC)
+        log_begin = child.log_size()
+        exit_code = 0
+        try:
+            report = self._supervise(child, child.begin(spec), spec.run_id, log_begin)
+        except ProcessExpired as death:
+            exit_code = death.exitcode or 0
+            log = child.log_tail(log_begin)
+            report = report_death(spec.run_id, exit_code, child.board.read(), log)
+            self._bury(child, report)
+        except Exception as error:
+            # The worker turns whatever a run raises into a report: this is the pool itself, which
+            # found its process dead or could not start one.
+            log = child.log_tail(log_begin)
+            report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", log)
+            self._bury(child, report)
+        self._run_id = ""
+        self._stop_run.clear()
+        self._runs += 1
+        return AttemptEnd(
+            report=report,
+            worker=self.name,
+            started=started,
+            ended=datetime.now(UTC),
+            signal=signal_name(exit_code),
+        )
+
+    def _supervise(
+        self, child: Child, future: ProcessFuture[RunReport], run_id: str, log_begin: int
+    ) -> RunReport:
+        begun = time.monotonic()
+        watch: Watch | None = None
+        while True:
+            try:
+                return future.result(timeout=_POLL_S)
+            except TimeoutError:
+                if future.done():
+                    raise
+            now = time.monotonic()
+            if self._stop_run.is_set():
+                self._renew(child)
+                return cancelled_report(run_id)
+            if watch is not None:
+                breach = watch.check(child.board.read(), child.memory_bytes(), now=now)
+                if breach is not None:
+                    failure = replace(breach.failure, log=child.log_tail(log_begin))
+                    self._renew(child)
+                    return RunReport(
+                        run_id=run_id,
+                        status=breach.status,
+                        wall_time_s=now - begun,
+                        failure=failure,
+                    )
+            elif future.running():
+                child.identify()
+                watch = Watch(self._limits, now=now)
+            elif now - begun > self._limits.start_s:
+                message = f"no worker process was ready within {self._limits.start_s:g} s"
+                report = report_loss(run_id, message, child.log_tail(log_begin))
+                self._renew(child)
+                return report
+
+    def _bury(self, child: Child, report: RunReport) -> None:
+        if report.failure is not None:
+            self._last_crash = report.failure.message
+        self._renew(child)
+
+    def _renew(self, child: Child) -> None:
+        if not self._closing:
+            child.replace()

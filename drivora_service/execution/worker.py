@@ -1,0 +1,118 @@
+"""The inside of a worker process: set up once, then one run after another.
+
+This module is also imported by the process that owns the workers; what only a worker needs, above
+all the simulator, is imported in :func:`set_up`.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import pkgutil
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivora_service.errors import SimulatorError
+from drivora_service.execution.parent_death import die_with_parent
+from drivora_service.runs.progress import ProgressBoard
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+
+Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
+"""What does a run: given the spec, the worker's set-up and the board on which to show progress."""
+
+PERFORM = "drivora_service.runs.performing:perform"
+"""Where the real one is."""
+
+ENVIRONMENT = {
+    # Results must not depend on the order of sets, nor on what this machine's processor can do.
+    "PYTHONHASHSEED": "0",
+    "NUMBA_CPU_NAME": "generic",
+    # A worker has one core; more threads would only take those of its neighbours.
+    "NUMBA_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment variables that every worker must be started with."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerFiles:
+    """The files by which a worker and its slot know of each other.
+
+    Attributes:
+        log: Takes everything that the worker process prints.
+        board: See :class:`ProgressBoard`.
+        pid: Holds the worker's process id.
+    """
+
+    log: Path
+    board: Path
+    pid: Path
+
+
+@dataclass(slots=True)
+class _Worker:
+    perform: Perform
+    setup: object
+    board: ProgressBoard
+
+
+_worker: _Worker | None = None
+
+
+def set_up(perform: str, setup: object, files: WorkerFiles) -> None:
+    """Prepares this process for its runs.
+
+    Args:
+        perform: The :data:`Perform` to use, as ``module:function``.
+        setup: What it gets with every run.
+        files: Where to log and to show progress.
+    """
+    global _worker
+    die_with_parent()
+    # A session of its own: an interrupt typed at a terminal is the server's to handle, and whatever
+    # an agent starts can be ended together with the worker.
+    os.setsid()
+    log = os.open(files.log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    os.close(log)
+    faulthandler.enable()
+    board = ProgressBoard(files.board)
+    board.cells[:] = 0
+    files.pid.write_text(str(os.getpid()))
+    _worker = _Worker(perform=pkgutil.resolve_name(perform), setup=setup, board=board)
+
+
+def work(spec: RunSpec) -> RunReport:
+    """Does one run; whatever it raises becomes its report."""
+    if _worker is None:
+        raise RuntimeError("set_up was not called in this process")
+    try:
+        return _worker.perform(spec, _worker.setup, _worker.board)
+    except SimulatorError as error:
+        return _raised(spec, RunStatus.SIMULATOR_CRASHED, "simulator_error", error)
+    except SystemExit as error:
+        # Nothing of ours ends the process, so it was the code under test.
+        return _raised(spec, RunStatus.AGENT_FAILED, "agent_raised", error)
+    except Exception as error:
+        return _raised(spec, RunStatus.INFRASTRUCTURE_FAILED, "worker_error", error)
+
+
+def _raised(spec: RunSpec, status: RunStatus, cause: str, error: BaseException) -> RunReport:
+    return RunReport(
+        run_id=spec.run_id,
+        status=status,
+        failure=RunFailure(
+            cause=cause,
+            message=f"{type(error).__name__}: {error}",
+            log="".join(traceback.format_exception(error)[-12:]),
+        ),
+    )
+
+
+def be_ready() -> None:
+    """Does nothing; answering shows that the worker is set up."""
