@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from drivora_service.errors import NetworkError
+from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.networks.netconvert import convert, netconvert_version
 from drivora_service.networks.provenance import FILE_NAME, read_provenance
 
@@ -85,8 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--networks",
         type=Path,
-        default=Path(__file__).resolve().parents[2] / "sumo_nets",
-        help="directory of the networks (default: sumo_nets of the checkout)",
+        default=shipped_networks(),
+        help="directory of the networks (default: the shipped ones)",
     )
     options = parser.parse_args(arguments)
     networks: Path = options.networks

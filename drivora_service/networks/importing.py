@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from drivora_service.errors import NetworkError
+from drivora_service.networks.catalogue import is_network_name, shipped_networks
 from drivora_service.networks.loading import load_network
 from drivora_service.networks.netconvert import convert, netconvert_version
 from drivora_service.networks.provenance import FILE_NAME, Provenance
@@ -23,8 +24,6 @@ MAX_SOURCE_BYTES = 256 * 1024 * 1024
 # What netconvert says when every road was left out.
 _NOTHING_LEFT = re.compile(r"No (nodes|edges) loaded")
 _NOTHING_LEFT_HINT = " (the file has no road that is open to cars)"
-
-_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 # Nothing is fetched to validate a file, and cars find no way to turn round on an open road.
 _COMMON = ("--xml-validation", "never", "--no-turnarounds.except-deadend", "true")
@@ -112,10 +111,12 @@ def import_network(
         NetworkError: The name is not allowed or taken, the file cannot be used, or netconvert is
             needed and missing.
     """
-    if not _NAME.fullmatch(name):
+    if not is_network_name(name):
         raise NetworkError(
             f"{name[:80]!r} cannot name a network: use 1 to 64 letters, digits, '-' and '_'"
         )
+    if (shipped_networks() / name).is_dir():
+        raise NetworkError(f"network {name!r} comes with Drivora; import yours under another name")
     target = into / name
     if target.exists() and not replace:
         raise NetworkError(

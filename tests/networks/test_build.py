@@ -20,6 +20,7 @@ def test_the_committed_networks_are_what_their_sources_give(repository: Path) ->
     assert [path.name for path in sources(networks)] == [
         "arterial",
         "highway",
+        "old-town",
         "roundabout",
         "rural",
         "signal-grid",

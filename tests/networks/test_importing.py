@@ -7,6 +7,7 @@ import pytest
 from shapely import LineString, STRtree, points
 
 from drivora_service.errors import NetworkError
+from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.importing import import_network
 from drivora_service.networks.loading import load_network
 from drivora_service.networks.provenance import read_provenance
@@ -133,6 +134,23 @@ def test_a_taken_name_is_refused_unless_it_is_to_be_replaced(
     assert import_network(second, "place", tmp_path, replace=True) == path
     assert path.read_bytes() == second.read_bytes()
     assert [p.name for p in tmp_path.iterdir()] == ["place"]
+
+
+def test_the_name_of_a_shipped_network_is_taken(repository: Path, tmp_path: Path) -> None:
+    source = repository / "sumo_nets" / "rural" / "rural.net.xml"
+    with pytest.raises(NetworkError, match="'tee-town' comes with Drivora"):
+        import_network(source, "tee-town", tmp_path, replace=True)
+
+
+def test_what_is_left_of_an_interrupted_import_is_no_network(
+    repository: Path, tmp_path: Path
+) -> None:
+    source = repository / "sumo_nets" / "rural" / "rural.net.xml"
+    left = tmp_path / ".importing-abc"
+    left.mkdir()
+    (left / ".importing-abc.net.xml").write_bytes(source.read_bytes())
+    import_network(source, "place", tmp_path)
+    assert NetworkCatalogue(tmp_path / "none", tmp_path).names() == ("place",)
 
 
 def test_a_failed_replacement_leaves_the_network_alone(repository: Path, tmp_path: Path) -> None:
