@@ -18,7 +18,7 @@ _EXAMPLE: dict[str, Any] = {
         {
             "id": "ego_0",
             "model": "vehicle.lincoln.mkz_2017",
-            "route": [{"x": 20.0, "y": 98.4}, {"x": 180.0, "y": 98.4}],
+            "route": [{"x": 100.0, "y": 152.1}, {"x": 30.0, "y": 153.2}],
             "agent": {"name": "idm"},
         }
     ],

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from drivora_service.networks.catalogue import NetworkCatalogue
 
 GOOD: dict[str, Any] = {
     "version": "1.0",
@@ -14,7 +17,7 @@ GOOD: dict[str, Any] = {
         {
             "id": "ego_0",
             "model": "vehicle.lincoln.mkz_2017",
-            "route": [{"x": 20.0, "y": 98.4}, {"x": 180.0, "y": 98.4}],
+            "route": [{"x": 100.0, "y": 152.1}, {"x": 30.0, "y": 153.2}],
             "agent": {"name": "idm"},
         }
     ],
@@ -26,3 +29,9 @@ GOOD: dict[str, Any] = {
 def good() -> dict[str, Any]:
     """A small valid document, to be changed by the test."""
     return copy.deepcopy(GOOD)
+
+
+@pytest.fixture(scope="session")
+def networks(repository: Path) -> NetworkCatalogue:
+    """The shipped networks."""
+    return NetworkCatalogue(repository / "sumo_nets")

@@ -98,7 +98,7 @@ def test_keys_with_slashes_and_tildes_are_escaped(good: dict[str, Any]) -> None:
 
 
 def test_odd_values_are_named_together_with_structural_problems(good: dict[str, Any]) -> None:
-    text = json.dumps(good).replace("98.4", "NaN", 1).replace('"idm"', '"i dm"')
+    text = json.dumps(good).replace("152.1", "NaN", 1).replace('"idm"', '"i dm"')
     assert list(problems_of(text)) == ["/ego_vehicles/0/route/0/y", "/ego_vehicles/0/agent/name"]
 
 
