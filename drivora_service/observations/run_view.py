@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from drivora_service.geometry import box_corners
+from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
@@ -151,8 +152,6 @@ class EgoView:
         furthest = np.zeros(self.count)
         unsure = np.flatnonzero(~self._within_lanes())
         if len(unsure):
-            from drivora_service.networks.drivable_area import outside_distance
-
             corners = self.corners[unsure].reshape(-1, 2)
             furthest[unsure] = outside_distance(self.network, corners).reshape(-1, 4).max(axis=1)
         return furthest

@@ -7,15 +7,35 @@ from collections.abc import Sequence
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
+from drivora_service.oracles.blocked import Blocked
 from drivora_service.oracles.collision import Collision
+from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination
+from drivora_service.oracles.discomfort import Discomfort
+from drivora_service.oracles.lane_keeping import LaneKeeping
+from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
+from drivora_service.oracles.route_deviation import RouteDeviation
+from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.verdict import Oracle, Verdict
+from drivora_service.oracles.wrong_way import WrongWay
 
 
 def default_oracles() -> tuple[Oracle, ...]:
     """Gives the built-in oracles with their default thresholds."""
-    return (Collision(), RedLight(), Destination())
+    return (
+        Collision(),
+        RedLight(),
+        OffRoad(),
+        WrongWay(),
+        LaneKeeping(),
+        RouteDeviation(),
+        Speeding(),
+        Blocked(),
+        Deadlock(),
+        Destination(),
+        Discomfort(),
+    )
 
 
 def judge_all(

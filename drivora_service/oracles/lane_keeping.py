@@ -1,0 +1,72 @@
+"""The ego drives outside the lanes that it may use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.networks.drivable_area import outside_distance
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import BoolArray, Col, EgoCol
+from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaneKeeping:
+    """Violated where the ego's centre is outside all lanes, or in a lane of the other direction.
+
+    After CARLA Leaderboard's test for driving outside the route's lanes; its share of the route is
+    what the driving score takes off. Lanes inside junctions have no wrong direction.
+
+    Attributes:
+        margin: Metres beyond the edge of the nearest lane that count as within.
+    """
+
+    margin: float = 0.5
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "lane_keeping"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Gives one verdict an ego."""
+        return tuple(self._judge(ego) for ego in run.egos)
+
+    def _judge(self, ego: EgoView) -> Verdict:
+        if not ego.count:
+            return not_started(self.name, ego)
+        outside = self._outside(ego)
+        oncoming = self._oncoming(ego)
+        wrong = outside | oncoming
+        distance = float(ego.moved[wrong].sum())
+        share = min(distance / ego.route.length, 1.0) if ego.route.length > 0.0 else 0.0
+        if distance <= 0.0:
+            return passed(self.name, ego, "Kept to its lanes.", distance=0.0, share=0.0)
+        return violated(
+            self.name,
+            ego,
+            int(np.argmax(wrong & (ego.moved > 0.0))),
+            f"Drove {distance:.1f} m outside its lanes, {100.0 * share:.1f} % of the route.",
+            at_fault=True,
+            distance=distance,
+            share=share,
+            outside_distance=float(ego.moved[outside].sum()),
+            oncoming_distance=float(ego.moved[oncoming].sum()),
+        )
+
+    def _outside(self, ego: EgoView) -> BoolArray:
+        lateral = np.abs(ego.value(EgoCol.LANE_LATERAL))
+        outside = lateral > ego.lane_half_widths + self.margin
+        off_lanes = np.flatnonzero(ego.lanes < 0)
+        if len(off_lanes):
+            centres = ego.states[off_lanes][:, [Col.X, Col.Y]]
+            outside[off_lanes] = outside_distance(ego.network, centres) > self.margin
+        return outside
+
+    def _oncoming(self, ego: EgoView) -> BoolArray:
+        turn = ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING)
+        against = np.cos(turn) < 0.0
+        oncoming: BoolArray = against & (ego.lanes >= 0) & ~ego.in_junction
+        return oncoming
