@@ -1,0 +1,24 @@
+"""How much of the time an ego drove comfortably."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.observations.run_view import EgoView
+from drivora_service.oracles.discomfort import Discomfort
+
+SEGMENT = 20
+"""Rows a segment (Bench2Drive)."""
+
+
+def comfort(ego: EgoView) -> float | None:
+    """Gives the share of 20-row segments in which all six signals keep to their bounds.
+
+    Rows after the last whole segment are left out; ``None`` if there is none.
+    """
+    segments = ego.count // SEGMENT
+    if ego.motion is None or not segments:
+        return None
+    rough = np.any(list(Discomfort().broken(ego.motion).values()), axis=0)
+    whole = rough[: segments * SEGMENT].reshape(segments, SEGMENT)
+    return float(1.0 - whole.any(axis=1).mean())

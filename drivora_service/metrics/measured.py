@@ -1,0 +1,46 @@
+"""A measured quantity: one value an ego, and one for the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Combine(Enum):
+    """What the values of several egos come to; egos without a value are left out."""
+
+    MEAN = "mean"
+    LEAST = "least"
+    MOST = "most"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """A quantity of a run.
+
+    Attributes:
+        name: Its key, with its unit as a suffix unless it is a share, a percentage or a score.
+        values: One an ego; ``None`` is "not measurable".
+        combine: How they make the value of the run.
+    """
+
+    name: str
+    values: tuple[float | None, ...]
+    combine: Combine
+
+    @property
+    def total(self) -> float | None:
+        """The value of the run; ``None`` if no ego has one."""
+        return combined(self.values, self.combine)
+
+
+def combined(values: Sequence[float | None], combine: Combine) -> float | None:
+    """Brings the values of several egos to one."""
+    known = [value for value in values if value is not None and math.isfinite(value)]
+    if not known:
+        return None
+    if combine is Combine.MEAN:
+        return math.fsum(known) / len(known)
+    return min(known) if combine is Combine.LEAST else max(known)

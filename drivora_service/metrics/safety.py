@@ -1,0 +1,70 @@
+"""Safety surrogates: how near an ego came to a crash that did not happen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drivora_service.metrics.measured import Combine, Measured
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import FloatArray
+
+_Measure = Callable[[EgoView], float | None]
+
+
+def safety(run: RunView) -> tuple[Measured, ...]:
+    """Measures gaps, times and decelerations; ``None`` where nobody else was there.
+
+    ``None`` also for a time where nobody was on a collision course, or no paths crossed, within the
+    horizons of ``observations.proximity``. Decelerations are the largest before the boxes touch.
+    """
+    return (
+        _measured("min_gap_m", run, _min_gap, Combine.LEAST),
+        _measured("min_time_to_collision_s", run, _min_time, Combine.LEAST),
+        _measured("post_encroachment_time_s", run, _encroachment, Combine.LEAST),
+        _measured("max_drac_mps2", run, _drac, Combine.MOST),
+        _measured("max_required_deceleration_mps2", run, _required, Combine.MOST),
+        _measured("rss_violation_share", run, _rss_share, Combine.MEAN),
+    )
+
+
+def _measured(name: str, run: RunView, measure: _Measure, combine: Combine) -> Measured:
+    values = tuple(
+        measure(ego) if ego.count and ego.proximity.min_gap is not None else None
+        for ego in run.egos
+    )
+    return Measured(name=name, values=values, combine=combine)
+
+
+def _min_gap(ego: EgoView) -> float | None:
+    return ego.proximity.min_gap
+
+
+def _min_time(ego: EgoView) -> float | None:
+    return _finite(float(ego.proximity.time_to_collision.min()))
+
+
+def _encroachment(ego: EgoView) -> float | None:
+    return ego.proximity.post_encroachment_time
+
+
+def _drac(ego: EgoView) -> float | None:
+    return _largest(ego.proximity.drac)
+
+
+def _required(ego: EgoView) -> float | None:
+    return _largest(ego.proximity.required_deceleration)
+
+
+def _rss_share(ego: EgoView) -> float | None:
+    return float(ego.proximity.rss_violated.mean())
+
+
+def _largest(values: FloatArray) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(finite.max()) if len(finite) else None
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

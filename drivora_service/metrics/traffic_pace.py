@@ -1,0 +1,61 @@
+"""How fast an ego was, compared with the traffic around it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import Col, EgoCol, FloatArray, Role
+
+CHECKPOINTS = 20
+"""Sections of the route over which speeds are compared (Bench2Drive)."""
+
+RADIUS = 50.0
+"""Metres around the ego within which vehicles are surrounding traffic."""
+
+_VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
+
+
+def pace_ratios(ego: EgoView) -> FloatArray:
+    """Gives the ego's mean speed over that of the traffic around it, for each section of the route.
+
+    Returns:
+        (k,) ratios, for the at most ``CHECKPOINTS`` sections that the ego reached with moving
+        vehicles around it.
+    """
+    trace = ego.trace
+    rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
+    if not rows or not ego.count:
+        return np.empty(0)
+    others = trace.states[ego.first : ego.first + ego.count][:, rows]
+    away = np.hypot(
+        others[:, :, Col.X] - ego.states[:, None, Col.X],
+        others[:, :, Col.Y] - ego.states[:, None, Col.Y],
+    )
+    near = away <= RADIUS
+    speeds = np.where(near, np.hypot(others[:, :, Col.VX], others[:, :, Col.VY]), 0.0)
+    vehicles = near.sum(axis=1)
+    share = np.nan_to_num(ego.value(EgoCol.ROUTE_S) / ego.route.length, nan=-1.0)
+    section = np.floor(share * CHECKPOINTS).astype(np.int64)
+    inside = (section >= 0) & (section < CHECKPOINTS)
+    counted = section[inside]
+    seen = np.bincount(counted, vehicles[inside], CHECKPOINTS)
+    their_sum = np.bincount(counted, speeds.sum(axis=1)[inside], CHECKPOINTS)
+    own_sum = np.bincount(counted, ego.speed[inside], CHECKPOINTS)
+    rows_in = np.bincount(counted, minlength=CHECKPOINTS)
+    moving = their_sum > 0.1 * seen
+    usable = (seen > 0) & moving
+    ratios: FloatArray = (own_sum[usable] / rows_in[usable]) / (their_sum[usable] / seen[usable])
+    return ratios
+
+
+def efficiency(ego: EgoView) -> float | None:
+    """Gives Bench2Drive's driving efficiency in per cent; ``None`` without traffic around."""
+    ratios = pace_ratios(ego)
+    return 100.0 * float(ratios.mean()) if len(ratios) else None
+
+
+def minimum_speed(ego: EgoView) -> float | None:
+    """Gives the Leaderboard's minimum-speed percentage, at most 100; ``None`` without traffic."""
+    ratios = pace_ratios(ego)
+    return 100.0 * float(np.minimum(ratios, 1.0).mean()) if len(ratios) else None
