@@ -38,7 +38,7 @@ def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
     boxes = [(pose, pose.actor.model) for pose in poses]
     known = [(pose, model) for pose, model in boxes if model is not None]
     corners = [_corners(pose, model.length - TOUCH, model.width - TOUCH) for pose, model in known]
-    polygons = shapely.polygons(np.array(corners).reshape(-1, 4, 2))
+    polygons = np.array([shapely.Polygon(box) for box in corners], dtype=object)
     tree = shapely.STRtree(polygons)
     later, earlier = tree.query(polygons, predicate="intersects")
     first: dict[int, int] = {}
