@@ -122,6 +122,11 @@ class QueueRepository:
             self._follow(row, lifecycle.interrupt(run_state(row), row.id, policy), now)
         return len(leases)
 
+    def has_work(self) -> bool:
+        """Says whether a claim would find anything."""
+        query = select(BatchRow.seq).where(BatchRow.queued > 0, BatchRow.state == BatchState.OPEN)
+        return self._session.scalar(query.limit(1)) is not None
+
     def to_cancel(self) -> tuple[str, ...]:
         """Gives the running runs that somebody wants to end."""
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)

@@ -1,0 +1,28 @@
+"""Where trace files lie: ``traces/ab/<run id>.parquet``, spread by the end of the id."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+
+class TraceFolder:
+    """The folder of all traces."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def path(self, run_id: str) -> Path:
+        """Gives where the trace of a run lies, if it has one."""
+        return self.root / run_id[-2:] / f"{run_id}.parquet"
+
+    def prepare(self, run_id: str) -> str:
+        """Makes the folder of a run's trace and gives the trace's path."""
+        path = self.path(run_id)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return str(path)
+
+    def run_ids(self) -> Iterator[str]:
+        """Gives the ids of all runs that have a trace file."""
+        for path in sorted(self.root.glob("??/*.parquet")):
+            yield path.stem
