@@ -12,6 +12,7 @@ The tree::
     ├── StoreError             the database or a trace file cannot be used
     │   ├── Conflict           the request contradicts what is stored
     │   └── QueueFull          more runs wait than the queue may hold
+    ├── ServiceError           a service that was asked over HTTP refused, or did not answer
     └── ConfigurationError     a setting cannot be used
 """
 
@@ -112,6 +113,18 @@ class QueueFull(StoreError):
             f"{queued} runs wait and the queue holds {limit}; try again in {retry_after_s} s, "
             "or raise DRIVORA_QUEUE_LIMIT"
         )
+
+
+class ServiceError(DrivoraError):
+    """A service that was asked over HTTP refused, or did not answer.
+
+    Attributes:
+        status: HTTP status of the answer; 0 if there was none.
+    """
+
+    def __init__(self, message: str, *, status: int = 0) -> None:
+        self.status = status
+        super().__init__(message)
 
 
 class ConfigurationError(DrivoraError):

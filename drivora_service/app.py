@@ -1,0 +1,159 @@
+"""The composition root: builds every part from the settings and joins them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import structlog
+import uvicorn
+from fastapi import FastAPI
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.api.application import create_api
+from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.tokens import TokenFile
+from drivora_service.errors import ConfigurationError
+from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.executor import Limits as RunLimits
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.logs import configure_logs
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.settings import Settings
+from drivora_service.store.database import open_database
+from drivora_service.store.server_lock import ServerLock
+from drivora_service.store.traces import TraceFolder
+
+ANNOUNCEMENT = "service.json"
+"""File in the data folder that says where a running service listens."""
+
+_GRACE_S = 5
+
+_log = structlog.stdlib.get_logger(__name__)
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """Builds the service; it begins to work with the first event of the application's life.
+
+    Raises:
+        ConfigurationError: The settings would open the service to others without tokens.
+        Conflict: Another process serves this data folder.
+        StoreError: The database cannot be used.
+    """
+    tokens = _tokens(settings)
+    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    exclusive = settings.resolved_database_url.startswith("sqlite")
+    lock = ServerLock(settings.data_dir)
+    database = open_database(settings.resolved_database_url)
+    traces = TraceFolder(settings.traces_dir)
+    executor = LocalExecutor(
+        slots=settings.workers,
+        setup=worker_setup(settings),
+        folder=settings.data_dir / "workers",
+        limits=run_limits(settings),
+    )
+    dispatcher = Dispatcher(database, executor, traces, exclusive=exclusive)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        dispatcher.start()
+        _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
+        try:
+            yield
+        finally:
+            dispatcher.stop()
+            executor.close()
+            database.close()
+            lock.release()
+
+    context = ApiContext(
+        database=database,
+        networks=NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
+        agents=AgentCatalogue(),
+        oracles=default_oracles(),
+        tokens=tokens,
+        limits=Limits(
+            body_bytes=int(settings.max_body_mb * (1 << 20)),
+            batch_items=settings.max_batch_items,
+            queued_runs=settings.queue_limit,
+        ),
+        trace_path=traces.path,
+        wake=dispatcher.wake,
+        workers_alive=lambda: dispatcher.is_alive,
+    )
+    return create_api(context, lifespan)
+
+
+def worker_setup(settings: Settings) -> WorkerSetup:
+    """Gives what every worker is told."""
+    return WorkerSetup(
+        shipped_networks=shipped_networks(), imported_networks=settings.imported_networks_dir
+    )
+
+
+def run_limits(settings: Settings) -> RunLimits:
+    """Gives what a worker may use."""
+    return RunLimits(
+        wall_time_s=settings.wall_time_limit_s,
+        agent_deadline_s=settings.agent_deadline_s,
+        memory_bytes=settings.memory_limit_mb << 20,
+        runs_per_worker=settings.runs_per_worker,
+    )
+
+
+def serve_until_stopped(settings: Settings) -> None:
+    """Serves HTTP until SIGINT or SIGTERM; ``service.json`` says where.
+
+    Raises:
+        ConfigurationError: The settings cannot be used.
+        Conflict: Another process serves this data folder.
+        StoreError: The database cannot be used.
+    """
+    configure_logs(form=settings.log_format, level=settings.log_level)
+    config = uvicorn.Config(
+        create_app(settings),
+        host=settings.host,
+        port=settings.port,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=_GRACE_S,
+    )
+    socket = config.bind_socket()
+    port = socket.getsockname()[1]
+    host = f"[{settings.host}]" if ":" in settings.host else settings.host
+    announcement = settings.data_dir / ANNOUNCEMENT
+    _announce(announcement, settings.public_url or f"http://{host}:{port}")
+    # uvicorn passes a signal on once it has shut down; this makes that a normal end.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        uvicorn.Server(config).run(sockets=[socket])
+    except KeyboardInterrupt:
+        _log.info("stopped")
+    finally:
+        announcement.unlink(missing_ok=True)
+
+
+def _announce(path: Path, url: str) -> None:
+    partial = path.with_suffix(".new")
+    partial.write_text(json.dumps({"url": url, "pid": os.getpid()}))
+    partial.replace(path)
+    _log.info("listening", url=url)
+
+
+def _tokens(settings: Settings) -> TokenFile | None:
+    if settings.listens_on_loopback and not settings.require_tokens:
+        return None
+    tokens = TokenFile(settings.tokens_path)
+    if not tokens.all():
+        raise ConfigurationError(
+            f"listening on {settings.host} needs API tokens, and there are none: make one with "
+            f"`drivora tokens create NAME --data-dir {settings.data_dir}`, or listen on 127.0.0.1"
+        )
+    return tokens

@@ -1,0 +1,140 @@
+"""A client of the HTTP API, as far as the commands need it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+from drivora_service.errors import InvalidDocument, Problem, ServiceError
+
+_PREFIX = "/api/v1"
+_TIMEOUT_S = 60.0
+_PAGE_SIZE = 500
+
+
+class ServiceClient:
+    """Talks to one service; a context manager that closes its connections."""
+
+    def __init__(self, url: str, token: str | None = None) -> None:
+        """Prepares a client.
+
+        Args:
+            url: Address of the service, such as ``http://127.0.0.1:8000``.
+            token: API token; ``None``: the environment's ``DRIVORA_TOKEN``, if any.
+        """
+        token = os.environ.get("DRIVORA_TOKEN", "") if token is None else token
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        self._url = url
+        self._http = httpx.Client(
+            base_url=url.rstrip("/") + _PREFIX, headers=headers, timeout=_TIMEOUT_S
+        )
+
+    def __enter__(self) -> Self:
+        """Gives the client itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Closes the connections."""
+        self._http.close()
+
+    def get(self, path: str, **parameters: object) -> Any:
+        """Asks for JSON.
+
+        Raises:
+            ServiceError: The service refused or did not answer.
+        """
+        return self._send("GET", path, params=_given(parameters)).json()
+
+    def download(self, path: str, *, accept: str) -> bytes:
+        """Asks for bytes of a media type.
+
+        Raises:
+            ServiceError: The service refused or did not answer.
+        """
+        return self._send("GET", path, headers={"Accept": accept}).content
+
+    def validate(self, document: str, *, agent: str = "") -> Any:
+        """Has a scenario checked.
+
+        Raises:
+            InvalidDocument: It cannot be run.
+            ServiceError: The service refused or did not answer.
+        """
+        return self._post_json("/scenarios:validate", document, agent=agent)
+
+    def post_batch(
+        self,
+        documents: Sequence[str],
+        *,
+        name: str = "",
+        agent: str = "",
+        seed: int | None = None,
+        priority: str = "interactive",
+    ) -> Any:
+        """Queues runs of scenarios.
+
+        Raises:
+            InvalidDocument: None of them can be run.
+            ServiceError: The service refused or did not answer.
+        """
+        body = f"[{','.join(documents)}]"
+        return self._post_json(
+            "/batches", body, name=name, agent=agent, seed=seed, priority=priority
+        )
+
+    def jobs(self, batch_id: str) -> Iterator[Any]:
+        """Gives the jobs of a batch, last to first."""
+        token = ""
+        while True:
+            page = self.get("/jobs", batch=batch_id, limit=_PAGE_SIZE, page_token=token)
+            yield from page["items"]
+            token = page["next_page_token"]
+            if not token:
+                return
+
+    def _post_json(self, path: str, body: str, **parameters: object) -> Any:
+        response = self._send(
+            "POST",
+            path,
+            content=body.encode(),
+            headers={"Content-Type": "application/json"},
+            params=_given(parameters),
+        )
+        return response.json()
+
+    def _send(self, method: str, path: str, **request: Any) -> httpx.Response:
+        try:
+            response = self._http.request(method, path, **request)
+        except httpx.HTTPError as error:
+            raise ServiceError(f"the service at {self._url} does not answer: {error}") from error
+        if response.is_error:
+            raise _refusal(response)
+        return response
+
+
+def _given(parameters: dict[str, object]) -> dict[str, str]:
+    return {name: str(value) for name, value in parameters.items() if value not in (None, "")}
+
+
+def _refusal(response: httpx.Response) -> InvalidDocument | ServiceError:
+    try:
+        details = response.json()
+    except ValueError:
+        details = {}
+    problems = tuple(
+        Problem(pointer=p["pointer"], code=p["code"], message=p["message"])
+        for p in details.get("problems", ())
+    )
+    if problems:
+        return InvalidDocument(problems)
+    said = details.get("detail") or response.reason_phrase
+    return ServiceError(f"the service refused: {said}", status=response.status_code)

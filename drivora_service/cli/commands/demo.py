@@ -1,0 +1,138 @@
+"""``drivora demo``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.output import note, number, print_table
+
+if TYPE_CHECKING:
+    from drivora_service.cli.client import ServiceClient
+
+_TOWN = "tee-town"
+_POLL_S = 0.2
+
+
+def demo(
+    data_dir: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the demo.")] = Path(
+        "demo-data"
+    ),
+    num: Annotated[int, typer.Option(min=1, max=200, help="Scenarios.")] = 12,
+    town: Annotated[str, typer.Option(help="Road network.")] = _TOWN,
+    workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 2,
+) -> None:
+    """Shows the whole way: starts the service, posts generated scenarios, prints the verdicts."""
+    import time
+
+    from drivora_service.cli.client import ServiceClient
+    from drivora_service.cli.service_process import running_service
+
+    begun = time.monotonic()
+    documents = _seeds(data_dir, town, num)
+    note(f"{len(documents)} scenarios on {town} in {data_dir / 'seeds'}")
+    with running_service(data_dir, workers=workers) as url, ServiceClient(url) as client:
+        note(f"the service runs at {url} with {workers} workers")
+        answer = client.post_batch(documents, name="demo")
+        batch_id = answer["batch"]["id"]
+        _follow(client, batch_id, answer["accepted"])
+        jobs = sorted(client.jobs(batch_id), key=lambda job: job["item"])
+        runs = [client.get(f"/runs/{job['id']}") for job in jobs]
+    _print_verdicts(runs)
+    picture = _draw(data_dir, runs)
+    finished = sum(run["status"] == "finished" for run in runs)
+    typer.echo(f"{finished} of {len(runs)} runs judged in {time.monotonic() - begun:.0f} s.\n")
+    _print_where(data_dir, batch_id, runs[-1]["id"], picture)
+    if finished < len(runs):
+        raise typer.Exit(ExitCode.NOT_DONE)
+
+
+def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
+    """Makes scenarios with some traffic around the ego, and keeps them as files."""
+    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.scenario.documents import document_text
+    from drivora_service.scenario.entities import BackgroundTrafficDocument
+    from drivora_service.scenario.seeds import generate_seeds
+
+    network = network_catalogue(settings_for(data_dir)).get(town)
+    seeds = generate_seeds(
+        network, count=num, min_length=150.0, max_length=400.0, seed=1, agent="idm"
+    )
+    folder = data_dir / "seeds"
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = []
+    for number_, seed in enumerate(seeds, start=1):
+        traffic = BackgroundTrafficDocument(count=8)
+        text = document_text(seed.model_copy(update={"background_traffic": traffic}))
+        (folder / f"{town}_{number_:04d}.json").write_text(text)
+        texts.append(text)
+    return texts
+
+
+def _follow(client: ServiceClient, batch_id: str, total: int) -> None:
+    import time
+
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("runs", total=total)
+        while True:
+            batch = client.get(f"/batches/{batch_id}")
+            open_runs = sum(batch["counts"].get(status, 0) for status in ("queued", "running"))
+            progress.update(task, completed=total - open_runs)
+            if batch["done"]:
+                return
+            time.sleep(_POLL_S)
+
+
+def _print_verdicts(runs: Sequence[dict[str, Any]]) -> None:
+    from drivora_service.cli.results import summary
+
+    def row(run: dict[str, Any]) -> tuple[str, ...]:
+        return (
+            run["id"],
+            run["status"].replace("_", " "),
+            f"{run['sim_time_s']:.1f} s" if run["sim_time_s"] else "-",
+            number(run["metrics"].get("driving_score"), 2),
+            summary(run),
+        )
+
+    print_table("", ("run", "status", "sim time", "driving score", "rules broken"), map(row, runs))
+
+
+def _draw(data_dir: Path, runs: Sequence[dict[str, Any]]) -> Path | None:
+    """Draws the run in which most went wrong."""
+    from drivora_service.cli.commands.plot import plot
+
+    judged = [run for run in runs if run["status"] == "finished"]
+    if not judged:
+        return None
+    chosen = max(judged, key=lambda run: run["violations"])
+    picture = data_dir / "run.svg"
+    plot(chosen["id"], out=picture, data_dir=data_dir)
+    return picture
+
+
+def _print_where(data_dir: Path, batch_id: str, run_id: str, picture: Path | None) -> None:
+    lines = [
+        "Where to look:",
+        f"  scenarios        {data_dir / 'seeds'}",
+        f"  traces           {data_dir / 'traces'}",
+        f"  service log      {data_dir / 'service.log'}",
+    ]
+    if picture is not None:
+        lines.append(f"  a run, drawn     {picture}")
+    lines += [
+        "Go on:",
+        f"  drivora plot {run_id} --data-dir {data_dir}",
+        f"  drivora serve --data-dir {data_dir}    then open",
+        f"    http://127.0.0.1:8000/api/v1/batches/{batch_id}",
+        f"    http://127.0.0.1:8000/api/v1/runs/{run_id}",
+    ]
+    typer.echo("\n".join(lines))

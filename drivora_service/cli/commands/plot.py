@@ -1,0 +1,95 @@
+"""``drivora plot``."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.output import JsonOption, note, print_json
+from drivora_service.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from drivora_service.settings import Settings
+
+
+class ColorBy(StrEnum):
+    """What the colour of the egos' trails says."""
+
+    ACTOR = "actor"
+    TIME = "time"
+
+
+def plot(
+    run: Annotated[
+        str,
+        typer.Argument(metavar="RUN|TRACE", help="Id of a run, or a trace file (.parquet)."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Picture, .svg or .png [default: RUN.svg]."),
+    ] = None,
+    color_by: Annotated[
+        ColorBy, typer.Option(help="What the colour of the egos' trails says.")
+    ] = ColorBy.ACTOR,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Draws a run from above: roads, trails, signals, and where each verdict fell."""
+    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.observations.trace_file import read_trace
+    from drivora_service.oracles.catalogue import default_oracles, judge_all
+    from drivora_service.plotting.run_picture import draw_run
+
+    settings = settings_for(data_dir)
+    target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
+    if target.suffix.lower() not in (".svg", ".png"):
+        raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
+    path = _downloaded(server, run, target) if server else _trace_path(run, settings)
+    try:
+        trace = read_trace(path)
+    finally:
+        if server:
+            path.unlink()
+    network = network_catalogue(settings).get(trace.network)
+    if network.sha256 != trace.network_sha256:
+        note(f"network {network.name} has changed since this run; the picture may not fit")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    verdicts = judge_all(trace, network, default_oracles())
+    draw_run(trace, network, verdicts, target, color_by=color_by.value)
+    if as_json:
+        print_json({"picture": str(target)})
+    else:
+        typer.echo(str(target))
+
+
+def _trace_path(run: str, settings: Settings) -> Path:
+    path = Path(run)
+    if path.suffix == ".parquet" and path.is_file():
+        return path
+    from drivora_service.store.database import open_database
+    from drivora_service.store.traces import TraceFolder
+
+    database = open_database(settings.resolved_database_url)
+    try:
+        with database.read() as transaction:
+            record = transaction.jobs.get(run)
+    finally:
+        database.close()
+    return TraceFolder(settings.traces_dir).path(record.id)
+
+
+def _downloaded(server: str, run: str, target: Path) -> Path:
+    from drivora_service.cli.client import ServiceClient
+
+    with ServiceClient(server) as client:
+        content = client.download(
+            f"/runs/{run}/observations", accept="application/vnd.apache.parquet"
+        )
+    path = target.with_suffix(".trace.tmp")
+    path.write_bytes(content)
+    return path

@@ -1,0 +1,110 @@
+"""``drivora run``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.output import JsonOption, print_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_MAX_SEED = 2**31 - 1
+
+
+def run(
+    scenarios: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENARIO…",
+            help="Files or folders: OpenScenario (JSON, YAML), files of the original tool, "
+            "Leaderboard routes (XML).",
+        ),
+    ],
+    agent: Annotated[
+        str, typer.Option(help="Drives every ego in place of the documented one.")
+    ] = "",
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed in place of the documents'.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write a trace and a report of each run there."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Worker processes [default: one a core].")
+    ] = None,
+    gate: Annotated[
+        bool, typer.Option("--gate", help="Exit with 1 if any run broke a rule.")
+    ] = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
+
+    With --json, one scenario prints one object with status, verdicts, metrics, scores,
+    trace_sha256, steps, sim_time_s, wall_time_s and step_cost_us; several print {"runs": […]}.
+    """
+    from drivora_service.cli import results
+    from drivora_service.cli.scenario_files import read_files
+
+    files, unreadable = read_files(scenarios, agent=agent)
+    done = [results.invalid_result(str(file.path), file.problems) for file in unreadable]
+    with _progress(len(files), shown=len(files) > 1) as step:
+        if server:
+            from drivora_service.cli.remote_runs import run_remotely
+
+            done += run_remotely(server, files, agent=agent, seed=seed, out=out, on_result=step)
+        else:
+            from drivora_service.cli.local_runs import run_locally
+
+            done += run_locally(
+                files,
+                agent=agent,
+                seed=seed,
+                out=out,
+                workers=workers,
+                data_dir=data_dir,
+                on_result=step,
+            )
+    if out is not None:
+        _write_reports(out, done)
+    if as_json:
+        print_json(done[0] if len(done) == 1 else {"runs": done})
+    elif len(done) == 1:
+        results.print_result(done[0])
+    else:
+        results.print_results(done)
+    if any(result["status"] != results.FINISHED for result in done):
+        raise typer.Exit(ExitCode.NOT_DONE)
+    if gate and any(results.violations(result) for result in done):
+        raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+@contextmanager
+def _progress(total: int, *, shown: bool) -> Iterator[Callable[[dict[str, Any]], None]]:
+    """Shows progress on standard error while runs end."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=not shown) as progress:
+        task = progress.add_task("runs", total=total)
+        yield lambda _result: progress.advance(task)
+
+
+def _write_reports(folder: Path, results: Sequence[dict[str, Any]]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for result in results:
+        name = Path(result["scenario"]).stem
+        text = json.dumps(result, indent=2, ensure_ascii=False)
+        (folder / f"{name}.report.json").write_text(text + "\n")

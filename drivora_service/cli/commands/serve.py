@@ -1,0 +1,37 @@
+"""``drivora serve``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.options import DataDirOption
+
+
+def serve(
+    host: Annotated[
+        str | None, typer.Option(help="Address; beyond loopback needs API tokens.")
+    ] = None,
+    port: Annotated[int | None, typer.Option(min=0, max=65535, help="Port; 0: a free one.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Worker processes [default: one a core].")
+    ] = None,
+    data_dir: DataDirOption = None,
+    log_format: Annotated[str | None, typer.Option(help="console or json.")] = None,
+    log_level: Annotated[str | None, typer.Option(help="debug, info, warning or error.")] = None,
+) -> None:
+    """Starts the service: HTTP API, queue and worker processes; ends on Ctrl-C or SIGTERM."""
+    from drivora_service.app import serve_until_stopped
+    from drivora_service.settings import load_settings
+
+    serve_until_stopped(
+        load_settings(
+            host=host,
+            port=port,
+            workers=workers,
+            data_dir=data_dir,
+            log_format=log_format,
+            log_level=log_level,
+        )
+    )

@@ -1,0 +1,95 @@
+"""``drivora validate``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.output import JsonOption, fail, print_json
+from drivora_service.errors import InvalidDocument, Problem
+
+if TYPE_CHECKING:
+    from drivora_service.scenario.documents import ScenarioDocument
+
+
+def validate(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE…", help="Files and folders.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
+    from drivora_service.cli.scenario_files import read_files
+
+    scenarios, unreadable = read_files(files, agent="")
+    results = [_result(str(file.path), "", (), file.problems) for file in unreadable]
+    with _checker(server, data_dir) as check:
+        for scenario in scenarios:
+            path, name = str(scenario.path), scenario.name
+            try:
+                notes = (*scenario.notes, *check(scenario.document))
+                results.append(_result(path, name, notes, ()))
+            except InvalidDocument as error:
+                results.append(_result(path, name, scenario.notes, error.problems))
+    valid = all(result["valid"] for result in results)
+    if as_json:
+        print_json({"valid": valid, "results": results})
+    else:
+        _print(results)
+    raise typer.Exit(ExitCode.DONE if valid else ExitCode.GATE_FAILED)
+
+
+@contextmanager
+def _checker(
+    server: str, data_dir: Path | None
+) -> Iterator[Callable[[ScenarioDocument], Sequence[str]]]:
+    """Gives what checks a document here, or asks a service to; it answers with notes."""
+    if server:
+        from drivora_service.cli.client import ServiceClient
+        from drivora_service.scenario.documents import document_text
+
+        with ServiceClient(server) as client:
+            yield lambda document: client.validate(document_text(document))["notes"]
+        return
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.scenario.validation import validate_document
+
+    networks = network_catalogue(settings_for(data_dir))
+    agents = AgentCatalogue().names()
+    yield lambda document: validate_document(document, networks, agents).notes
+
+
+def _result(
+    path: str, name: str, notes: Sequence[str], problems: Sequence[Problem]
+) -> dict[str, Any]:
+    return {
+        "file": path,
+        "scenario": name,
+        "valid": not problems,
+        "problems": [
+            {"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems
+        ],
+        "notes": list(notes),
+    }
+
+
+def _print(results: Sequence[dict[str, Any]]) -> None:
+    for result in results:
+        where = result["file"]
+        if result["scenario"] and result["scenario"] != Path(where).stem:
+            where += f" ({result['scenario']})"
+        if result["valid"]:
+            typer.echo(f"{where}: valid")
+        else:
+            fail(f"{where}: {len(result['problems'])} problem(s)")
+        for problem in result["problems"]:
+            typer.echo(f"  {problem['pointer'] or '/'}: {problem['message']}")
+        for remark in result["notes"]:
+            typer.echo(f"  note: {remark}")

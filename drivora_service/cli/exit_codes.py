@@ -1,0 +1,20 @@
+"""How commands end; scripts rely on it."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What the exit code of a command says."""
+
+    DONE = 0
+    GATE_FAILED = 1
+    WRONG_USE = 2
+    NOT_DONE = 3
+
+
+EPILOG = (
+    "Exit codes: 0 done · 1 a gate failed · 2 wrong use · 3 the work could not be done. "
+    "Settings are read from DRIVORA_… variables."
+)

@@ -1,0 +1,84 @@
+"""``drivora``: everything that the service does, from a terminal.
+
+The modules of the commands are light to import; what a command works with is imported when it runs.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from drivora_service.cli.commands import (
+    agents,
+    demo,
+    networks,
+    plot,
+    run,
+    schema,
+    seeds,
+    serve,
+    store,
+    tokens,
+    validate,
+)
+from drivora_service.cli.exit_codes import EPILOG, ExitCode
+from drivora_service.cli.output import fail
+from drivora_service.errors import ConfigurationError, DrivoraError, UnknownName
+
+
+class Commands(typer.Typer):
+    """All commands; turns Drivora's errors into messages and exit codes."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Runs the command that the command line names."""
+        try:
+            return super().__call__(*args, **kwargs)
+        except (ConfigurationError, UnknownName) as error:
+            fail(str(error))
+            raise SystemExit(ExitCode.WRONG_USE) from error
+        except DrivoraError as error:
+            fail(str(error))
+            raise SystemExit(ExitCode.NOT_DONE) from error
+
+
+app = Commands(
+    name="drivora",
+    help="Finds the scenarios in which autonomous driving systems fail, on SUMO.",
+    epilog=EPILOG,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.command("run", epilog=EPILOG)(run.run)
+app.command("serve", epilog=EPILOG)(serve.serve)
+app.command("validate", epilog=EPILOG)(validate.validate)
+app.command("plot", epilog=EPILOG)(plot.plot)
+app.command("schema", epilog=EPILOG)(schema.schema)
+app.command("demo", epilog=EPILOG)(demo.demo)
+app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
+app.add_typer(networks.app, name="networks", epilog=EPILOG)
+app.add_typer(agents.app, name="agents", epilog=EPILOG)
+app.add_typer(store.app, name="store", epilog=EPILOG)
+app.add_typer(tokens.app, name="tokens", epilog=EPILOG)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(version("drivora"))
+        raise typer.Exit
+
+
+@app.callback()
+def drivora(
+    _version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Finds the scenarios in which autonomous driving systems fail, on SUMO."""

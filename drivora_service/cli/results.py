@@ -1,0 +1,154 @@
+"""Results of runs as commands print them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from drivora_service.cli.output import number, print_table
+from drivora_service.runs.encoding import report_to_json
+from drivora_service.runs.report import RunReport
+
+FINISHED = "finished"
+
+
+def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str]) -> dict[str, Any]:
+    """Gives the printed form of a report; the keys are a contract with scripts."""
+    content: dict[str, Any] = json.loads(report_to_json(report))
+    failure = content["failure"]
+    return {
+        "scenario": name,
+        "status": content["status"],
+        "error": failure,
+        "verdicts": content["verdicts"],
+        "metrics": content["metrics"],
+        "scores": content["scores"],
+        "trace_sha256": content["trace_sha256"],
+        "steps": content["steps"],
+        "sim_time_s": content["sim_time_s"],
+        "wall_time_s": content["wall_time_s"],
+        "step_cost_us": content["step_cost_us"],
+        "versions": content["versions"],
+        "trace": trace,
+        "notes": list(notes),
+    }
+
+
+def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, Any]:
+    """Gives the printed form of a run that a service performed."""
+    return {
+        "scenario": name,
+        "run_id": run["id"],
+        "status": run["status"],
+        "error": run["error"],
+        "verdicts": run["verdicts"],
+        "metrics": run["metrics"],
+        "scores": run["scores"],
+        "trace_sha256": run["trace_sha256"],
+        "steps": run["steps"] or 0,
+        "sim_time_s": run["sim_time_s"] or 0.0,
+        "wall_time_s": run["wall_time_s"] or 0.0,
+        "step_cost_us": run["step_cost_us"] or 0.0,
+        "versions": run["versions"],
+        "trace": trace,
+        "notes": [],
+    }
+
+
+def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
+    """Gives the printed form of a scenario that cannot be run."""
+    listed = [{"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems]
+    return {
+        "scenario": name,
+        "status": "invalid",
+        "error": {
+            "cause": "invalid_document",
+            "message": f"{len(listed)} problem(s) in the scenario",
+            "log": "",
+            "problems": listed,
+        },
+        "verdicts": [],
+        "metrics": {},
+        "scores": {},
+        "trace_sha256": "",
+        "steps": 0,
+        "sim_time_s": 0.0,
+        "wall_time_s": 0.0,
+        "step_cost_us": 0.0,
+        "versions": {},
+        "trace": "",
+        "notes": [],
+    }
+
+
+def violations(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """Gives the verdicts that say a rule was broken."""
+    return [verdict for verdict in result["verdicts"] if verdict["outcome"] == "violated"]
+
+
+def print_results(results: Sequence[dict[str, Any]]) -> None:
+    """Prints a row a run, and below it why runs were not judged."""
+    print_table(
+        "",
+        ("scenario", "status", "violations", "sim time", "real time", "step cost"),
+        (_row(result) for result in results),
+    )
+    for result in results:
+        error = result["error"]
+        if error is None:
+            continue
+        print(f"{result['scenario']}: {error['cause']}: {error['message']}")
+        for problem in error.get("problems", ()):
+            print(f"  {problem['pointer'] or '/'}: {problem['message']}")
+        if error["log"]:
+            print("\n".join(f"  | {line}" for line in error["log"].splitlines()[-10:]))
+
+
+def print_result(result: dict[str, Any]) -> None:
+    """Prints one run at length."""
+    print_results([result])
+    if result["verdicts"]:
+        rows = (
+            (
+                verdict["oracle"],
+                verdict["ego"],
+                verdict["outcome"].replace("_", " "),
+                {True: "yes", False: "no", None: "-"}[verdict["at_fault"]],
+                number(verdict["time"]),
+                verdict["message"],
+            )
+            for verdict in result["verdicts"]
+        )
+        print_table("Verdicts", ("rule", "ego", "outcome", "at fault", "time (s)", ""), rows)
+    if result["metrics"]:
+        metrics = ((name, number(value, 3)) for name, value in result["metrics"].items())
+        print_table("Metrics", ("metric", "value"), metrics)
+    if result["trace"]:
+        print(f"Trace: {result['trace']}  (draw it: drivora plot {result['trace']})")
+
+
+def summary(result: dict[str, Any]) -> str:
+    """Says in a few words what was broken."""
+    if result["status"] != FINISHED:
+        return "-"
+    broken = violations(result)
+    if not broken:
+        return "none"
+    return ", ".join(
+        verdict["oracle"].replace("_", " ") + (" (at fault)" if verdict["at_fault"] else "")
+        for verdict in broken
+    )
+
+
+def _row(result: dict[str, Any]) -> tuple[str, ...]:
+    wall, sim = result["wall_time_s"], result["sim_time_s"]
+    judged = result["status"] == FINISHED
+    return (
+        result["scenario"],
+        result["status"].replace("_", " "),
+        summary(result),
+        f"{sim:.1f} s" if judged else "-",
+        f"{sim / wall:.0f}" if judged and wall else "-",
+        f"{result['step_cost_us']:.0f} µs" if judged else "-",
+    )

@@ -1,0 +1,98 @@
+"""Scenario files and folders that are named on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.importers.reading import read_scenarios
+
+SUFFIXES = frozenset({".json", ".yaml", ".yml", ".xml"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScenarioFile:
+    """A scenario that was found.
+
+    Attributes:
+        name: Unique among those that were read together; good for a file name.
+        path: Where it came from.
+        notes: What the importer dropped or interpreted.
+    """
+
+    name: str
+    path: Path
+    document: ScenarioDocument
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnreadableFile:
+    """A file that holds no scenario, and why."""
+
+    path: Path
+    problems: tuple[Problem, ...]
+
+
+def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
+    """Gives the files themselves, and those inside folders, in order of name.
+
+    Raises:
+        ConfigurationError: A path does not exist, or a folder holds no scenario file.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            inside = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
+            if not inside:
+                raise ConfigurationError(
+                    f"{path} holds no scenario file ({', '.join(sorted(SUFFIXES))})"
+                )
+            found += inside
+        elif path.is_file():
+            found.append(path)
+        else:
+            raise ConfigurationError(f"there is no file {path}")
+    return tuple(found)
+
+
+def read_files(
+    paths: Sequence[Path], *, agent: str
+) -> tuple[tuple[ScenarioFile, ...], tuple[UnreadableFile, ...]]:
+    """Reads every scenario of files of any known format.
+
+    Args:
+        paths: Files and folders.
+        agent: Drives egos of formats that name no agent of the catalogue.
+
+    Raises:
+        ConfigurationError: A path cannot be used at all.
+    """
+    scenarios: list[ScenarioFile] = []
+    unreadable: list[UnreadableFile] = []
+    taken: set[str] = set()
+    for path in find_files(paths):
+        try:
+            imported = read_scenarios(path.read_bytes(), name=path.stem, agent=agent or "idm")
+        except InvalidDocument as error:
+            unreadable.append(UnreadableFile(path=path, problems=error.problems))
+            continue
+        except OSError as error:
+            raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+        for scenario in imported:
+            name = _unique(scenario.name, taken)
+            scenarios.append(
+                ScenarioFile(name=name, path=path, document=scenario.document, notes=scenario.notes)
+            )
+    return tuple(scenarios), tuple(unreadable)
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    candidate, number = name, 2
+    while candidate in taken:
+        candidate, number = f"{name}-{number}", number + 1
+    taken.add(candidate)
+    return candidate

@@ -1,0 +1,66 @@
+"""A service in a process of its own, for as long as a command needs it."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+
+from drivora_service.errors import ServiceError
+
+_START_S = 60.0
+_STOP_S = 20.0
+_POLL_S = 0.05
+
+
+@contextmanager
+def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
+    """Starts a service on a free port of loopback and gives its address; ends it afterwards.
+
+    Its log is ``service.log`` in the data folder.
+
+    Raises:
+        ServiceError: It does not start.
+    """
+    data_dir.mkdir(parents=True, exist_ok=True)
+    announcement = data_dir / "service.json"
+    announcement.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "drivora_service.cli", "serve"]
+    options = ["--data-dir", str(data_dir), "--workers", str(workers), "--host", "127.0.0.1"]
+    with (data_dir / "service.log").open("ab") as log:
+        process = subprocess.Popen([*command, *options, "--port", "0"], stdout=log, stderr=log)
+    try:
+        yield _wait_until_ready(process, announcement)
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(_STOP_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def _wait_until_ready(process: subprocess.Popen[bytes], announcement: Path) -> str:
+    deadline = time.monotonic() + _START_S
+    while time.monotonic() < deadline:
+        if process.poll() is not None:
+            raise ServiceError(
+                f"the service ended with code {process.returncode}; "
+                f"{announcement.with_name('service.log')} says why"
+            )
+        if announcement.is_file():
+            url: str = json.loads(announcement.read_text())["url"]
+            try:
+                if httpx.get(f"{url}/readyz").is_success:
+                    return url
+            except httpx.HTTPError:
+                pass
+        time.sleep(_POLL_S)
+    raise ServiceError(f"the service was not ready within {_START_S:g} s")
