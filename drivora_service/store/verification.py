@@ -1,0 +1,129 @@
+"""Looking for contradictions in what is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sqlalchemy import func, select, text
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import StoreError
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import Database
+from drivora_service.store.tables import BatchRow, ReportRow, RunRow
+from drivora_service.store.traces import TraceFolder
+
+_UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """A contradiction.
+
+    Attributes:
+        kind: ``damaged_database``, ``missing_report``, ``early_report``, ``wrong_count``,
+            ``missing_trace``, ``damaged_trace`` or ``trace_without_run``.
+        subject: The id of the run or batch, or the path of the file.
+    """
+
+    kind: str
+    subject: str
+    message: str
+
+
+def verify(
+    database: Database,
+    traces: TraceFolder,
+    *,
+    hash_trace: Callable[[Path], str] | None = None,
+) -> Iterator[Finding]:
+    """Checks the database, and that every trace has its run and every run its trace.
+
+    Args:
+        database: Read in one transaction, so a server may go on meanwhile.
+        traces: The traces beside it.
+        hash_trace: Reads a trace file and gives its hash, to compare with the run's; ``None``: it
+            is only checked that the files are there.
+    """
+    with database.read() as transaction:
+        session = transaction.session
+        yield from _damage(session)
+        yield from _reports(session)
+        yield from _counts(session)
+        expected = dict(
+            session.execute(select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != ""))
+            .tuples()
+            .all()
+        )
+        # Runs that go on may have a trace already.
+        unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(_UNFINISHED))))
+    for run_id, sha256 in expected.items():
+        yield from _trace(run_id, traces.path(run_id), sha256, hash_trace)
+    for run_id in traces.run_ids():
+        if run_id not in expected and run_id not in unfinished:
+            yield Finding(
+                kind="trace_without_run",
+                subject=str(traces.path(run_id)),
+                message="no judged run has this trace; `drivora store prune` removes it",
+            )
+
+
+def _damage(session: Session) -> Iterator[Finding]:
+    if session.get_bind().dialect.name != "sqlite":
+        return
+    for (message,) in session.execute(text("PRAGMA integrity_check")):
+        if message != "ok":
+            yield Finding(kind="damaged_database", subject="", message=message)
+    for table, rowid, parent, _ in session.execute(text("PRAGMA foreign_key_check")):
+        message = f"row {rowid} of {table} points to a row of {parent} that is not there"
+        yield Finding(kind="damaged_database", subject=table, message=message)
+
+
+def _reports(session: Session) -> Iterator[Finding]:
+    joined = select(RunRow.id).outerjoin(ReportRow, ReportRow.run_seq == RunRow.seq)
+    missing = joined.where(ReportRow.run_seq.is_(None), RunRow.status.not_in(_UNFINISHED))
+    for run_id in session.scalars(missing):
+        message = "the run has ended and has no report"
+        yield Finding(kind="missing_report", subject=run_id, message=message)
+    early = joined.where(ReportRow.run_seq.is_not(None), RunRow.status.in_(_UNFINISHED))
+    for run_id in session.scalars(early):
+        message = "the run has a report and has not ended"
+        yield Finding(kind="early_report", subject=run_id, message=message)
+
+
+def _counts(session: Session) -> Iterator[Finding]:
+    runs = func.count(RunRow.seq)
+    waiting = runs.filter(RunRow.status == RunStatus.QUEUED)
+    query = (
+        select(BatchRow.id, BatchRow.size, BatchRow.queued, runs, waiting)
+        .outerjoin(RunRow, RunRow.batch_seq == BatchRow.seq)
+        .group_by(BatchRow.seq)
+    )
+    for batch_id, size, queued, found, found_waiting in session.execute(query):
+        if (size, queued) != (found, found_waiting):
+            message = (
+                f"the batch says {size} runs, {queued} of them queued; "
+                f"there are {found} and {found_waiting}"
+            )
+            yield Finding(kind="wrong_count", subject=batch_id, message=message)
+
+
+def _trace(
+    run_id: str, path: Path, sha256: str, hash_trace: Callable[[Path], str] | None
+) -> Iterator[Finding]:
+    if not path.is_file():
+        yield Finding(kind="missing_trace", subject=run_id, message=f"{path} is not there")
+        return
+    if hash_trace is None:
+        return
+    try:
+        found = hash_trace(path)
+    except (OSError, ValueError, StoreError) as error:
+        message = f"{path} cannot be read: {error}"
+    else:
+        if found == sha256:
+            return
+        message = f"{path} has the hash {found}, its run says {sha256}"
+    yield Finding(kind="damaged_trace", subject=run_id, message=message)
