@@ -13,10 +13,6 @@ from drivora_service.scenario.frames import FrameTransform
 
 DEFAULT_AGENT = "idm"
 
-PlaceDocument = (
-    entities.WaypointDocument | entities.WalkerWaypointDocument | entities.LocationDocument
-)
-
 
 def frame_of(document: ScenarioDocument, network: RoadNetwork) -> FrameTransform:
     """Gives the transform from the document's frame to the network's plane."""
@@ -32,7 +28,7 @@ def drivable_kilometres(network: RoadNetwork) -> float:
     return metres / 1000.0
 
 
-def waypoint(place: PlaceDocument, frame: FrameTransform) -> model.Waypoint:
+def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Waypoint:
     """Converts a place of a document."""
     x, y = frame.to_network(place.x, place.y)
     return model.Waypoint(

@@ -9,9 +9,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, JsonValue, ValidationError, model_validator
+from pydantic import Field, JsonValue, ValidationError
 
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario import fields
@@ -20,13 +20,13 @@ from drivora_service.scenario.entities import (
     BackgroundTrafficDocument,
     EgoDocument,
     EntityDocument,
+    FreeData,
     MapRegionDocument,
     NpcObstacleDocument,
     NpcVehicleDocument,
     NpcWalkerDocument,
     TrafficLightsDocument,
     WeatherDocument,
-    refuse_large,
 )
 from drivora_service.scenario.plain_data import plain_data
 from drivora_service.scenario.problems import duplicate_ids, in_document_order, structural_problems
@@ -79,18 +79,13 @@ class ScenarioDocument(EntityDocument):
         None, description="End of the episode. Without it, derived from the ego routes."
     )
     extensions: Annotated[
-        dict[fields.ExtensionKey, JsonValue], Field(max_length=fields.MAX_EXTENSIONS)
+        dict[fields.ExtensionKey, JsonValue], Field(max_length=fields.MAX_EXTENSIONS), FreeData
     ] = Field(
         default_factory=dict,
         description="Free data of others, by `vendor:name` or reverse domain name; carried, "
         "never interpreted.",
         json_schema_extra={"additionalProperties": False},
     )
-
-    @model_validator(mode="after")
-    def _bounded(self) -> Self:
-        refuse_large(self.extensions, "extensions")
-        return self
 
 
 def parse_document(

@@ -7,10 +7,9 @@ says which plane the coordinates are in.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
 from drivora_service.scenario import fields
@@ -26,73 +25,63 @@ class EntityDocument(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-def refuse_large(data: Mapping[str, Any], name: str) -> None:
-    """Raises a pydantic error where free data is larger than the document may carry."""
+def _bounded(data: dict[str, JsonValue]) -> dict[str, JsonValue]:
     size = len(json.dumps(data))
     if size > MAX_FREE_DATA_BYTES:
         raise PydanticCustomError(
             "too_large",
-            "found {size} bytes of {name}; at most {limit} are allowed",
-            {"size": size, "name": name, "limit": MAX_FREE_DATA_BYTES},
+            "found {size} bytes; at most {limit} are allowed",
+            {"size": size, "limit": MAX_FREE_DATA_BYTES},
         )
+    return data
 
 
-class WaypointDocument(EntityDocument):
+FreeData = AfterValidator(_bounded)
+"""Bounds the size of data that Drivora carries without interpreting it."""
+
+
+class PlaceDocument(EntityDocument):
+    """A place in the document's frame."""
+
+    x: fields.Coordinate = Field(description="East.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
+    yaw: fields.Yaw | None = Field(
+        None,
+        description="Heading: counter-clockwise from east (frame sumo), clockwise (frame carla). "
+        "Without it, that of the path; of what has none, that of the nearest lane.",
+    )
+
+
+class WaypointDocument(PlaceDocument):
     """A place that a vehicle passes."""
 
-    x: fields.Coordinate = Field(description="East.")
-    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
-    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
-    yaw: fields.Yaw | None = Field(
-        None,
-        description="Heading: counter-clockwise from east (sumo), clockwise (carla). "
-        "Without it the path gives the heading.",
-    )
     speed: fields.VehicleSpeed | None = Field(
-        None, description="Wanted speed here. Without it the speed limit of the lane."
+        None,
+        description="Wanted speed on the way to this place; of the first place, at the start. "
+        "Without it the speed limit of the lane. An ego's ADS decides for itself.",
     )
 
 
-class WalkerWaypointDocument(EntityDocument):
+class WalkerWaypointDocument(PlaceDocument):
     """A place that a walker passes."""
 
-    x: fields.Coordinate = Field(description="East.")
-    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
-    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
-    yaw: fields.Yaw | None = Field(
-        None,
-        description="Heading: counter-clockwise from east (sumo), clockwise (carla). "
-        "Without it the path gives the heading.",
-    )
     speed: fields.WalkerSpeed | None = Field(
-        None, description="Walking speed from here on. Without it 1.4 m/s."
+        None, description="Walking speed on the way to this place. Without it 1.4 m/s."
     )
 
 
-class LocationDocument(EntityDocument):
+class LocationDocument(PlaceDocument):
     """A place where something stands."""
-
-    x: fields.Coordinate = Field(description="East.")
-    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
-    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
-    yaw: fields.Yaw | None = Field(
-        None,
-        description="Heading: counter-clockwise from east (sumo), clockwise (carla). Without it 0.",
-    )
 
 
 class AgentDocument(EntityDocument):
     """The ADS that drives an ego."""
 
     name: fields.AgentName = Field(description="A name of `drivora agents list`.")
-    parameters: dict[str, JsonValue] = Field(
+    parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
         default_factory=dict, description="What the agent's entry in the catalogue allows."
     )
-
-    @model_validator(mode="after")
-    def _bounded(self) -> Self:
-        refuse_large(self.parameters, "parameters")
-        return self
 
 
 class EgoDocument(EntityDocument):
@@ -107,7 +96,9 @@ class EgoDocument(EntityDocument):
         0.0, description="The ego stands still at its start before this time."
     )
     initial_speed: fields.VehicleSpeed = Field(0.0, description="Speed at start_time.")
-    agent: AgentDocument | None = Field(None, description="The ADS that drives this vehicle.")
+    agent: AgentDocument | None = Field(
+        None, description="The ADS that drives this vehicle. Without it and config_path: `idm`."
+    )
     config_path: fields.ConfigPath | None = Field(
         None,
         description="In place of `agent`: the name of an agent, with or without `configs/` in "

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivora_service.errors import Problem, UnknownName
-from drivora_service.scenario import conversion
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model, resized
+from drivora_service.scenario.conversion import waypoint
 from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.entities import PlaceDocument
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import NpcBehavior, Waypoint
 from drivora_service.scenario.plain_data import pointer
@@ -110,10 +111,8 @@ def place_actors(
     return tuple(actors), problems
 
 
-def _places(
-    places: Sequence[conversion.PlaceDocument], frame: FrameTransform
-) -> tuple[Waypoint, ...]:
-    return tuple(conversion.waypoint(place, frame) for place in places)
+def _places(places: Sequence[PlaceDocument], frame: FrameTransform) -> tuple[Waypoint, ...]:
+    return tuple(waypoint(place, frame) for place in places)
 
 
 def _model(

@@ -85,6 +85,12 @@ def _check_driven(
     near = nearest_lane_position(network, start.x, start.y, heading=start.yaw)
     if near is None or actor.model is None:
         return [], None
+    if lane.length < actor.model.length:
+        message = (
+            f"the lane {lane.id} is {lane.length:.1f} m long, too short for a vehicle of "
+            f"{actor.model.length:.1f} m that SUMO drives to start on"
+        )
+        return [_at(actor, 0, "starts_on_short_lane", message)], None
     front = min(max(near.s + 0.5 * actor.model.length, actor.model.length), lane.length)
     x, y, yaw = lane.position_at(front - 0.5 * actor.model.length)
     return [], StartPose(actor=actor, x=x, y=y, yaw=yaw)
