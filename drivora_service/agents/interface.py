@@ -57,13 +57,13 @@ class Observation:
     Attributes:
         time: Seconds of simulation.
         step: Row of the trace.
-        ego: (8,) state of the ego, columns ``observations.trace.Col``.
+        ego: (9,) state of the ego, columns ``observations.trace.Col``.
         speed: Signed longitudinal speed of the ego, m/s.
         acceleration: Longitudinal, m/s².
         steer: Front-wheel angle, radians.
         route_s: Distance along the route's reference line, metres.
         route_lateral: Distance from that line, metres, positive to the left.
-        objects: (n, 8) perceived actors, columns ``Col``.
+        objects: (n, 9) perceived actors, columns ``Col``.
         object_sizes: (n, 2) length and width, metres.
         object_kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
         object_ids: (n,) a number that stays with an actor through the run.

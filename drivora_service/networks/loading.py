@@ -129,6 +129,7 @@ def _build_lanes(net: Any) -> tuple[Lane, ...]:
                 lane_number=lane.number,
                 shape=_frozen(shapes[index]),
                 arc=_frozen(arc_lengths(shapes[index])),
+                heights=_frozen(_heights(lane.source.getShape3D(), shapes[index])),
                 length=float(lane.source.getLength()),
                 width=float(lane.source.getWidth()),
                 speed_limit=float(lane.source.getSpeed()),
@@ -175,6 +176,16 @@ def _distinct_points(shape: Sequence[tuple[float, float]]) -> FloatArray:
         else:
             kept.append(last)
     return np.array(kept)
+
+
+def _heights(shape: Sequence[tuple[float, float, float]], line: FloatArray) -> FloatArray:
+    """Gives the (n,) heights of a line, by the share of its length, from the lane's 3D shape."""
+    points = np.asarray(shape, dtype=np.float64).reshape(-1, 3)
+    if len(points) < 2 or not points[:, 2].any():
+        return np.full(len(line), points[0, 2] if len(points) else 0.0)
+    arc, own = arc_lengths(points[:, :2]), arc_lengths(line)
+    shares, known = own / max(own[-1], 1e-9), arc / max(arc[-1], 1e-9)
+    return np.asarray(np.interp(shares, known, points[:, 2]), dtype=np.float64)
 
 
 def _usable_shapes(

@@ -45,6 +45,7 @@ class Lane:
         lane_number: 0 is the rightmost lane of the edge.
         shape: (n, 2) centre line, metres.
         arc: (n,) arc length at each point of the shape, metres.
+        heights: (n,) metres up at each point; all 0 where the network is flat.
         length: SUMO's length in metres; may differ from ``arc[-1]``.
         width: Metres.
         speed_limit: m/s.
@@ -63,6 +64,7 @@ class Lane:
     lane_number: int
     shape: FloatArray
     arc: FloatArray
+    heights: FloatArray
     length: float
     width: float
     speed_limit: float

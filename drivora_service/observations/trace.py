@@ -40,6 +40,12 @@ class Col(IntEnum):
     AX = 5
     AY = 6
     YAW_RATE = 7
+    Z = 8
+    """Metres up; 0 on flat networks. Two actors more than ``LEVEL_GAP`` apart do not meet."""
+
+
+LEVEL_GAP = 3.0
+"""Metres; actors further apart in height are on different levels of a bridge."""
 
 
 class EgoCol(IntEnum):
@@ -149,7 +155,7 @@ class Trace:
         step_length: Seconds between rows.
         times: (T,) seconds.
         actors: N actors.
-        states: (T, N, 8) float64, columns ``Col``; NaN where not present.
+        states: (T, N, 9) float64, columns ``Col``; NaN where not present.
         present: (T, N) whether the actor was in the world.
         ego_values: (T, M, 8) float64, columns ``EgoCol``.
         ego_lanes: (T, M) index of the lane the ego's centre is on, -1 off every lane.

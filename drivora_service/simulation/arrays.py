@@ -55,6 +55,7 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         yaw=joined([plan.path.yaw for plan in plans], (0,)),
         arc=joined([plan.path.arc for plan in plans], (0,)),
         wanted=joined([plan.path.wanted for plan in plans], (0,)),
+        height=joined([plan.path.height for plan in plans], (0,)),
         s=np.zeros(count),
         speed=np.array([plan.first_speed for plan in plans], dtype=np.float64),
         cursor=np.zeros(count, dtype=np.int64),
@@ -89,6 +90,7 @@ class RouteArrays:
     first_point: IntArray
     lines: FloatArray
     arcs: FloatArray
+    heights: FloatArray
     first_signal: IntArray
     signal_s: FloatArray
     signal_ends: FloatArray
@@ -119,6 +121,7 @@ def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> R
         first_point=_offsets([len(route.line) for route in routes]),
         lines=np.concatenate([route.line for route in routes]),
         arcs=np.concatenate([route.arc for route in routes]),
+        heights=np.concatenate([ego.heights for ego in egos]),
         first_signal=_offsets(
             [sum(s.traffic_light in by_id for s in route.signals) for route in routes]
         ),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.observations.trace import LEVEL_GAP
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -53,7 +54,7 @@ def find_contacts(
     """Finds pairs (ego, other) that overlap and were not seen before.
 
     Args:
-        states: (N, 8) world; egos are the first M rows.
+        states: (N, 9) world; egos are the first M rows.
         sizes: (N, 2) length and width, metres.
         present: (N,) whether the actor is in the world.
         active: (M,) whether the ego's part still goes on.
@@ -73,6 +74,8 @@ def find_contacts(
             if j == i or not present[j] or seen[i, j]:
                 continue
             reach = radius + 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
+            if abs(states[j, 8] - states[i, 8]) > LEVEL_GAP:
+                continue
             dx, dy = states[j, 0] - x, states[j, 1] - y
             if dx * dx + dy * dy >= reach * reach:
                 continue

@@ -46,6 +46,7 @@ class Body(IntEnum):
     YAW_RATE = 5
     STEER = 6
     ACCELERATION = 7
+    HEIGHT = 8
 
 
 class Limit(IntEnum):
@@ -173,7 +174,7 @@ def drive_vehicles(
     """Moves every ego by one step.
 
     Args:
-        bodies: (M, 8), columns ``Body``; changed in place.
+        bodies: (M, 9), columns ``Body``; changed in place.
         limits: (M, 8), columns ``Limit``.
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.

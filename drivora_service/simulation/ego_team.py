@@ -13,7 +13,7 @@ from drivora_service.agents.interface import Agent, AgentContext, Control, Obser
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
-from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
+from drivora_service.observations.trace import Col, EgoCol, Light, TerminalEvent
 from drivora_service.scenario.model import VehicleDynamics
 from drivora_service.simulation.arrays import lay_routes, vehicle_limits
 from drivora_service.simulation.commands import write_command
@@ -38,7 +38,7 @@ class EgoTeam:
     """All egos. Rows of the arrays are egos, as in the world.
 
     Attributes:
-        bodies: (M, 8), columns ``dynamics.Body``.
+        bodies: (M, 9), columns ``dynamics.Body``.
         modes: (M,) ``CommandMode``.
         active: (M,) egos whose part goes on and has begun.
         in_world: (M,) egos that are on the road.
@@ -59,6 +59,7 @@ class EgoTeam:
         self._cells = cells
         self.bodies: FloatArray = np.zeros((count, len(Body)))
         self.bodies[:, :3] = [ego.start for ego in plan.egos]
+        self.bodies[:, Body.HEIGHT] = [ego.heights[0] for ego in plan.egos]
         self._limits = vehicle_limits(
             [ego.model for ego in plan.egos],
             [ego.ego.dynamics is VehicleDynamics.DYNAMIC for ego in plan.egos],
@@ -118,7 +119,7 @@ class EgoTeam:
         self._observations = []
         for m in range(len(self.agents)):
             buffers = (
-                np.zeros((count, 8)),
+                np.zeros((count, len(Col))),
                 np.zeros((count, 2)),
                 np.zeros(count, dtype=np.int64),
                 np.zeros(count, dtype=np.int64),
@@ -224,8 +225,8 @@ class EgoTeam:
         """Tracks the active egos along their routes at a frame."""
         routes = self._routes
         follow_egos(
-            time, dt, world.states[step], world.sizes, self.active,
-            routes.first_point, routes.lines, routes.arcs, self._cursors,
+            time, dt, world.states[step], self.bodies, world.sizes, self.active,
+            routes.first_point, routes.lines, routes.arcs, routes.heights, self._cursors,
             routes.first_signal, routes.signal_s, routes.signal_ends, routes.signal_codes,
             routes.signal_offsets, world.ego_values[step], world.ego_lights[step],
             self._protected, self.stuck,

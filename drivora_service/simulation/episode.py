@@ -213,7 +213,7 @@ class Episode:
         states[0] = np.nan
         for item in self.plan.obstacles:
             row = next(a.row for a in self._world.actors if a.id == item.obstacle.id)
-            states[0, row] = (*item.pose, 0.0, 0.0, 0.0, 0.0, 0.0)
+            states[0, row] = (*item.pose, 0.0, 0.0, 0.0, 0.0, 0.0, item.height)
             present[0, row] = item.obstacle.start_time <= 0.0
             if item.obstacle.start_time > 0.0:
                 self._late_obstacles.append((item.obstacle.start_time, row, states[0, row].copy()))
@@ -237,8 +237,8 @@ class Episode:
         if len(f.rows):
             advance_followers(
                 next_time - dt, dt, self.plan.weather.friction, f.rows, f.first, f.line, f.yaw,
-                f.arc, f.wanted, f.s, f.speed, f.cursor, f.phase, f.start_time, f.reaction,
-                f.stays, f.max_acceleration, f.max_deceleration, f.length, f.width,
+                f.arc, f.wanted, f.height, f.s, f.speed, f.cursor, f.phase, f.start_time,
+                f.reaction, f.stays, f.max_acceleration, f.max_deceleration, f.length, f.width,
                 frame, self._world.sizes, present, next_frame, next_present,
             )  # fmt: skip
         self._traffic.step(

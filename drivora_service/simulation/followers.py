@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry import arc_lengths
+from drivora_service.observations.trace import LEVEL_GAP
 from drivora_service.simulation.dynamics import GRAVITY
 
 FloatArray = NDArray[np.float64]
@@ -53,12 +54,14 @@ class FollowerPath:
         yaw: (n,) unwrapped heading, radians.
         arc: (n,) arc length, metres.
         wanted: (n,) speed wanted at each point, m/s.
+        height: (n,) metres up.
     """
 
     line: FloatArray
     yaw: FloatArray
     arc: FloatArray
     wanted: FloatArray
+    height: FloatArray
 
 
 def build_path(
@@ -89,7 +92,8 @@ def build_path(
     line, arc = line[keep], arc[keep]
     if len(line) < 2:
         yaw = np.array([first_yaw or 0.0])
-        return FollowerPath(line=line[:1], yaw=yaw, arc=np.zeros(1), wanted=np.zeros(1))
+        zero = np.zeros(1)
+        return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero)
     fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / _SPACING) + 1)))
     fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
     x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
@@ -105,7 +109,13 @@ def build_path(
     for i in range(len(fine) - 2, -1, -1):
         reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (fine[i + 1] - fine[i]))
         wanted[i] = min(wanted[i], reach)
-    return FollowerPath(line=np.column_stack((x, y)), yaw=yaw, arc=fine, wanted=wanted)
+    return FollowerPath(
+        line=np.column_stack((x, y)),
+        yaw=yaw,
+        arc=fine,
+        wanted=wanted,
+        height=np.zeros(len(fine)),
+    )
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -115,7 +125,7 @@ class Followers:
     Attributes:
         rows: (F,) row of each follower in the world's arrays.
         first: (F + 1,) where each path begins in the arrays below.
-        line, yaw, arc, wanted: Paths end to end, as in ``FollowerPath``.
+        line, yaw, arc, wanted, height: Paths end to end, as in ``FollowerPath``.
         s: (F,) arc length, metres.
         speed: (F,) m/s; before the start, the speed to start with.
         cursor: (F,) index of the path point at or before ``s``, relative to the path's beginning.
@@ -133,6 +143,7 @@ class Followers:
     yaw: FloatArray
     arc: FloatArray
     wanted: FloatArray
+    height: FloatArray
     s: FloatArray
     speed: FloatArray
     cursor: IntArray
@@ -167,7 +178,7 @@ def _gap_ahead(
     best, best_speed = np.inf, 0.0
     x0, y0 = line[base + cursor, 0], line[base + cursor, 1]
     for j in range(states.shape[0]):
-        if j == row or not present[j]:
+        if j == row or not present[j] or abs(states[j, 8] - states[row, 8]) > LEVEL_GAP:
             continue
         x, y = states[j, 0], states[j, 1]
         size = 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
@@ -211,6 +222,7 @@ def advance_followers(
     yaw: FloatArray,
     arc: FloatArray,
     wanted: FloatArray,
+    height: FloatArray,
     s: FloatArray,
     speed: FloatArray,
     cursor: IntArray,
@@ -230,7 +242,7 @@ def advance_followers(
 ) -> None:
     """Moves every follower from ``time`` to ``time + dt``.
 
-    Reads the world at ``time`` from ``states`` (N, 8), ``sizes`` (N, 2) and ``present`` (N,);
+    Reads the world at ``time`` from ``states`` (N, 9), ``sizes`` (N, 2) and ``present`` (N,);
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
     """
     grip = friction * GRAVITY
@@ -243,12 +255,14 @@ def advance_followers(
             cursor[f] = 0
             speed[f] = min(speed[f], wanted[base])
             next_present[row] = True
-            _write_pose(f, row, base, count, line, yaw, arc, s, speed, cursor, next_states)
+            _write_pose(f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states)
             continue
         if phase[f] != 1:
             next_present[row] = phase[f] == 2 and stays[f]
             if next_present[row]:
-                _write_pose(f, row, base, count, line, yaw, arc, s, speed, cursor, next_states)
+                _write_pose(
+                    f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states
+                )
             continue
         v = speed[f]
         target = wanted[base + cursor[f]]
@@ -309,7 +323,7 @@ def advance_followers(
             phase[f] = 2
         next_present[row] = not done or stays[f]
         if next_present[row]:
-            _write_pose(f, row, base, count, line, yaw, arc, s, speed, cursor, next_states)
+            _write_pose(f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states)
 
 
 @compiled
@@ -321,6 +335,7 @@ def _write_pose(
     line: FloatArray,
     yaw: FloatArray,
     arc: FloatArray,
+    height: FloatArray,
     s: FloatArray,
     speed: FloatArray,
     cursor: IntArray,
@@ -337,3 +352,4 @@ def _write_pose(
     states[row, 2] = (heading + math.pi) % (2.0 * math.pi) - math.pi
     states[row, 3] = speed[f] * math.cos(heading)
     states[row, 4] = speed[f] * math.sin(heading)
+    states[row, 8] = height[i]

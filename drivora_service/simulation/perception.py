@@ -1,6 +1,7 @@
 """What an ego perceives of the others: within range, noisy, sometimes missed.
 
-Range, noise and drop-out come from the weather (``scenario.weather``). In clear weather nothing is
+Actors on another level of a bridge are not shown: agents think in the plane. Range, noise and
+drop-out come from the weather (``scenario.weather``). In clear weather nothing is
 drawn and nothing is changed but for the range.
 """
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.observations.trace import LEVEL_GAP
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -39,7 +41,7 @@ def perceive(
 
     Args:
         ego: Row of the ego.
-        states: (N, 8) world at this step.
+        states: (N, 9) world at this step.
         sizes: (N, 2) length and width, metres.
         kinds: (N,) kind of each actor.
         present: (N,) whether the actor is in the world.
@@ -48,7 +50,7 @@ def perceive(
         speed_noise: Standard deviation of vx and vy, m/s.
         dropout: Probability that an actor is missed at a step.
         draws: (N, 5) four standard normal and one uniform draw an actor; unused without noise.
-        seen: (N, 8) filled.
+        seen: (N, 9) filled.
         seen_sizes: (N, 2) filled.
         seen_kinds: (N,) filled.
         seen_ids: (N,) filled with the actors' rows.
@@ -62,11 +64,13 @@ def perceive(
     for j in range(states.shape[0]):
         if j == ego or not present[j]:
             continue
+        if abs(states[j, 8] - states[ego, 8]) > LEVEL_GAP:
+            continue
         if math.hypot(states[j, 0] - x, states[j, 1] - y) > reach:
             continue
         if noisy and draws[j, 4] < dropout:
             continue
-        for k in range(8):
+        for k in range(states.shape[1]):
             seen[count, k] = states[j, k]
         if noisy:
             seen[count, 0] += position_noise * draws[j, 0]

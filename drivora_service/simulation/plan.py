@@ -8,14 +8,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.geometry import arc_lengths
+from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
-from drivora_service.networks.projection import nearest_lane_position
+from drivora_service.networks.projection import nearest_lane_position, project_points
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Role
@@ -50,6 +51,7 @@ class EgoPlan:
     """An ego and its way.
 
     Attributes:
+        heights: (n,) metres up along the route's reference line.
         start: x, y, yaw of the box centre at the start.
         time_limit: Seconds of simulation by which it must have arrived.
     """
@@ -57,6 +59,7 @@ class EgoPlan:
     ego: EgoVehicle
     model: ActorModel
     route: LaneRoute
+    heights: FloatArray
     start: tuple[float, float, float]
     time_limit: float
 
@@ -103,6 +106,7 @@ class ObstaclePlan:
     obstacle: NpcObstacle
     model: ActorModel
     pose: tuple[float, float, float]
+    height: float
     length: float
     width: float
     edge: str
@@ -166,6 +170,7 @@ def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
         ego=ego,
         model=actor_model(ActorKind.VEHICLE, ego.model),
         route=route,
+        heights=line_heights(network, route.line, route.point_lanes),
         start=(start.x, start.y, yaw),
         time_limit=ego.start_time + TIME_PER_METRE * route.length + TIME_TO_START,
     )
@@ -193,6 +198,23 @@ def _nearest_edge(network: RoadNetwork, x: float, y: float) -> str:
     if lane is not None and not lane.is_internal:
         return lane.edge_id
     return next(lane.edge_id for lane in network.lanes if lane.drivable and not lane.is_internal)
+
+
+def _height_at(network: RoadNetwork, point: Waypoint, yaw: float) -> float:
+    if point.z is not None:
+        return point.z
+    lane = nearest_lane_position(network, point.x, point.y, heading=yaw)
+    if lane is None:
+        return 0.0
+    return float(np.interp(lane.s, network.lanes[lane.lane].arc, network.lanes[lane.lane].heights))
+
+
+def _with_heights(path: FollowerPath, network: RoadNetwork) -> FollowerPath:
+    """Lifts a path to the lanes that it follows."""
+    if is_flat(network):
+        return path
+    lanes = project_points(network, path.line, path.yaw).lane.astype(np.int64)
+    return replace(path, height=line_heights(network, path.line, lanes))
 
 
 def _straight(waypoints: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
@@ -244,14 +266,17 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
         id=npc.id,
         role=Role.NPC_VEHICLE,
         model=model,
-        path=build_path(
-            line,
-            speeds,
-            marks,
-            yaw,
-            friction,
-            _COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
-            is_vehicle=True,
+        path=_with_heights(
+            build_path(
+                line,
+                speeds,
+                marks,
+                yaw,
+                friction,
+                _COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
+                is_vehicle=True,
+            ),
+            network,
         ),
         edges=edges or (_nearest_edge(network, start.x, start.y),),
         on_lanes=bool(edges),
@@ -272,8 +297,11 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
         id=walker.id,
         role=Role.NPC_WALKER,
         model=model,
-        path=build_path(
-            line, speeds, marks, start.yaw, 1.0, model.max_deceleration, is_vehicle=False
+        path=_with_heights(
+            build_path(
+                line, speeds, marks, start.yaw, 1.0, model.max_deceleration, is_vehicle=False
+            ),
+            network,
         ),
         edges=(_nearest_edge(network, start.x, start.y),),
         on_lanes=False,
@@ -315,6 +343,7 @@ def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
         obstacle=obstacle,
         model=model,
         pose=(place.x, place.y, yaw),
+        height=_height_at(network, place, yaw),
         length=model.length if obstacle.length is None else obstacle.length,
         width=model.width if obstacle.width is None else obstacle.width,
         edge=_nearest_edge(network, place.x, place.y),

@@ -39,7 +39,7 @@ def begin_frame(
     for j in range(frame.shape[0]):
         keep = static[j] and present[j]
         next_present[j] = keep
-        for k in range(8):
+        for k in range(next_frame.shape[1]):
             next_frame[j, k] = frame[j, k] if keep else np.nan
 
 
@@ -62,6 +62,7 @@ def write_egos(
         next_frame[m, 2] = yaw
         next_frame[m, 3] = v * cos - side * sin
         next_frame[m, 4] = v * sin + side * cos
+        next_frame[m, 8] = bodies[m, 8]
 
 
 @compiled
@@ -78,9 +79,9 @@ def write_placements(
     """Writes what SUMO is told of each moved row.
 
     Args:
-        frame: (N, 8) this frame.
+        frame: (N, 9) this frame.
         present: (N,) of this frame.
-        next_frame: (N, 8) next frame.
+        next_frame: (N, 9) next frame.
         next_present: (N,) of the next frame.
         sizes: (N, 2) metres.
         is_moved: (N,) rows that the service moves.
@@ -119,7 +120,7 @@ def write_rates(
     """Writes accelerations and yaw rates as differences; 0 on first appearance."""
     for j in range(next_frame.shape[0]):
         if not next_present[j]:
-            for k in range(8):
+            for k in range(next_frame.shape[1]):
                 next_frame[j, k] = np.nan
             continue
         if not present[j]:
@@ -169,11 +170,13 @@ def follow_egos(
     time: float,
     dt: float,
     frame: FloatArray,
+    bodies: FloatArray,
     sizes: FloatArray,
     active: BoolArray,
     first_point: IntArray,
     lines: FloatArray,
     arcs: FloatArray,
+    heights: FloatArray,
     cursors: IntArray,
     first_signal: IntArray,
     signal_s: FloatArray,
@@ -190,12 +193,14 @@ def follow_egos(
     Args:
         time: Seconds of this frame.
         dt: Seconds a step.
-        frame: (N, 8) this frame.
+        frame: (N, 9) this frame; the egos' heights are filled in.
+        bodies: (M, 9); their heights are filled in too.
         sizes: (N, 2) metres.
         active: (M,) egos that are driving.
         first_point: (M + 1,) where each route begins in ``lines`` and ``arcs``.
         lines: (n, 2) reference lines end to end, metres.
         arcs: (n,) arc lengths.
+        heights: (n,) metres up.
         cursors: (M,) segment found last, relative; changed in place.
         first_signal: (M + 1,) where each route's signals begin in the arrays below.
         signal_s: (S,) arc length of the stop lines, ascending a route.
@@ -216,6 +221,8 @@ def follow_egos(
             lines[a:b], arcs[a:b], cursors[m], _SEARCH_BEHIND, _SEARCH_AHEAD, x, y
         )
         cursors[m] = cursor
+        frame[m, 8] = heights[a + cursor]
+        bodies[m, 8] = frame[m, 8]
         values[m, 2] = s
         values[m, 3] = lateral
         half = 0.5 * sizes[m, 0]

@@ -33,7 +33,7 @@ _RETRY_AFTER = 40
 _OBEYS_ALL = 31
 _CHANGES_LANES = 0b011001010101
 _READ = (
-    libsumo.constants.VAR_POSITION,
+    libsumo.constants.VAR_POSITION3D,
     libsumo.constants.VAR_ANGLE,
     libsumo.constants.VAR_SPEED,
 )
@@ -236,7 +236,7 @@ class SumoWorld:
             yaw = math.radians(90.0 - values[angle])
             yaw = (yaw + math.pi) % (2.0 * math.pi) - math.pi
             cos, sin = math.cos(yaw), math.sin(yaw)
-            front_x, front_y = values[position]
+            front_x, front_y, height = values[position]
             v = values[speed]
             states[actor.row, :5] = (
                 front_x - actor.half_length * cos,
@@ -245,6 +245,7 @@ class SumoWorld:
                 v * cos,
                 v * sin,
             )
+            states[actor.row, 8] = height
             present[actor.row] = True
 
     def remaining_edges(self, actor_id: str) -> int:

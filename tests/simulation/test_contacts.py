@@ -37,7 +37,7 @@ def test_agrees_with_polygons(
 
 
 def test_a_pair_is_found_once_and_absent_actors_never() -> None:
-    states = np.zeros((3, 8))
+    states = np.zeros((3, 9))
     states[1, 0] = 1.0
     states[2, 1] = 0.5
     size = np.full((3, 2), (4.0, 2.0))

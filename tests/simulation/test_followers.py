@@ -45,19 +45,19 @@ def follow(
     others: list[tuple[float, float]] | None = None,
     friction: float = 1.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gives states (steps + 1, n, 8) and presence of followers; ``others`` stand still."""
+    """Gives states (steps + 1, n, 9) and presence of followers; ``others`` stand still."""
     others = others or []
     n = len(plans) + len(others)
     f = lay_followers(plans, list(range(len(plans))))
     sizes = np.full((n, 2), (4.5, 1.8))
-    states, present = np.full((steps + 1, n, 8), np.nan), np.zeros((steps + 1, n), np.bool_)
+    states, present = np.full((steps + 1, n, 9), np.nan), np.zeros((steps + 1, n), np.bool_)
     for k in range(steps + 1):
         for i, (x, y) in enumerate(others):
-            states[k, len(plans) + i] = (x, y, 0, 0, 0, 0, 0, 0)
+            states[k, len(plans) + i] = (x, y, 0, 0, 0, 0, 0, 0, 0)
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, f.rows, f.first, f.line, f.yaw, f.arc, f.wanted, f.s,
+            (k - 1) * DT, DT, friction, f.rows, f.first, f.line, f.yaw, f.arc, f.wanted, f.height, f.s,
             f.speed, f.cursor, f.phase, f.start_time, f.reaction, f.stays, f.max_acceleration,
             f.max_deceleration, f.length, f.width, states[before], sizes, present[before],
             states[k], present[k],

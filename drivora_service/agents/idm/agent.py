@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 _SIDE_ACCELERATION = 2.2
 _PLANNED_BRAKING = 1.8
 _SMOOTHING = 5
+_STANDING_SPEED = 0.2
 
 
 class IdmAgent:
@@ -47,6 +48,7 @@ class IdmAgent:
         self._current = 0
         self._cursor = int(np.searchsorted(self._runs[0].arc, self._runs[0].start_s))
         self._out = np.zeros(8)
+        self._waited = 0.0
         self._log = context.log
         self._log.declare("gap", "wanted_speed", "halt_distance")
 
@@ -73,13 +75,15 @@ class IdmAgent:
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
         x, y, yaw = observation.ego[:3].tolist()
+        standing = observation.speed < _STANDING_SPEED
+        self._waited = self._waited + self._context.step_length if standing else 0.0
         self._change_lane_when_possible(observation, x, y)
         run, zones = self._runs[self._current], self._conflicts[self._current]
         is_last = self._current == len(self._runs) - 1
         self._cursor = decide(
             x, y, yaw, observation.speed, self._half_length, self._half_width,
             self._context.model.wheelbase, self._max_braking, self._cursor, run.line, run.arc,
-            self._profiles[self._current], math.inf if is_last else run.end_s,
+            self._profiles[self._current], math.inf if is_last else run.end_s, self._waited,
             observation.light_distance, int(observation.light), observation.light_protected,
             zones.enter, zones.leave, zones.gate, zones.exit, zones.must_yield, zones.signalised,
             zones.first, zones.line, zones.arc, zones.foe_enter, zones.foe_leave,

@@ -27,6 +27,7 @@ _GAP_MARGIN = 1.6
 """Seconds between another's passage of a conflict zone and ours."""
 _START_ACCELERATION = 1.6
 _WALKER_HORIZON = 3.5
+_PATIENCE = 6.0
 
 
 @compiled
@@ -176,6 +177,7 @@ def must_wait(
     v: float,
     wanted: float,
     yields: bool,
+    waited: float,
     first: IntArray,
     line: FloatArray,
     arc: FloatArray,
@@ -195,8 +197,9 @@ def must_wait(
         v: Our speed, m/s.
         wanted: The speed we would drive through it at, m/s.
         yields: Whether those who approach on that way go first; else only those in the zone do.
+        waited: Seconds that we have stood: after some, others who stand as well are not waited for.
         first, line, arc, foe_enter, foe_leave: As in ``Conflicts``.
-        objects: (n, 8) perceived actors.
+        objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
         kinds: (n,).
         count: How many of them there are.
@@ -233,6 +236,9 @@ def must_wait(
         if at - half > foe_leave[zone] + 0.5:
             continue
         speed = max(objects[j, 3] * ux + objects[j, 4] * uy, 0.0)
+        if speed < 0.3 and waited > _PATIENCE:
+            # Each waits for the other: whoever really stands in our way ends the corridor ahead.
+            continue
         front_gap = foe_enter[zone] - (at + half)
         rear_gap = foe_leave[zone] + 0.5 - (at - half)
         if front_gap <= 0.5:
@@ -318,6 +324,7 @@ def decide(
     arc: FloatArray,
     profile: FloatArray,
     wall: float,
+    waited: float,
     light_distance: float,
     light: int,
     protected: bool,
@@ -347,6 +354,7 @@ def decide(
         line, arc: (n, 2) and (n,) centre line of the lane run.
         profile: (n,) speed to drive at each point, m/s.
         wall: Arc length before which the lane must have been left; inf where there is none.
+        waited: Seconds that the ego has stood.
         light_distance, light, protected: The next signal, as in ``Observation``.
         enter .. foe_leave: ``Conflicts`` of the run.
         objects, sizes, kinds: Perceived actors.
@@ -404,6 +412,7 @@ def decide(
             v,
             min(wanted, 9.0) if wanted > 3.0 else 3.0,
             yields,
+            waited,
             first,
             foe_line,
             foe_arc,
