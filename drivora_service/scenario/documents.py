@@ -27,6 +27,7 @@ from drivora_service.scenario.entities import (
     NpcWalkerDocument,
     TrafficLightsDocument,
     WeatherDocument,
+    is_agent_name,
 )
 from drivora_service.scenario.plain_data import plain_data
 from drivora_service.scenario.problems import duplicate_ids, in_document_order, structural_problems
@@ -122,11 +123,10 @@ def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
     Raises:
         InvalidDocument: ``name`` cannot be the name of an agent.
     """
-    try:
-        agent = AgentDocument(name=name)
-    except ValidationError as error:
+    if not is_agent_name(name):
         message = f"{name!r} cannot be the name of an agent; see `drivora agents list`"
-        raise InvalidDocument((Problem(pointer="", code="agent_name", message=message),)) from error
+        raise InvalidDocument((Problem(pointer="", code="agent_name", message=message),))
+    agent = AgentDocument(name=name)
     egos = tuple(
         ego.model_copy(update={"agent": agent, "config_path": None})
         for ego in document.ego_vehicles

@@ -7,6 +7,7 @@ says which plane the coordinates are in.
 from __future__ import annotations
 
 import json
+import re
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
@@ -82,6 +83,11 @@ class AgentDocument(EntityDocument):
     parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
         default_factory=dict, description="What the agent's entry in the catalogue allows."
     )
+
+
+def is_agent_name(name: str) -> bool:
+    """Whether an agent could be called so."""
+    return re.fullmatch(fields.NAME_PATTERN.strip("^$"), name) is not None
 
 
 class EgoDocument(EntityDocument):

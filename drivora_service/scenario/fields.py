@@ -57,10 +57,11 @@ Density = Annotated[float, _number("1/km", 0.0, 200.0)]
 VehicleCount = Annotated[int, _integer("1", 0, MAX_BACKGROUND_VEHICLES)]
 Seed = Annotated[int, _integer("1", 0, MAX_SEED)]
 
+NAME_PATTERN = r"^[A-Za-z0-9_.-]{1,64}$"
 ActorId = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:-]{1,64}$")]
-ModelName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.-]{1,64}$")]
+ModelName = Annotated[str, Field(strict=True, pattern=NAME_PATTERN)]
 TownName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-AgentName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.-]{1,64}$")]
+AgentName = Annotated[str, Field(strict=True, pattern=NAME_PATTERN)]
 ConfigPath = Annotated[
     str,
     Field(strict=True, pattern=r"^(configs/)?[A-Za-z0-9_-]{1,64}(\.yaml|\.yml|\.json)?$"),

@@ -23,6 +23,7 @@ from drivora_service.scenario.entities import (
     EgoDocument,
     MapRegionDocument,
     WaypointDocument,
+    is_agent_name,
 )
 
 DEFAULT_MODEL = "vehicle.lincoln.mkz_2017"
@@ -60,11 +61,11 @@ def generate_seeds(
         NetworkError: The network does not offer enough such routes; says why candidates were
             refused. Raised when that turns out, after the seeds that could be found.
     """
-    _check_options(count, min_length, max_length, seed)
+    _check_options(count, min_length, max_length, seed, agent)
     return _generate(network, count, min_length, max_length, seed, agent)
 
 
-def _check_options(count: int, min_length: float, max_length: float, seed: int) -> None:
+def _check_options(count: int, min_length: float, max_length: float, seed: int, agent: str) -> None:
     problems = []
     if not 1 <= count <= MAX_SEEDS:
         problems.append(_option("count", f"found {count}; 1 to {MAX_SEEDS} are allowed"))
@@ -75,6 +76,8 @@ def _check_options(count: int, min_length: float, max_length: float, seed: int) 
         problems.append(_option("max_length", message))
     if not 0 <= seed < 2**31:
         problems.append(_option("seed", f"found {seed}; 0 to {2**31 - 1} are allowed"))
+    if not is_agent_name(agent):
+        problems.append(_option("agent", f"{agent!r} cannot be the name of an agent"))
     if problems:
         raise InvalidDocument(tuple(problems))
 
