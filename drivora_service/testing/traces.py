@@ -188,11 +188,10 @@ def make_trace(
         routes.append(EgoRoute(line=line, arc=arc, length=float(arc[-1]), goal=goal))
 
     light_columns = dict(lights or {})
-    names = tuple(sorted({state for states_ in light_columns.values() for state in states_}))
-    light_states = np.array(
-        [[names.index(state) for state in states_] for states_ in light_columns.values()],
-        dtype=np.int32,
-    ).reshape(len(light_columns), -1)
+    names = tuple(sorted({state for shown in light_columns.values() for state in shown}))
+    light_states = np.zeros((steps, len(light_columns)), dtype=np.int32)
+    for column, shown in enumerate(light_columns.values()):
+        light_states[:, column] = [names.index(state) for state in shown]
     return Trace(
         network="synthetic",
         network_sha256="0" * 64,
@@ -221,7 +220,7 @@ def make_trace(
         ego_end_steps=tuple(steps - 1 if ego.end_step is None else ego.end_step for ego in egos),
         contacts=tuple(contacts),
         light_ids=tuple(light_columns),
-        light_states=light_states.T.reshape(steps, len(light_columns)),
+        light_states=light_states,
         light_state_names=names,
         log_names=log_names,
         log_values=logs,

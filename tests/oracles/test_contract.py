@@ -1,0 +1,78 @@
+"""Every built-in oracle keeps the contract."""
+
+from __future__ import annotations
+
+from drivora_service.oracles.blocked import Blocked
+from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.oracles.collision import Collision
+from drivora_service.oracles.deadlock import Deadlock
+from drivora_service.oracles.destination import Destination
+from drivora_service.oracles.discomfort import Discomfort
+from drivora_service.oracles.lane_keeping import LaneKeeping
+from drivora_service.oracles.off_road import OffRoad
+from drivora_service.oracles.red_light import RedLight
+from drivora_service.oracles.route_deviation import RouteDeviation
+from drivora_service.oracles.speeding import Speeding
+from drivora_service.oracles.verdict import Oracle
+from drivora_service.oracles.wrong_way import WrongWay
+from drivora_service.testing.oracle_contract import OracleContract
+
+
+class TestCollision(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Collision()
+
+
+class TestRedLight(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return RedLight()
+
+
+class TestOffRoad(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return OffRoad()
+
+
+class TestWrongWay(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return WrongWay()
+
+
+class TestLaneKeeping(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return LaneKeeping()
+
+
+class TestRouteDeviation(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return RouteDeviation()
+
+
+class TestSpeeding(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Speeding()
+
+
+class TestBlocked(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Blocked()
+
+
+class TestDeadlock(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Deadlock()
+
+
+class TestDestination(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Destination()
+
+
+class TestDiscomfort(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Discomfort()
+
+
+def test_every_built_in_oracle_is_under_contract() -> None:
+    under_contract = {contract().make_oracle().name for contract in OracleContract.__subclasses__()}
+    assert {oracle.name for oracle in default_oracles()} == under_contract
