@@ -40,6 +40,7 @@ def configure_logs(
             foreign_pre_chain=shared,
             processors=[
                 structlog.stdlib.ProcessorFormatter.remove_processors_meta,
+                _drop_colored_copy,
                 *last,
                 renderer,
             ],
@@ -58,3 +59,11 @@ def configure_logs(
         logger_factory=structlog.stdlib.LoggerFactory(),
         cache_logger_on_first_use=True,
     )
+
+
+def _drop_colored_copy(
+    _logger: object, _method: str, event: structlog.typing.EventDict
+) -> structlog.typing.EventDict:
+    """Removes what uvicorn adds for terminals."""
+    event.pop("color_message", None)
+    return event

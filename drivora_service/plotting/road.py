@@ -70,16 +70,19 @@ def _fill(axes: Axes, surfaces: Iterable[BaseGeometry], face: str, edge: str, *,
 
 
 def _draw_dividers(axes: Axes, lanes: Iterable[Lane]) -> None:
-    lines = [
-        offset_line(lane.shape, 0.5 * lane.width)
-        for lane in lanes
-        if lane.drivable and not lane.is_internal and lane.left >= 0
-    ]
-    axes.add_collection(
-        LineCollection(
-            lines, colors=colors.LANE_MARK, linewidths=0.8, linestyles=(0, (4, 4)), zorder=2.2
+    """Draws broken lines between lanes of one direction, and solid ones at their left edge."""
+    broken: list[FloatArray] = []
+    solid: list[FloatArray] = []
+    for lane in lanes:
+        if lane.drivable and not lane.is_internal:
+            border = offset_line(lane.shape, 0.5 * lane.width)
+            (broken if lane.left >= 0 else solid).append(border)
+    for lines, style, width in ((broken, (0, (4, 4)), 0.8), (solid, "solid", 0.6)):
+        axes.add_collection(
+            LineCollection(
+                lines, colors=colors.LANE_MARK, linewidths=width, linestyles=style, zorder=2.2
+            )
         )
-    )
 
 
 def _draw_arrows(axes: Axes, lanes: Iterable[Lane], view: View) -> None:

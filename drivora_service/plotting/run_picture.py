@@ -85,7 +85,7 @@ def draw_run(
         if scale is not None:
             inset = axes.inset_axes((0.7, 0.045, 0.27, 0.022))
             bar = figure.colorbar(scale, cax=inset, orientation="horizontal")
-            bar.set_label("time (s)", fontsize=8, labelpad=1)
+            bar.set_label("time (s)", fontsize=8, labelpad=4)
             bar.ax.xaxis.set_label_position("top")
             bar.ax.tick_params(labelsize=7, length=2)
         panel = figure.add_axes(

@@ -42,11 +42,12 @@ def demo(
         _follow(client, batch_id, answer["accepted"])
         jobs = sorted(client.jobs(batch_id), key=lambda job: job["item"])
         runs = [client.get(f"/runs/{job['id']}") for job in jobs]
-    _print_verdicts(runs)
-    picture = _draw(data_dir, runs)
+    _print_verdicts(town, runs)
+    shown = max(runs, key=lambda run: run["violations"] or 0)
+    picture = _draw(data_dir, shown)
     finished = sum(run["status"] == "finished" for run in runs)
     typer.echo(f"{finished} of {len(runs)} runs judged in {time.monotonic() - begun:.0f} s.\n")
-    _print_where(data_dir, batch_id, runs[-1]["id"], picture)
+    _print_where(data_dir, batch_id, shown["id"], picture)
     if finished < len(runs):
         raise typer.Exit(ExitCode.NOT_DONE)
 
@@ -91,31 +92,34 @@ def _follow(client: ServiceClient, batch_id: str, total: int) -> None:
             time.sleep(_POLL_S)
 
 
-def _print_verdicts(runs: Sequence[dict[str, Any]]) -> None:
+def _print_verdicts(town: str, runs: Sequence[dict[str, Any]]) -> None:
     from drivora_service.cli.results import summary
 
     def row(run: dict[str, Any]) -> tuple[str, ...]:
         return (
-            run["id"],
+            f"{town}_{run['item'] + 1:04d}",
             run["status"].replace("_", " "),
             f"{run['sim_time_s']:.1f} s" if run["sim_time_s"] else "-",
             number(run["metrics"].get("driving_score"), 2),
             summary(run),
         )
 
-    print_table("", ("run", "status", "sim time", "driving score", "rules broken"), map(row, runs))
+    print_table(
+        "", ("scenario", "status", "sim time", "driving score", "rules broken"), map(row, runs)
+    )
 
 
-def _draw(data_dir: Path, runs: Sequence[dict[str, Any]]) -> Path | None:
+def _draw(data_dir: Path, run: dict[str, Any]) -> Path | None:
     """Draws the run in which most went wrong."""
-    from drivora_service.cli.commands.plot import plot
+    from drivora_service.cli.drawing import draw_trace
+    from drivora_service.cli.embedded import settings_for
+    from drivora_service.store.traces import TraceFolder
 
-    judged = [run for run in runs if run["status"] == "finished"]
-    if not judged:
+    if not run["trace_sha256"]:
         return None
-    chosen = max(judged, key=lambda run: run["violations"])
+    settings = settings_for(data_dir)
     picture = data_dir / "run.svg"
-    plot(chosen["id"], out=picture, data_dir=data_dir)
+    draw_trace(TraceFolder(settings.traces_dir).path(run["id"]), settings, picture)
     return picture
 
 

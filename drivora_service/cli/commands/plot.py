@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.options import DataDirOption, ServerOption
-from drivora_service.cli.output import JsonOption, note, print_json
+from drivora_service.cli.output import JsonOption, print_json
 from drivora_service.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -40,10 +40,8 @@ def plot(
     as_json: JsonOption = False,
 ) -> None:
     """Draws a run from above: roads, trails, signals, and where each verdict fell."""
-    from drivora_service.cli.embedded import network_catalogue, settings_for
-    from drivora_service.observations.trace_file import read_trace
-    from drivora_service.oracles.catalogue import default_oracles, judge_all
-    from drivora_service.plotting.run_picture import draw_run
+    from drivora_service.cli.drawing import draw_trace
+    from drivora_service.cli.embedded import settings_for
 
     settings = settings_for(data_dir)
     target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
@@ -51,16 +49,10 @@ def plot(
         raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
     path = _downloaded(server, run, target) if server else _trace_path(run, settings)
     try:
-        trace = read_trace(path)
+        draw_trace(path, settings, target, color_by=color_by.value)
     finally:
         if server:
             path.unlink()
-    network = network_catalogue(settings).get(trace.network)
-    if network.sha256 != trace.network_sha256:
-        note(f"network {network.name} has changed since this run; the picture may not fit")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    verdicts = judge_all(trace, network, default_oracles())
-    draw_run(trace, network, verdicts, target, color_by=color_by.value)
     if as_json:
         print_json({"picture": str(target)})
     else:
@@ -90,6 +82,7 @@ def _downloaded(server: str, run: str, target: Path) -> Path:
         content = client.download(
             f"/runs/{run}/observations", accept="application/vnd.apache.parquet"
         )
+    target.parent.mkdir(parents=True, exist_ok=True)
     path = target.with_suffix(".trace.tmp")
     path.write_bytes(content)
     return path

@@ -2,11 +2,132 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
 import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.output import JsonOption, fail, print_json
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Database
+    from drivora_service.store.traces import TraceFolder
 
 app = typer.Typer(help="The database and the traces.", no_args_is_help=True)
 
 
-@app.callback()
-def store() -> None:
-    """The database and the traces."""
+@app.command()
+def migrate(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None:
+    """Makes the database, or brings it to the schema of this version."""
+    from drivora_service.store.migration import schema_version
+
+    with _opened(data_dir) as (database, _):
+        version = schema_version(database.engine)
+    if as_json:
+        print_json({"schema": version})
+    else:
+        typer.echo(f"the database has schema {version}")
+
+
+@app.command()
+def backup(
+    target: Annotated[Path, typer.Argument(metavar="DIR", help="A folder of its own.")],
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Copies database and traces, also while a service runs; DIR is then a data folder."""
+    from drivora_service.store.backup import back_up
+
+    with _opened(data_dir) as (database, traces):
+        made = back_up(database, traces, target)
+    if as_json:
+        print_json(
+            {"runs": made.runs, "traces": made.traces, "missing_traces": made.missing_traces}
+        )
+    else:
+        typer.echo(f"copied {made.runs} runs and {made.traces} traces to {target}")
+    if made.missing_traces:
+        fail(f"{len(made.missing_traces)} traces were missing; `drivora store verify` lists them")
+        raise typer.Exit(ExitCode.NOT_DONE)
+
+
+@app.command()
+def verify(
+    hashes: Annotated[
+        bool, typer.Option("--hashes", help="Read every trace and compare its hash.")
+    ] = False,
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Looks for contradictions in what is stored; exits with 1 if there is any."""
+    from drivora_service.observations.trace_file import read_trace
+    from drivora_service.observations.trace_hash import trace_sha256
+    from drivora_service.store.verification import verify as verify_store
+
+    def hash_trace(path: Path) -> str:
+        return trace_sha256(read_trace(path))
+
+    with _opened(data_dir) as (database, traces):
+        findings = tuple(verify_store(database, traces, hash_trace=hash_trace if hashes else None))
+    if as_json:
+        print_json([{"kind": f.kind, "subject": f.subject, "message": f.message} for f in findings])
+    else:
+        for finding in findings:
+            fail(f"{finding.kind}: {finding.subject}: {finding.message}")
+        typer.echo(f"{len(findings)} contradictions")
+    if findings:
+        raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+@app.command()
+def prune(
+    older_than: Annotated[
+        float, typer.Option("--older-than", min=0.0, metavar="DAYS", help="Age in days.")
+    ],
+    keep_violated: Annotated[
+        bool, typer.Option("--keep-violated", help="Keep runs that broke a rule.")
+    ] = False,
+    only_traces: Annotated[
+        bool, typer.Option("--only-traces", help="Keep the runs, remove their traces.")
+    ] = False,
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Removes runs that ended long ago, with their traces; for good."""
+    from datetime import UTC, datetime, timedelta
+
+    from drivora_service.store.pruning import prune as prune_store
+
+    with _opened(data_dir) as (database, traces):
+        pruned = prune_store(
+            database,
+            traces,
+            ended_before=datetime.now(UTC) - timedelta(days=older_than),
+            keep_violated=keep_violated,
+            only_traces=only_traces,
+        )
+    if as_json:
+        print_json(
+            {"runs": pruned.runs, "traces": pruned.traces, "freed_bytes": pruned.freed_bytes}
+        )
+    else:
+        freed = f"{pruned.freed_bytes / 2**20:.1f} MiB"
+        typer.echo(f"removed {pruned.runs} runs and {pruned.traces} traces ({freed})")
+
+
+@contextmanager
+def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder]]:
+    from drivora_service.cli.embedded import settings_for
+    from drivora_service.store.database import open_database
+    from drivora_service.store.traces import TraceFolder
+
+    settings = settings_for(data_dir)
+    database = open_database(settings.resolved_database_url)
+    try:
+        yield database, TraceFolder(settings.traces_dir)
+    finally:
+        database.close()
