@@ -51,7 +51,7 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     """Filters the motion of a vehicle.
 
     Args:
-        states: (n, 8) columns ``Col``, without gaps.
+        states: (n, 9) columns ``Col``, without gaps.
         step_length: Seconds between the rows.
 
     Returns:

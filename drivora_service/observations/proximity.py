@@ -2,7 +2,8 @@
 
 Times to collision assume that both boxes keep their velocity and heading (exact in time; nuPlan
 samples the same model every 0.1 s). Braking and safe distances concern whoever is in front: its box
-overlaps the strip that the ego's width sweeps along its heading.
+overlaps the strip that the ego's width sweeps along its heading. Actors on another level of a
+bridge are not there.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.observations.boxes import box_gap, overlap_depth, time_to_contact
-from drivora_service.observations.trace import BoolArray, FloatArray, Trace
+from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray, Trace
 
 HORIZON = 10.0
 """Seconds up to which a time to collision is looked for."""
@@ -137,6 +138,9 @@ def _sizes(trace: Trace) -> FloatArray:
     return np.array([(actor.length, actor.width) for actor in trace.actors], dtype=np.float64)
 
 
+_Z = int(Col.Z)
+
+
 @compiled
 def _gaps(
     states: FloatArray, present: BoolArray, first: int, second: int, sizes: FloatArray
@@ -184,6 +188,8 @@ def _scan(
             if j == row or not present[t, j]:
                 continue
             other = states[t, j]
+            if abs(other[_Z] - ego[_Z]) > LEVEL_GAP:
+                continue
             dx, dy = other[0] - x, other[1] - y
             clear = math.hypot(dx, dy) - radius - radii[j]
             dvx, dvy = other[3] - vx, other[4] - vy
@@ -316,7 +322,8 @@ def _least_lag(
                         lag += max(1, int(away / stride))
                         continue
                     turn = (other[2] - ego[2] + math.pi) % (2.0 * math.pi) - math.pi
-                    if abs(turn) >= crossing and (
+                    level = abs(other[_Z] - ego[_Z]) <= LEVEL_GAP
+                    if level and abs(turn) >= crossing and (
                         overlap_depth(
                             dx, dy, ego[2], sizes[row, 0], sizes[row, 1],
                             other[2], sizes[j, 0], sizes[j, 1],

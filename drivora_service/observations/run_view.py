@@ -38,7 +38,7 @@ class EgoView:
         first: Row of the trace with which the arrays begin.
         count: n.
         times: Seconds.
-        states: (n, 8) columns ``Col``.
+        states: (n, 9) columns ``Col``.
         values: (n, 8) columns ``EgoCol``.
         lanes: Index of the lane, -1 off every lane.
         lights: ``Light``.

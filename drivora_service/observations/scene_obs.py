@@ -104,12 +104,12 @@ def _frames(
 
 
 def _actor(actor: Actor, state: list[float | None]) -> dict[str, Any]:
-    x, y, yaw, vx, vy, ax, ay, yaw_rate = state
+    x, y, yaw, vx, vy, ax, ay, yaw_rate, z = state
     return {
         "id": actor.id,
         "kind": _KINDS[actor.role],
         "model": actor.model,
-        "position": {"x": x, "y": y},
+        "position": {"x": x, "y": y, "z": z},
         "yaw": yaw,
         "velocity": {"x": vx, "y": vy},
         "acceleration": {"x": ax, "y": ay},

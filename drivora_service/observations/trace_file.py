@@ -1,7 +1,7 @@
 """The trace as a Parquet file: one row a step and actor, everything static in its metadata.
 
 An actor has a row at each step at which it is present; an ego has one at every step. Columns:
-``step``, ``time`` (s), ``actor`` (row in ``Trace.actors``), the eight of ``Col`` in lower case
+``step``, ``time`` (s), ``actor`` (row in ``Trace.actors``), the nine of ``Col`` in lower case
 (metres, radians, seconds; null while an ego is not present), the eight of ``EgoCol`` as
 ``ego_…``, ``lane`` (index in the network), ``light`` (``Light``), and ``log:NAME`` for each numeric
 column of the agents' logs. Ego columns are null for other actors and where not applicable. The

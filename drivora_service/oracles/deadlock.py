@@ -9,7 +9,7 @@ import numpy as np
 
 from drivora_service.geometry import wrap_angle
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Col
+from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.oracles.blocked import STANDING_SPEED, standing_clock
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
@@ -95,9 +95,10 @@ class Deadlock:
         front_y = y + 0.5 * ego.actor.length * np.sin(yaw)
         before = []
         for other_row in candidates:
-            if other_row == row:
-                continue
             other = run.egos[other_row]
+            height = other.states[step - other.first, Col.Z]
+            if other_row == row or abs(height - ego.states[k, Col.Z]) > LEVEL_GAP:
+                continue
             corners = other.corners[step - other.first]
             dx, dy = corners[:, 0] - front_x, corners[:, 1] - front_y
             nearest = int(np.argmin(np.hypot(dx, dy)))

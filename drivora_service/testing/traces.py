@@ -33,7 +33,7 @@ class Motion:
     """Where an actor is at each step.
 
     Attributes:
-        states: (T, 8) columns ``Col``.
+        states: (T, 9) columns ``Col``.
     """
 
     states: FloatArray
