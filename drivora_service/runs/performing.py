@@ -23,6 +23,7 @@ from drivora_service.errors import (
 from drivora_service.feedback.catalogue import score
 from drivora_service.metrics.catalogue import measure
 from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.catalogue import default_oracles, judge_all
@@ -118,13 +119,14 @@ def _perform(
     trace.meta["versions"] = _versions()
     if spec.trace_path:
         write_trace(trace, Path(spec.trace_path))
-    verdicts = judge_all(trace, network, default_oracles())
+    view = RunView(trace, network)
+    verdicts = judge_all(trace, network, default_oracles(), view=view)
     return RunReport(
         run_id=spec.run_id,
         status=RunStatus.FINISHED,
         verdicts=verdicts,
-        metrics=measure(trace, network, verdicts),
-        scores=score(trace, network),
+        metrics=measure(trace, network, verdicts, view=view),
+        scores=score(trace, network, view=view),
         trace_sha256=trace_sha256(trace),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),

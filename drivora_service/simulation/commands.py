@@ -20,6 +20,8 @@ from drivora_service.simulation.dynamics import CommandMode
 
 FloatArray = NDArray[np.float64]
 
+_DRIVE = int(CommandMode.DRIVE)
+
 
 def write_command(control: Control, model: ActorModel, dt: float, command: FloatArray) -> int:
     """Writes a control into a row of commands.
@@ -38,6 +40,9 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
     """
     if isinstance(control, AccelerationControl):
         command[0], command[1] = control.acceleration, control.steer
+        # The usual answer, on the hot path: one check, no enum looked up.
+        if math.isfinite(control.acceleration + control.steer):
+            return _DRIVE
         mode = CommandMode.DRIVE
     elif isinstance(control, PedalControl):
         throttle = min(max(control.throttle, 0.0), 1.0)

@@ -33,6 +33,15 @@ STUCK_AFTER = 60.0
 ARRIVED_SHARE = 0.99
 ARRIVED_DISTANCE = 10.0
 
+# Attributes of an enum are looked up slowly: the step loop uses plain values.
+_IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
+_DRIVE = int(CommandMode.DRIVE)
+_COMMANDED = 2  # Acceleration and steer, the first columns of ``EgoCol``.
+_ROUTE_S, _ROUTE_LATERAL = int(EgoCol.ROUTE_S), int(EgoCol.ROUTE_LATERAL)
+_LIGHT_DISTANCE = int(EgoCol.LIGHT_DISTANCE)
+_SPEED, _BODY_STEER, _BODY_ACCELERATION = int(Body.SPEED), int(Body.STEER), int(Body.ACCELERATION)
+_LIGHTS = tuple(Light)
+
 
 class EgoTeam:
     """All egos. Rows of the arrays are egos, as in the world.
@@ -162,22 +171,21 @@ class EgoTeam:
                 observation = self._observe(m, step, time, world)
                 log = self.logs[m]
                 log.step = step
-                cells[1], cells[2], cells[0] = step, m, Phase.IN_AGENT
+                cells[1], cells[2], cells[0] = step, m, _IN_AGENT
                 try:
                     control = agent.run_step(observation)
                 except Exception as error:
                     where = f"run_step at {time:.2f} s"
                     raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
-                cells[0] = Phase.SIMULATING
+                cells[0] = _SIMULATING
                 if log.names:
                     world.logs[step, m, self._log_columns[m]] = log.row
             command = self._commands[m]
-            self.modes[m] = write_command(
+            self.modes[m] = mode = write_command(
                 control, ego.model, self._plan.scenario.step_length, command
             )
-            if self.modes[m] == CommandMode.DRIVE:
-                values = world.ego_values[step, m]
-                values[EgoCol.ACCELERATION], values[EgoCol.STEER] = command[0], command[1]
+            if mode == _DRIVE:
+                world.ego_values[step, m, :_COMMANDED] = command[:_COMMANDED]
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         weather = self._plan.weather
@@ -198,17 +206,17 @@ class EgoTeam:
         observation.time = time
         observation.step = step
         observation.ego = frame[m]
-        observation.speed = body[Body.SPEED]
-        observation.acceleration = body[Body.ACCELERATION]
-        observation.steer = body[Body.STEER]
-        observation.route_s = values[EgoCol.ROUTE_S]
-        observation.route_lateral = values[EgoCol.ROUTE_LATERAL]
+        observation.speed = body[_SPEED]
+        observation.acceleration = body[_BODY_ACCELERATION]
+        observation.steer = body[_BODY_STEER]
+        observation.route_s = values[_ROUTE_S]
+        observation.route_lateral = values[_ROUTE_LATERAL]
         observation.objects = objects[:count]
         observation.object_sizes = sizes[:count]
         observation.object_kinds = kinds[:count]
         observation.object_ids = ids[:count]
-        distance = values[EgoCol.LIGHT_DISTANCE]
-        observation.light = Light(int(world.ego_lights[step, m]))
+        distance = values[_LIGHT_DISTANCE]
+        observation.light = _LIGHTS[world.ego_lights[step, m]]
         observation.light_protected = bool(self._protected[m])
         observation.light_distance = math.inf if distance != distance else distance
         observation.speed_limit = float(self._plan.egos[m].route.speed_limits[self._cursors[m]])
@@ -248,7 +256,7 @@ class EgoTeam:
         for m, ego in enumerate(self._plan.egos):
             if not self.active[m]:
                 continue
-            s = float(world.ego_values[step, m, EgoCol.ROUTE_S])
+            s = float(world.ego_values[step, m, _ROUTE_S])
             near = s > ARRIVED_SHARE * ego.route.length
             if near and self._goal_distance(m, step, world) < ARRIVED_DISTANCE:
                 found.append((m, TerminalEvent.ARRIVED))

@@ -106,9 +106,7 @@ def build_path(
         wanted = np.minimum(
             wanted, np.sqrt(_SIDE_GRIP_SHARE * friction * GRAVITY / np.maximum(bend, 1e-4))
         )
-    for i in range(len(fine) - 2, -1, -1):
-        reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (fine[i + 1] - fine[i]))
-        wanted[i] = min(wanted[i], reach)
+    slow_down_in_time(wanted, fine, deceleration)
     return FollowerPath(
         line=np.column_stack((x, y)),
         yaw=yaw,
@@ -116,6 +114,14 @@ def build_path(
         wanted=wanted,
         height=np.zeros(len(fine)),
     )
+
+
+@compiled
+def slow_down_in_time(wanted: FloatArray, arc: FloatArray, deceleration: float) -> None:
+    """Lowers wanted speeds (n,) in place, so that braking at ``deceleration`` can keep to them."""
+    for i in range(wanted.shape[0] - 2, -1, -1):
+        reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (arc[i + 1] - arc[i]))
+        wanted[i] = min(wanted[i], reach)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
