@@ -46,7 +46,11 @@ class PlaceDocument(EntityDocument):
 
     x: fields.Coordinate = Field(description="East.")
     y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
-    z: fields.Elevation | None = Field(None, description="Up; kept, but the simulation is planar.")
+    z: fields.Elevation | None = Field(
+        None,
+        description="Up. Actors follow the heights of the lanes; of what stands still, it tells "
+        "the level of a bridge.",
+    )
     yaw: fields.Yaw | None = Field(
         None,
         description="Heading: counter-clockwise from east (frame sumo), clockwise (frame carla). "

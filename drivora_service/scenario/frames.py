@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drivora_service.geometry import wrap_angle
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameTransform:
@@ -37,10 +35,14 @@ class FrameTransform:
         return x - self.offset_x, (0.0 - north if self.mirrored else north)
 
     def yaw_to_network(self, degrees: float) -> float:
-        """Gives radians counter-clockwise from east in [-pi, pi)."""
-        return wrap_angle(math.radians(-degrees if self.mirrored else degrees))
+        """Gives radians counter-clockwise from east in [-pi, pi).
+
+        Wrapped while still in degrees, which is exact, so that either frame gives the same numbers.
+        """
+        wrapped = math.remainder(-degrees if self.mirrored else degrees, 360.0)
+        return math.radians(-180.0 if wrapped == 180.0 else wrapped + 0.0)
 
     def yaw_from_network(self, radians: float) -> float:
         """Gives degrees as the document counts them, in [-180, 180]."""
-        degrees = math.degrees(wrap_angle(radians))
+        degrees = math.degrees(math.remainder(radians, math.tau))
         return 0.0 - degrees if self.mirrored else degrees

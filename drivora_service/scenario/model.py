@@ -40,7 +40,8 @@ class Waypoint:
     Attributes:
         x: Metres east.
         y: Metres north.
-        z: Metres up, kept for round trips; the simulation is planar.
+        z: Metres up; of what stands still it tells the level of a bridge, what moves follows the
+            heights of its lanes.
         yaw: Heading in radians; ``None``: derived from the path.
         speed: Wanted speed in m/s at this place; ``None``: the default of the actor's kind.
     """

@@ -11,8 +11,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from drivora_service.errors import NoRoute, Problem
+from drivora_service.networks.heights import is_flat
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
@@ -34,12 +38,16 @@ def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem]
         Problems, and where the actor appears; ``None`` where it has no way.
     """
     if actor.is_ego:
-        return _check_ego(actor, network)
-    if actor.behavior is NpcBehavior.SUMO:
-        return _check_driven(actor, network)
-    if actor.behavior is NpcBehavior.REACTIVE:
-        return _check_reactive(actor, network)
-    return [], _standing_pose(actor, network)
+        problems, pose = _check_ego(actor, network)
+    elif actor.behavior is NpcBehavior.SUMO:
+        problems, pose = _check_driven(actor, network)
+    elif actor.behavior is NpcBehavior.REACTIVE:
+        problems, pose = _check_reactive(actor, network)
+    else:
+        problems, pose = [], _standing_pose(actor, network)
+    if pose is not None and not is_flat(network):
+        pose = replace(pose, height=_height(pose, network))
+    return problems, pose
 
 
 def route_points(places: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
@@ -131,6 +139,18 @@ def _standing_pose(actor: PlacedActor, network: RoadNetwork) -> StartPose:
 def _pose(actor: PlacedActor, start: Waypoint, heading: float) -> StartPose:
     yaw = heading if start.yaw is None else start.yaw
     return StartPose(actor=actor, x=start.x, y=start.y, yaw=yaw)
+
+
+def _height(pose: StartPose, network: RoadNetwork) -> float:
+    """Height of a pose: as told for what does not move, else that of the lane it is on, metres."""
+    start = pose.actor.places[0]
+    if start.z is not None and not pose.actor.is_vehicle:
+        return start.z
+    near = nearest_lane_position(network, pose.x, pose.y, heading=pose.yaw)
+    if near is None:
+        return 0.0
+    lane = network.lanes[near.lane]
+    return float(np.interp(near.s, lane.arc, lane.heights))
 
 
 def _plan(

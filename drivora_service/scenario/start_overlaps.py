@@ -21,16 +21,19 @@ from drivora_service.scenario.placed_actors import PlacedActor
 
 TOUCH = 0.02
 """Metres by which boxes may touch."""
+LEVEL_GAP = 3.0
+"""Metres of height from which on two actors are on different levels of a bridge."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StartPose:
-    """Where an actor appears: centre in metres and heading in radians."""
+    """Where an actor appears: centre and height in metres, heading in radians."""
 
     actor: PlacedActor
     x: float
     y: float
     yaw: float
+    height: float = 0.0
 
 
 def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
@@ -43,7 +46,7 @@ def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
     later, earlier = tree.query(polygons, predicate="intersects")
     first: dict[int, int] = {}
     for a, b in zip(later.tolist(), earlier.tolist(), strict=True):
-        if b < a and b < first.get(a, a) and _meet(known[a][0].actor, known[b][0].actor):
+        if b < a and b < first.get(a, a) and _meet(known[a][0], known[b][0]):
             first[a] = b
     return [
         _problem(known[a][0], known[b][0], corners[a], corners[b]) for a, b in sorted(first.items())
@@ -65,9 +68,10 @@ def _still(actor: PlacedActor) -> tuple[float, float]:
     return actor.start_time, actor.start_time
 
 
-def _meet(one: PlacedActor, other: PlacedActor) -> bool:
-    (start, end), (other_start, other_end) = _still(one), _still(other)
-    return start <= other_end and other_start <= end
+def _meet(one: StartPose, other: StartPose) -> bool:
+    (start, end), (other_start, other_end) = _still(one.actor), _still(other.actor)
+    same_level = abs(one.height - other.height) <= LEVEL_GAP
+    return same_level and start <= other_end and other_start <= end
 
 
 def _problem(

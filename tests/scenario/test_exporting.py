@@ -1,0 +1,34 @@
+"""From scenarios back to documents."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.scenario.canonical import scenario_sha256
+from drivora_service.scenario.conversion import to_scenario
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.scenario.exporting import to_document
+from drivora_service.scenario.frames import FrameTransform
+from tests.scenario.strategies import documents
+
+
+@given(content=documents())
+def test_the_document_of_a_scenario_gives_the_same_scenario(
+    networks: NetworkCatalogue, content: dict[str, Any]
+) -> None:
+    network = networks.get("tee-town")
+    scenario = to_scenario(parse_document(content), network)
+    text = document_text(to_document(scenario))
+    again = to_scenario(parse_document(text), network)
+    assert again == scenario
+    assert scenario_sha256(again) == scenario_sha256(scenario)
+
+
+@given(st.floats(-720, 720), st.booleans())
+def test_frames_give_the_same_numbers_for_a_heading(degrees: float, mirrored: bool) -> None:
+    angle = FrameTransform(mirrored=mirrored).yaw_to_network(degrees)
+    assert FrameTransform(mirrored=not mirrored).yaw_to_network(-degrees) == angle
