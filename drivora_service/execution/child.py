@@ -24,6 +24,11 @@ class Child:
 
     A pool of one process: it replaces the process after a number of runs by itself. After a death
     the whole pool is replaced, so that nothing which the dead process held can matter.
+
+    Attributes:
+        board: What the process shows of its progress.
+        pid: Its process id, ``None`` until it is known.
+        restarts: Processes there have been, beyond the first.
     """
 
     def __init__(
@@ -34,6 +39,7 @@ class Child:
         self._files = files
         self._runs_per_worker = runs_per_worker
         self._process: psutil.Process | None = None
+        self.pid: int | None = None
         self.restarts = 0
         files.log.write_bytes(b"")
         self.board = ProgressBoard(files.board)
@@ -51,17 +57,14 @@ class Child:
             pid = int(self._files.pid.read_text())
         except (FileNotFoundError, ValueError):
             return
-        if self._process is not None and self._process.pid == pid:
+        if self.pid == pid:
             return
-        if self._process is not None:
+        if self.pid is not None:
             self.restarts += 1
+        self.pid = pid
+        self._process = None
         with contextlib.suppress(psutil.NoSuchProcess):
             self._process = psutil.Process(pid)
-
-    @property
-    def pid(self) -> int | None:
-        """Process id, ``None`` until it is known."""
-        return None if self._process is None else self._process.pid
 
     def memory_bytes(self) -> int:
         """Resident memory of the process, 0 if there is none."""
@@ -92,13 +95,13 @@ class Child:
     def end(self) -> None:
         """Ends the process with all that it started."""
         self.identify()
-        if self._process is not None:
+        if self.pid is not None:
             # The group may outlive the process that leads it.
             with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._process.pid, signal.SIGKILL)
+                os.killpg(self.pid, signal.SIGKILL)
         self._pool.stop()  # type: ignore[no-untyped-call] # pebble leaves it untyped
         self._pool.join()
-        self._process = None
+        self._process = self.pid = None
         self._files.pid.unlink(missing_ok=True)
 
     def _start(self) -> ProcessPool:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from drivora_service.observations.run_view import EgoView, RunView
+if TYPE_CHECKING:
+    # Whoever only handles verdicts and reports is spared the loading of what judges need.
+    from drivora_service.observations.run_view import EgoView, RunView
 
 
 class Outcome(StrEnum):

@@ -54,7 +54,7 @@ class JobRepository:
         found = self._session.execute(job_query().where(RunRow.id == job_id)).one_or_none()
         if found is None:
             raise UnknownName("job", job_id, ())
-        return to_record(*found.tuple())
+        return to_record(*found)
 
     def page(
         self,
@@ -75,7 +75,7 @@ class JobRepository:
             last = read_token(scope, page_token)
             query = query.where(RunRow.seq < last if newest_first else RunRow.seq > last)
         query = query.order_by(RunRow.seq.desc() if newest_first else RunRow.seq)
-        found = [row.tuple() for row in self._session.execute(query.limit(limit + 1))]
+        found = self._session.execute(query.limit(limit + 1)).all()
         shown = found[:limit]
         more = make_token(scope, shown[-1][0].seq) if len(found) > limit else ""
         return Page(items=tuple(to_record(*row) for row in shown), next_token=more)
@@ -83,7 +83,7 @@ class JobRepository:
     def changed_since(self, revision: int, *, limit: int = 500) -> tuple[JobRecord, ...]:
         """Gives the jobs that changed after a revision, oldest change first, as they are now."""
         query = job_query().where(RunRow.revision > revision).order_by(RunRow.revision).limit(limit)
-        return tuple(to_record(*row.tuple()) for row in self._session.execute(query))
+        return tuple(to_record(*row) for row in self._session.execute(query))
 
     def latest_revision(self) -> int:
         """Gives the revision of the newest change, 0 if nothing has ever happened."""

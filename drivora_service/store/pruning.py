@@ -88,7 +88,7 @@ def _prune_chunk(
         query = query.where((RunRow.violations == 0) | RunRow.violations.is_(None))
     if only_traces:
         query = query.where(RunRow.trace_sha256 != "")
-    found = session.execute(query.order_by(RunRow.seq).limit(_CHUNK)).tuples().all()
+    found = session.execute(query.order_by(RunRow.seq).limit(_CHUNK)).all()
     chosen = RunRow.seq.in_([seq for seq, _ in found])
     if only_traces:
         changed = latest_revision(session)

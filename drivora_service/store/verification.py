@@ -52,11 +52,8 @@ def verify(
         yield from _damage(session)
         yield from _reports(session)
         yield from _counts(session)
-        expected = dict(
-            session.execute(select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != ""))
-            .tuples()
-            .all()
-        )
+        traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
+        expected = {row[0]: row[1] for row in session.execute(traced)}
         # Runs that go on may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(_UNFINISHED))))
     for run_id, sha256 in expected.items():

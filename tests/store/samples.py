@@ -1,0 +1,88 @@
+"""Runs and their ends for the tests of the store."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime
+
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import RetryPolicy
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.store.database import Database
+from drivora_service.store.records import NewRun, Priority
+
+POLICY = RetryPolicy()
+
+
+def new_run(text: str = "{}", **changes: object) -> NewRun:
+    fields: dict[str, object] = {
+        "document": text,
+        "scenario_sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "town": "tee-town",
+        "agent": "idm",
+    }
+    return NewRun(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
+
+
+def submit(database: Database, count: int, *, priority: Priority | None = None) -> tuple[str, ...]:
+    """Queues ``count`` runs, in a batch of their own if a priority is given."""
+    with database.write() as transaction:
+        batch_id = ""
+        if priority is not None:
+            batch_id = transaction.batches.create(name="batch", priority=priority).id
+        runs = [new_run(f"{{{number}}}") for number in range(count)]
+        return transaction.jobs.submit(runs, batch_id=batch_id)
+
+
+def register(database: Database) -> str:
+    with database.write() as transaction:
+        return transaction.workers.register()
+
+
+def claim(database: Database, owner: str, limit: int) -> tuple[str, ...]:
+    with database.write() as transaction:
+        specs = transaction.queue.claim(owner, limit, trace_path=lambda run_id: "")
+    return tuple(spec.run_id for spec in specs)
+
+
+def finish(database: Database, owner: str, *ends: AttemptEnd) -> tuple[RunReport, ...]:
+    with database.write() as transaction:
+        return transaction.queue.finish(owner, ends, POLICY)
+
+
+def ended(report: RunReport, signal: str = "") -> AttemptEnd:
+    now = datetime.now(UTC)
+    return AttemptEnd(report=report, worker="slot-0", started=now, ended=now, signal=signal)
+
+
+def finished(run_id: str, *violated: str, trace: str = "") -> AttemptEnd:
+    """The end of a run in which the oracles named were violated, by the ego's fault."""
+    verdicts = [
+        Verdict(oracle="arrival", ego="ego", outcome=Outcome.PASSED, message="arrived"),
+        *(
+            Verdict(oracle=o, ego="ego", outcome=Outcome.VIOLATED, message=o, at_fault=True, time=1)
+            for o in violated
+        ),
+    ]
+    return ended(
+        RunReport(
+            run_id=run_id,
+            status=RunStatus.FINISHED,
+            verdicts=tuple(verdicts),
+            metrics={"speed": 3.0, "gap": None},
+            trace_sha256=trace,
+            steps=10,
+        )
+    )
+
+
+def crashed(run_id: str) -> AttemptEnd:
+    failure = RunFailure(cause="signal", message="died of SIGSEGV", log="last line")
+    report = RunReport(run_id=run_id, status=RunStatus.SIMULATOR_CRASHED, failure=failure)
+    return ended(report, signal="SIGSEGV")
+
+
+def lost(run_id: str) -> AttemptEnd:
+    failure = RunFailure(cause="worker_lost", message="gone")
+    return ended(RunReport(run_id=run_id, status=RunStatus.INFRASTRUCTURE_FAILED, failure=failure))

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from drivora_service.errors import InvalidDocument, UnknownName
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import Database
+from drivora_service.store.records import JobFilter, JobRecord, Page, Priority
+from tests.store.samples import claim, finish, finished, new_run, register, submit
+
+
+def test_pages_cover_everything_once_while_the_table_grows(database: Database) -> None:
+    runs = submit(database, 10)
+    seen: list[str] = []
+    token = ""
+    while True:
+        with database.read() as transaction:
+            page = transaction.jobs.page(limit=3, page_token=token)
+        seen += [job.id for job in page.items]
+        token = page.next_token
+        if not token:
+            break
+        submit(database, 1)
+    assert seen == list(reversed(runs))
+
+
+def test_a_token_of_another_query_is_refused(database: Database) -> None:
+    submit(database, 3)
+    with database.read() as transaction:
+        token = transaction.jobs.page(limit=1).next_token
+        for wrong in (token + "x", "!!!", "bm9uc2Vuc2U"):
+            with pytest.raises(InvalidDocument, match="page token"):
+                transaction.jobs.page(limit=1, page_token=wrong)
+        with pytest.raises(InvalidDocument, match="page token"):
+            transaction.jobs.page(JobFilter(town="x"), limit=1, page_token=token)
+
+
+def test_filters(database: Database) -> None:
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="b", priority=Priority.CI)
+        crash, clean, other = transaction.jobs.submit(
+            [new_run("a"), new_run("b", agent="krauss"), new_run("c", town="grid")],
+            batch_id=batch.id,
+        )
+    (alone,) = submit(database, 1)
+    owner = register(database)
+    claim(database, owner, 9)
+    finish(database, owner, finished(crash, "collision", "red_light"), finished(clean))
+
+    def found(**wanted: object) -> set[str]:
+        with database.read() as transaction:
+            page: Page[JobRecord] = transaction.jobs.page(
+                JobFilter(**wanted)  # type: ignore[arg-type] # the test names the fields
+            )
+        return {job.id for job in page.items}
+
+    assert found() == {crash, clean, other, alone}
+    assert found(batch_id=batch.id) == {crash, clean, other}
+    assert found(batch_id="nothing") == set()
+    assert found(statuses=frozenset({RunStatus.FINISHED})) == {crash, clean}
+    assert found(agent="krauss") == {clean}
+    assert found(town="grid") == {other}
+    assert found(oracle="red_light") == {crash}
+    assert found(oracle="red_light", at_fault=False) == set()
+    assert found(violated=True) == {crash}
+    assert found(violated=False) == {clean}
+    assert found(scenario_sha256=new_run("c").scenario_sha256) == {other}
+    with database.read() as transaction:
+        record = transaction.batches.get(batch.id)
+    assert record.counts == {RunStatus.FINISHED: 2, RunStatus.RUNNING: 1}
+    assert (record.size, record.violated_runs, record.is_done) == (3, 1, False)
+
+
+def test_changes_come_in_their_order_and_none_is_missed(database: Database) -> None:
+    first, second = submit(database, 2)
+    with database.read() as transaction:
+        begin = transaction.jobs.latest_revision()
+        assert [job.id for job in transaction.jobs.changed_since(0)] == [first, second]
+        assert transaction.jobs.changed_since(begin) == ()
+    owner = register(database)
+    claim(database, owner, 2)
+    finish(database, owner, finished(second))
+    with database.read() as transaction:
+        changed = transaction.jobs.changed_since(begin)
+        rest = transaction.jobs.changed_since(changed[0].revision, limit=1)
+    assert [(job.id, job.status) for job in changed] == [
+        (first, RunStatus.RUNNING),
+        (second, RunStatus.FINISHED),
+    ]
+    assert rest == changed[1:]
+
+
+def test_documents_are_kept_once_and_given_back(database: Database) -> None:
+    with database.write() as transaction:
+        ids = transaction.jobs.submit([new_run("same"), new_run("same"), new_run("other")])
+    with database.read() as transaction:
+        assert [transaction.jobs.document(job_id) for job_id in ids] == ["same", "same", "other"]
+
+
+def test_unknown_ids_are_named(database: Database) -> None:
+    with database.write() as transaction:
+        for ask in (
+            transaction.jobs.get,
+            transaction.jobs.document,
+            transaction.jobs.report,
+            transaction.jobs.cancel,
+            transaction.batches.get,
+            transaction.batches.cancel,
+        ):
+            with pytest.raises(UnknownName, match="'nobody'"):
+                ask("nobody")
+
+
+def test_nothing_is_kept_of_a_transaction_that_fails(database: Database) -> None:
+    with pytest.raises(UnknownName), database.write() as transaction:  # noqa: PT012 # as a whole
+        transaction.jobs.submit([new_run()])
+        transaction.jobs.get("nobody")
+    with database.read() as transaction:
+        assert transaction.jobs.page().items == ()
+
+
+@pytest.mark.slow
+def test_a_large_table_is_listed_quickly(database: Database) -> None:
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="b", priority=Priority.CAMPAIGN)
+        runs = [new_run(str(n % 50), town=f"town-{n % 7}") for n in range(30_000)]
+        transaction.jobs.submit(runs, batch_id=batch.id)
+    owner = register(database)
+    begin = time.perf_counter()
+    claim(database, owner, 8)
+    with database.read() as transaction:
+        transaction.jobs.page(JobFilter(batch_id=batch.id, town="town-3"), limit=50)
+        transaction.jobs.page(JobFilter(statuses=frozenset({RunStatus.RUNNING})), limit=50)
+        transaction.jobs.page(JobFilter(oracle="collision"), limit=50)
+        transaction.batches.get(batch.id)
+    assert time.perf_counter() - begin < 0.5
