@@ -1,0 +1,46 @@
+"""A server process of the tests: dispatches from a data folder until it is killed or done."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.records import JobFilter
+from drivora_service.store.server_lock import ServerLock
+from drivora_service.store.traces import TraceFolder
+
+
+def main(data_dir: Path) -> None:
+    """Serves ``data_dir``; ends when nothing is left to do."""
+    lock = ServerLock(data_dir)
+    database = open_database(f"sqlite:///{data_dir / 'drivora.sqlite3'}")
+    executor = LocalExecutor(
+        slots=2,
+        setup=None,
+        folder=data_dir / "workers",
+        perform="tests.execution.worker_tasks:perform",
+    )
+    dispatcher = Dispatcher(database, executor, TraceFolder(data_dir / "traces"), exclusive=True)
+    dispatcher.start()
+    print("serving", flush=True)
+    while any(slot.run_id for slot in executor.slots()) or waiting(database):
+        time.sleep(0.05)
+    dispatcher.stop(drain_s=5.0)
+    executor.close()
+    database.close()
+    lock.release()
+
+
+def waiting(database: Database) -> bool:
+    unfinished = JobFilter(statuses=frozenset({RunStatus.QUEUED, RunStatus.RUNNING}))
+    with database.read() as transaction:
+        return bool(transaction.jobs.page(unfinished, limit=1).items)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,202 @@
+"""The service's own loop, with real workers, and with servers that are really killed."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.executor import Limits
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.records import JobFilter, NewRun, Priority
+from drivora_service.store.traces import TraceFolder
+from drivora_service.store.verification import verify
+
+TASKS = "tests.execution.worker_tasks:perform"
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    opened = open_database(f"sqlite:///{tmp_path / 'drivora.sqlite3'}")
+    yield opened
+    opened.close()
+
+
+@contextlib.contextmanager
+def serving(
+    database: Database, tmp_path: Path, *, drain_s: float = 0.0, slots: int = 2
+) -> Iterator[Dispatcher]:
+    limits = Limits(agent_deadline_s=1.0, memory_bytes=600 << 20)
+    folder = tmp_path / "workers"
+    with LocalExecutor(
+        slots=slots, setup=None, folder=folder, limits=limits, perform=TASKS
+    ) as executor:
+        dispatcher = Dispatcher(
+            database, executor, TraceFolder(tmp_path / "traces"), exclusive=True
+        )
+        dispatcher.start()
+        try:
+            yield dispatcher
+        finally:
+            dispatcher.stop(drain_s=drain_s)
+
+
+def submit(database: Database, *documents: str) -> tuple[str, ...]:
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="batch", priority=Priority.CI)
+        runs = [
+            NewRun(document=text, scenario_sha256=text, town="town", agent="idm", label=text)
+            for text in documents
+        ]
+        return transaction.jobs.submit(runs, batch_id=batch.id)
+
+
+def statuses(database: Database) -> Counter[RunStatus]:
+    with database.read() as transaction:
+        return Counter(job.status for job in transaction.jobs.page(limit=1000).items)
+
+
+def wait_until_over(database: Database, *, seconds: float = 60.0) -> None:
+    limit = time.monotonic() + seconds
+    while time.monotonic() < limit:
+        if all(status.is_final for status in statuses(database)):
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"not over after {seconds} s: {statuses(database)}")
+
+
+def wait_until_running(database: Database, count: int) -> None:
+    limit = time.monotonic() + 30
+    while statuses(database)[RunStatus.RUNNING] < count:
+        assert time.monotonic() < limit
+        time.sleep(0.02)
+
+
+def test_a_batch_with_bad_runs_is_judged_and_the_crash_quarantined(
+    database: Database, tmp_path: Path
+) -> None:
+    documents = [f"sleep 0.0{number % 3}" for number in range(12)]
+    documents[3], documents[7] = "segfault", "agent-hangs"
+    with serving(database, tmp_path) as dispatcher:
+        ids = submit(database, *documents)
+        dispatcher.wake()
+        wait_until_over(database)
+        with database.read() as transaction:
+            owners = transaction.workers.living()
+            (crash,) = transaction.quarantine.newest()
+            attempts = transaction.jobs.attempts(ids[3])
+        assert dispatcher.is_alive
+    assert statuses(database) == {
+        RunStatus.FINISHED: 10,
+        RunStatus.SIMULATOR_CRASHED: 1,
+        RunStatus.AGENT_FAILED: 1,
+    }
+    assert [slot.name for owner in owners for slot in owner.slots] == ["slot-0", "slot-1"]
+    assert (crash.run_id, crash.signal) == (ids[3], "SIGSEGV")
+    assert [attempt.signal for attempt in attempts] == ["SIGSEGV", "SIGSEGV"]
+    assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
+
+
+def test_running_runs_are_cancelled(database: Database, tmp_path: Path) -> None:
+    with serving(database, tmp_path) as dispatcher:
+        (hanging, *_) = submit(database, "hangs", "sleep 0", "sleep 0")
+        wait_until_running(database, 1)
+        with database.write() as transaction:
+            transaction.jobs.cancel(hanging)
+        dispatcher.wake()
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.CANCELLED: 1, RunStatus.FINISHED: 2}
+
+
+def test_a_server_that_stops_gives_its_runs_back(database: Database, tmp_path: Path) -> None:
+    with serving(database, tmp_path):
+        runs = submit(database, "sleep 1.5", "sleep 1.5", "sleep 0", "sleep 0", "sleep 0")
+        wait_until_running(database, 4)
+    assert statuses(database) == {RunStatus.QUEUED: 5}
+    with serving(database, tmp_path):
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.FINISHED: 5}
+    with database.read() as transaction:
+        outcomes = [attempt.outcome for attempt in transaction.jobs.attempts(runs[0])]
+    assert outcomes == ["released", "finished"]
+
+
+def test_draining_lets_runs_end(database: Database, tmp_path: Path) -> None:
+    with serving(database, tmp_path, drain_s=30.0):
+        submit(database, *["sleep 0.3"] * 6)
+        wait_until_running(database, 4)
+    counts = statuses(database)
+    assert counts[RunStatus.FINISHED] >= 4
+    assert counts[RunStatus.RUNNING] == 0
+
+
+def start_server(data_dir: Path) -> subprocess.Popen[str]:
+    root = Path(__file__).resolve().parents[2]
+    server = subprocess.Popen(
+        [sys.executable, "-m", "tests.execution.server", str(data_dir)],
+        cwd=root,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert server.stdout is not None
+    assert any(line == "serving\n" for line in server.stdout)
+    return server
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+def test_no_worker_outlives_its_server(
+    database: Database, tmp_path: Path, how: signal.Signals
+) -> None:
+    submit(database, "agent-hangs-in-c", "hangs")
+    server = start_server(tmp_path)
+    wait_until_running(database, 2)
+    time.sleep(1.0)
+    children = psutil.Process(server.pid).children(recursive=True)
+    assert len(children) >= 2
+    os.kill(server.pid, how)
+    server.communicate(timeout=10)
+    _, left = psutil.wait_procs(children, timeout=5)
+    assert left == []
+
+
+@pytest.mark.slow
+def test_nothing_is_lost_or_counted_twice_when_the_server_is_killed(
+    database: Database, tmp_path: Path
+) -> None:
+    runs = submit(database, *(f"sleep {0.03 + 0.0001 * number}" for number in range(200)))
+    luck = random.Random(7)
+    interrupted = 0
+    for _ in range(5):
+        server = start_server(tmp_path)
+        wait_until_running(database, 1)
+        time.sleep(luck.uniform(0.0, 3.0))
+        server.kill()
+        server.communicate(timeout=10)
+        interrupted += statuses(database)[RunStatus.RUNNING]
+    server = start_server(tmp_path)
+    server.communicate(timeout=120)
+    assert server.returncode == 0
+    assert statuses(database) == {RunStatus.FINISHED: 200}
+    with database.read() as transaction:
+        reports = transaction.jobs.reports(runs)
+        outcomes = [[attempt.outcome for attempt in transaction.jobs.attempts(run)] for run in runs]
+        done = transaction.jobs.page(JobFilter(statuses=frozenset({RunStatus.FINISHED})), limit=999)
+    assert set(reports) == set(runs)
+    assert len(done.items) == 200
+    assert all(outcome[-1] == "finished" for outcome in outcomes)
+    assert all(set(outcome[:-1]) <= {"interrupted"} for outcome in outcomes)
+    assert sum(len(outcome) - 1 for outcome in outcomes) == interrupted > 0
+    assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
