@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,8 +92,7 @@ class Observation:
     speed_limit: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class PedalControl:
+class PedalControl(NamedTuple):
     """Pedals and wheel as CARLA has them: throttle and brake 0..1, steer -1 (right) .. 1 (left).
 
     Unlike CARLA's, steer is positive to the left, as every angle here.
@@ -104,16 +103,14 @@ class PedalControl:
     steer: float
 
 
-@dataclass(frozen=True, slots=True)
-class AccelerationControl:
+class AccelerationControl(NamedTuple):
     """Longitudinal acceleration in m/s² and front-wheel angle in radians, positive to the left."""
 
     acceleration: float
     steer: float
 
 
-@dataclass(frozen=True, slots=True)
-class PoseControl:
+class PoseControl(NamedTuple):
     """A pose to be at after this step; reached as far as the vehicle's limits allow.
 
     Attributes:
@@ -126,8 +123,7 @@ class PoseControl:
     speed: float | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TrajectoryControl:
+class TrajectoryControl(NamedTuple):
     """A trajectory to track.
 
     Attributes:

@@ -28,11 +28,6 @@ from drivora_service.simulation.world import World
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-STUCK_AFTER = 60.0
-"""Seconds below walking pace after which an ego counts as stuck (Bench2Drive)."""
-ARRIVED_SHARE = 0.99
-ARRIVED_DISTANCE = 10.0
-
 # Attributes of an enum are looked up slowly: the step loop uses plain values.
 _IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
 _DRIVE = int(CommandMode.DRIVE)
@@ -51,6 +46,8 @@ class EgoTeam:
         modes: (M,) ``CommandMode``.
         active: (M,) egos whose part goes on and has begun.
         in_world: (M,) egos that are on the road.
+        ends: (M,) index into ``step_kernels.ENDS`` of what ended an ego at the last frame followed.
+        going: How many egos' parts have not ended.
         endings: How each ego's part ended.
         logs: Agent logs.
         log_names: Names of all numeric log columns.
@@ -78,7 +75,10 @@ class EgoTeam:
         self.active = np.zeros(count, dtype=np.bool_)
         self.in_world = np.ones(count, dtype=np.bool_)
         self.endings = [Ending() for _ in range(count)]
-        self.stuck = np.zeros(count)
+        self._stuck = np.zeros(count)
+        self._time_limits = np.array([ego.time_limit for ego in plan.egos])
+        self.ends: IntArray = np.zeros(count, dtype=np.int64)
+        self.going = count
         self._protected = np.zeros(count, dtype=np.bool_)
         self._routes = lay_routes(plan.egos, plan.programs)
         self._cursors = np.zeros(count, dtype=np.int64)
@@ -93,10 +93,8 @@ class EgoTeam:
                 self._set_up(m, agent, int(seeds[count + m].generate_state(1)[0]))
         names = dict.fromkeys(name for log in self.logs for name in log.names)
         self.log_names = tuple(names)
-        self._log_columns = [
-            np.array([self.log_names.index(name) for name in log.names], dtype=np.int64)
-            for log in self.logs
-        ]
+        self._log_columns = [self._columns_of(log) for log in self.logs]
+        self._last_start = max(ego.ego.start_time for ego in plan.egos)
         self._observations: list[Observation] = []
         self._buffers: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
         self._draws = np.zeros((0, 5))
@@ -120,6 +118,13 @@ class EgoTeam:
         except Exception as error:
             raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
         self._cells[0] = Phase.SIMULATING
+
+    def _columns_of(self, log: AgentLog) -> IntArray | slice:
+        """Gives where a log's columns stand among all; a slice, which is faster, where it can."""
+        columns = [self.log_names.index(name) for name in log.names]
+        if columns and columns == list(range(columns[0], columns[0] + len(columns))):
+            return slice(columns[0], columns[0] + len(columns))
+        return np.array(columns, dtype=np.int64)
 
     def _make_room(self, count: int) -> None:
         """Fits the observation buffers to a world of ``count`` rows."""
@@ -146,6 +151,8 @@ class EgoTeam:
 
     def start_due(self, time: float) -> list[int]:
         """Starts the egos whose start time has come; gives their rows."""
+        if self._last_start < time - 1.0:
+            return []
         started = []
         for m, ego in enumerate(self._plan.egos):
             waiting = not self.active[m] and self.endings[m].event is None
@@ -229,15 +236,19 @@ class EgoTeam:
             self._wind, self._plan.scenario.step_length,
         )  # fmt: skip
 
-    def follow(self, step: int, time: float, dt: float, world: World) -> None:
-        """Tracks the active egos along their routes at a frame."""
+    def follow(self, step: int, time: float, dt: float, world: World) -> int:
+        """Tracks the active egos along their routes at a frame; gives how many parts end with it.
+
+        ``ends`` says which and why.
+        """
         routes = self._routes
-        follow_egos(
+        return follow_egos(
             time, dt, world.states[step], self.bodies, world.sizes, self.active,
             routes.first_point, routes.lines, routes.arcs, routes.heights, self._cursors,
             routes.first_signal, routes.signal_s, routes.signal_ends, routes.signal_codes,
             routes.signal_offsets, world.ego_values[step], world.ego_lights[step],
-            self._protected, self.stuck,
+            self._protected, self._stuck,
+            world.present[step], self._time_limits, self.ends,
         )  # fmt: skip
 
     def end(self, m: int, event: TerminalEvent, step: int) -> None:
@@ -245,34 +256,11 @@ class EgoTeam:
         if self.endings[m].event is None:
             self.endings[m].event = event
             self.endings[m].step = step
+            self.going -= 1
         self.active[m] = False
         self.modes[m] = CommandMode.HOLD
         if event is TerminalEvent.ARRIVED:
             self.in_world[m] = False
-
-    def find_ends(self, step: int, time: float, world: World) -> list[tuple[int, TerminalEvent]]:
-        """Finds the active egos that arrived, are stuck or have run out of time."""
-        found = []
-        for m, ego in enumerate(self._plan.egos):
-            if not self.active[m]:
-                continue
-            s = float(world.ego_values[step, m, _ROUTE_S])
-            near = s > ARRIVED_SHARE * ego.route.length
-            if near and self._goal_distance(m, step, world) < ARRIVED_DISTANCE:
-                found.append((m, TerminalEvent.ARRIVED))
-            elif not world.present[step, m]:
-                # SUMO takes its vehicles away at the end of their last edge, behind the goal.
-                found.append((m, TerminalEvent.ARRIVED))
-            elif self.stuck[m] >= STUCK_AFTER - 1e-9:
-                found.append((m, TerminalEvent.STUCK))
-            elif time >= ego.time_limit:
-                found.append((m, TerminalEvent.TIME_LIMIT))
-        return found
-
-    def _goal_distance(self, m: int, step: int, world: World) -> float:
-        goal = self._plan.egos[m].route.line[-1]
-        state = world.states[step, m]
-        return math.hypot(float(state[0] - goal[0]), float(state[1] - goal[1]))
 
 
 def _agent_failed(ego: str, agent: str, where: str, error: Exception) -> AgentError:

@@ -32,6 +32,7 @@ from drivora_service.simulation.plan import (
     plan_walker,
 )
 from drivora_service.simulation.step_kernels import (
+    ENDS,
     begin_frame,
     take_over_driven,
     write_egos,
@@ -306,22 +307,26 @@ class Episode:
         count = find_contacts(
             world.states[k], world.sizes, world.present[k], team.active, self._seen, self._found
         )
-        team.follow(k, time, self._dt, world)
-        for i, j in self._found[:count].tolist():
-            self._contacts.append(Contact(step=k, ego=i, other=j))
-            self._end(i, TerminalEvent.COLLISION, k)
-        for m, event in team.find_ends(k, time, world):
-            self._end(m, event, k)
+        ended = team.follow(k, time, self._dt, world)
+        if count:
+            for i, j in self._found[:count].tolist():
+                self._contacts.append(Contact(step=k, ego=i, other=j))
+                self._end(i, TerminalEvent.COLLISION, k)
+        if ended:
+            for m, code in enumerate(team.ends.tolist()):
+                event = ENDS[code]
+                if event is not None:
+                    self._end(m, event, k)
         over = time >= self.plan.max_sim_time - 1e-9
         if over:
             for m in range(len(self.plan.egos)):
                 if team.endings[m].event is None:
                     self._end(m, TerminalEvent.TIME_LIMIT, k)
-        self.done = over or all(ending.event is not None for ending in team.endings)
+        self.done = over or team.going == 0
 
     def _end(self, m: int, event: TerminalEvent, step: int) -> None:
         if self._team.modes[m] == CommandMode.EXTERNAL:
-            self._traffic.take_back(m)
+            self._traffic.take_back(m, on_road=bool(self._world.present[step, m]))
         self._team.end(m, event, step)
 
     def look(self) -> Look:

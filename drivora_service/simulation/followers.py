@@ -16,6 +16,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.agents.speed_profile import slow_down_in_time
 from drivora_service.compilation import compiled
 from drivora_service.geometry import arc_lengths
 from drivora_service.observations.trace import LEVEL_GAP
@@ -114,14 +115,6 @@ def build_path(
         wanted=wanted,
         height=np.zeros(len(fine)),
     )
-
-
-@compiled
-def slow_down_in_time(wanted: FloatArray, arc: FloatArray, deceleration: float) -> None:
-    """Lowers wanted speeds (n,) in place, so that braking at ``deceleration`` can keep to them."""
-    for i in range(wanted.shape[0] - 2, -1, -1):
-        reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (arc[i + 1] - arc[i]))
-        wanted[i] = min(wanted[i], reach)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,12 +158,18 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     )
 
 
+@lru_cache(maxsize=512)
+def _planned(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
+    """Plans a route once: a search changes speeds and times far more often than places."""
+    return plan_route(network, points)
+
+
 def _route_points(waypoints: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
     return tuple(RoutePoint(x=point.x, y=point.y, yaw=point.yaw) for point in waypoints)
 
 
 def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
-    route = plan_route(network, _route_points(ego.route))
+    route = _planned(network, _route_points(ego.route))
     ahead = route.line[min(1, len(route.line) - 1)] - route.line[0]
     start = ego.route[0]
     yaw = math.atan2(ahead[1], ahead[0]) if start.yaw is None else start.yaw
@@ -237,7 +244,7 @@ def _along_lanes(
         ends = np.array([(here.x, here.y), (there.x, there.y)])
         piece = ends
         if float(np.hypot(*(ends[1] - ends[0]))) > JOIN_DISTANCE:
-            route = plan_route(network, _route_points((here, there)))
+            route = _planned(network, _route_points((here, there)))
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
@@ -316,7 +323,7 @@ def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
     """Prepares an NPC vehicle that SUMO drives."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
     points = _route_points(npc.route)
-    route = plan_route(network, points)
+    route = _planned(network, points)
     lane = network.lanes[int(route.point_lanes[0])]
     place = nearest_lane_position(network, npc.route[0].x, npc.route[0].y, heading=points[0].yaw)
     s = 0.0 if place is None else place.s + 0.5 * model.length

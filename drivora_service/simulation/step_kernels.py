@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.observations.trace import TerminalEvent
 from drivora_service.simulation.line_tracking import track_line
 
 FloatArray = NDArray[np.float64]
@@ -19,6 +20,12 @@ BoolArray = NDArray[np.bool_]
 ByteArray = NDArray[np.uint8]
 
 STUCK_SPEED = 0.1
+STUCK_AFTER = 60.0
+"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive)."""
+ARRIVED_SHARE = 0.99
+ARRIVED_DISTANCE = 10.0
+ENDS = (None, TerminalEvent.ARRIVED, TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT)
+"""What the codes mean that ``follow_egos`` writes."""
 QUEUE_REACH = 100.0
 """A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
 PERMISSIVE = 4
@@ -187,7 +194,10 @@ def follow_egos(
     lights: ByteArray,
     protected: BoolArray,
     stuck: FloatArray,
-) -> None:
+    present: BoolArray,
+    time_limits: FloatArray,
+    ends: IntArray,
+) -> int:
     """Tracks every active ego along its route: distance, next signal, time it has been stuck.
 
     Args:
@@ -211,9 +221,22 @@ def follow_egos(
         lights: (M,) ``Light`` of the next signal; changed in place.
         protected: (M,) whether that signal is green with the right of way; changed in place.
         stuck: (M,) seconds stuck; changed in place.
+        present: (N,) of this frame.
+        time_limits: (M,) seconds by which each ego must have arrived.
+        ends: (M,) filled with indices into ``ENDS``.
+
+    Returns:
+        How many egos' parts end with this frame.
     """
+    ended = 0
     for m in range(active.shape[0]):
+        ends[m] = 0
         if not active[m]:
+            continue
+        if not present[m]:
+            # SUMO takes its own vehicles away at the end of their last edge, behind the goal.
+            ends[m] = 1
+            ended += 1
             continue
         a, b = first_point[m], first_point[m + 1]
         x, y = frame[m, 0], frame[m, 1]
@@ -240,3 +263,13 @@ def follow_egos(
             stuck[m] = 0.0
         elif not (lights[m] >= 2 and values[m, 7] < QUEUE_REACH):
             stuck[m] += dt
+        goal = math.hypot(x - lines[b - 1, 0], y - lines[b - 1, 1])
+        if s > ARRIVED_SHARE * arcs[b - 1] and goal < ARRIVED_DISTANCE:
+            ends[m] = 1
+        elif stuck[m] >= STUCK_AFTER - 1e-9:
+            ends[m] = 2
+        elif time >= time_limits[m]:
+            ends[m] = 3
+        if ends[m] > 0:
+            ended += 1
+    return ended

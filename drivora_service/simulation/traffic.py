@@ -91,10 +91,13 @@ class Traffic:
         self._is_moved[row] = False
         self.driven.append(self._sumo.hand_over(actor, speed))
 
-    def take_back(self, row: int) -> None:
-        """Moves a row again that SUMO drove until now."""
+    def take_back(self, row: int, *, on_road: bool) -> None:
+        """Moves a row again that SUMO drove until now, or forgets it if it has left the road."""
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
+        if not on_road:
+            self._known[row] = False
+            return
         moved = self._sumo.take_back(actor)
         self._moved[row] = moved
         self._moved_list.append(moved)

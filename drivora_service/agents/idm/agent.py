@@ -10,6 +10,7 @@ path tracking algorithm* (1992).
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
 from drivora_service.agents.idm.driving import decide, lane_is_free, locate
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.agents.speed_profile import slow_down_in_time
 from drivora_service.networks.lane_route import LaneRun
 
 FloatArray = NDArray[np.float64]
@@ -47,10 +49,24 @@ class IdmAgent:
         ]
         self._current = 0
         self._cursor = int(np.searchsorted(self._runs[0].arc, self._runs[0].start_s))
+        self._fixed = [self._arguments(number) for number in range(len(self._runs))]
+        self._step_length = context.step_length
         self._out = np.zeros(8)
         self._waited = 0.0
         self._log = context.log
         self._log.declare("gap", "wanted_speed", "halt_distance")
+
+    def _arguments(self, number: int) -> tuple[Any, ...]:
+        """Gives the arguments of ``decide`` that stay the same along a lane run."""
+        run, zones = self._runs[number], self._conflicts[number]
+        is_last = number == len(self._runs) - 1
+        return (
+            self._half_length, self._half_width, self._context.model.wheelbase,
+            self._max_braking, run.line, run.arc, self._profiles[number],
+            math.inf if is_last else run.end_s, zones.enter, zones.leave, zones.gate, zones.exit,
+            zones.must_yield, zones.signalised, zones.first, zones.line, zones.arc,
+            zones.foe_enter, zones.foe_leave,
+        )  # fmt: skip
 
     def _profile(self, run: LaneRun) -> FloatArray:
         """Gives the speed to drive at each point of a run, (n,) m/s."""
@@ -67,36 +83,27 @@ class IdmAgent:
         )
         speed = np.maximum(speed, 2.0)
         brake = _PLANNED_BRAKING * self._context.friction
-        for i in range(len(speed) - 2, -1, -1):
-            reach = math.sqrt(speed[i + 1] ** 2 + 2.0 * brake * (run.arc[i + 1] - run.arc[i]))
-            speed[i] = min(speed[i], reach)
-        return np.ascontiguousarray(speed)
+        slow_down_in_time(speed, run.arc, brake)
+        return speed
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
         x, y, yaw = observation.ego[:3].tolist()
-        standing = observation.speed < _STANDING_SPEED
-        self._waited = self._waited + self._context.step_length if standing else 0.0
-        self._change_lane_when_possible(observation, x, y)
-        run, zones = self._runs[self._current], self._conflicts[self._current]
-        is_last = self._current == len(self._runs) - 1
+        speed = observation.speed
+        self._waited = self._waited + self._step_length if speed < _STANDING_SPEED else 0.0
+        if self._current < len(self._runs) - 1:
+            self._change_lane_when_possible(observation, x, y)
         self._cursor = decide(
-            x, y, yaw, observation.speed, self._half_length, self._half_width,
-            self._context.model.wheelbase, self._max_braking, self._cursor, run.line, run.arc,
-            self._profiles[self._current], math.inf if is_last else run.end_s, self._waited,
-            observation.light_distance, int(observation.light), observation.light_protected,
-            zones.enter, zones.leave, zones.gate, zones.exit, zones.must_yield, zones.signalised,
-            zones.first, zones.line, zones.arc, zones.foe_enter, zones.foe_leave,
-            observation.objects, observation.object_sizes, observation.object_kinds, self._out,
+            x, y, yaw, speed, self._cursor, self._waited, observation.light_distance,
+            int(observation.light), observation.light_protected, observation.objects,
+            observation.object_sizes, observation.object_kinds, self._out,
+            *self._fixed[self._current],
         )  # fmt: skip
         acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
-        row = self._log.row
-        row[0], row[1], row[2] = gap, wanted, stop
+        self._log.row[:] = (gap, wanted, stop)
         return AccelerationControl(acceleration, steer)
 
     def _change_lane_when_possible(self, observation: Observation, x: float, y: float) -> None:
-        if self._current == len(self._runs) - 1:
-            return
         run, onward = self._runs[self._current], self._runs[self._current + 1]
         if float(run.arc[self._cursor]) < run.change_from:
             return

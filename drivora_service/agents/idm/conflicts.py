@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,7 @@ def _near_range(
     return np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
 
 
+@lru_cache(maxsize=256)
 def find_conflicts(network: RoadNetwork, run: LaneRun, route: LaneRoute) -> Conflicts:
     """Finds the conflict zones along a lane run.
 

@@ -1,0 +1,20 @@
+"""Speeds along a way that braking in time can keep to."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.compilation import compiled
+
+FloatArray = NDArray[np.float64]
+
+
+@compiled
+def slow_down_in_time(wanted: FloatArray, arc: FloatArray, deceleration: float) -> None:
+    """Lowers wanted speeds (n,) in place, so that braking at ``deceleration`` can keep to them."""
+    for i in range(wanted.shape[0] - 2, -1, -1):
+        reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (arc[i + 1] - arc[i]))
+        wanted[i] = min(wanted[i], reach)
