@@ -16,4 +16,4 @@ def compiled(function: Function) -> Function:
     No fast-math: results must not depend on the order in which the compiler likes to add. Division
     by zero gives an infinity, as in NumPy.
     """
-    return cast(Function, njit(cache=True, error_model="numpy")(function))
+    return cast("Function", njit(cache=True, error_model="numpy")(function))
