@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from shapely import LineString, Polygon
 
 from drivora_service.geometry import wrap_angle
 from drivora_service.observations.run_view import RunView
@@ -18,9 +19,9 @@ from drivora_service.oracles.verdict import Verdict, not_started, passed, violat
 class Deadlock:
     """Violated where two or more egos stand, each because of another of them, in a cycle.
 
-    An ego waits for another that stands before it: near its front, within the angle in which a
-    driver looks for crossing traffic. A cycle cannot dissolve by waiting, so it takes less time to
-    tell than a block.
+    An ego waits for another that stands before it: near its front, in sight, within the angle in
+    which a driver looks for crossing traffic. A cycle cannot dissolve by waiting, so it takes less
+    time to tell than a block.
 
     Attributes:
         standing_speed: m/s below which an ego stands.
@@ -105,8 +106,13 @@ class Deadlock:
             bearing = wrap_angle(float(np.arctan2(dy[nearest], dx[nearest]) - yaw))
             near = np.hypot(dx[nearest], dy[nearest]) <= self.reach
             if near and abs(bearing) <= self.bearing:
-                before.append(other_row)
-        return before
+                sight = LineString([(front_x, front_y), corners[nearest]])
+                before.append((other_row, sight, Polygon(corners)))
+        return [
+            other_row
+            for other_row, sight, _ in before
+            if not any(sight.intersects(box) for third, _, box in before if third != other_row)
+        ]
 
 
 def _cycles(waits_for: dict[int, list[int]]) -> list[tuple[int, ...]]:

@@ -10,6 +10,9 @@ from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import EgoCol, Light
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
+_SAME_PLACE = 0.1
+"""Metres by which the place of a stop line on the route may differ from row to row."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RedLight:
@@ -41,7 +44,10 @@ class RedLight:
         crossings = 0
         for start, last in _passages(ego):
             distance = ego.value(EgoCol.LIGHT_DISTANCE)[start : last + 1]
-            if not np.any((distance >= 0.0) & (distance <= self.seen_within)):
+            approached = np.any((distance >= 0.0) & (distance <= self.seen_within))
+            # The trace shows one signal at a time: one close behind another appears under the ego.
+            concealed = start > 0 and ego.value(EgoCol.LIGHT_DISTANCE)[start - 1] < 0.0
+            if not (approached or concealed):
                 continue
             crossings += 1
             if ego.lights[last] != Light.RED:
@@ -72,15 +78,14 @@ class RedLight:
 def _passages(ego: EgoView) -> list[tuple[int, int]]:
     """Gives, for every stop line that the tail crossed, the rows that speak of its signal.
 
-    The distance falls below zero as the front passes and speaks of the next signal as soon as the
-    tail has passed: then it jumps.
+    The distance falls below zero as the front passes the line, and speaks of the next signal as
+    soon as the tail has passed. The place of the line on the route, which is the distance ahead of
+    the ego's own, tells one signal from the next.
     """
     distance = ego.value(EgoCol.LIGHT_DISTANCE)
     known = ~np.isnan(distance)
-    step = np.diff(distance)
-    allowed = 1.0 + 2.0 * ego.moved[1:]
-    same = known[:-1] & known[1:] & (np.abs(step) <= allowed)
-    # A stretch of rows that speak of one signal: known, and continued from row to row.
+    place = distance + ego.value(EgoCol.ROUTE_S)
+    same = np.abs(np.diff(place)) < _SAME_PLACE
     begins = np.flatnonzero(known & ~np.concatenate(([False], same)))
     ends = np.flatnonzero(known & ~np.concatenate((same, [False]))) + 1
     passages = []
@@ -90,7 +95,7 @@ def _passages(ego: EgoView) -> list[tuple[int, int]]:
         if len(gone):
             passages.append((int(start), int(start + gone[0])))
         elif stop < ego.count and distance[last] < 0.0:
-            left = ego.actor.length + distance[last]
-            if left <= 0.5 + 2.0 * ego.moved[stop]:
+            came = ego.value(EgoCol.ROUTE_S)[stop] - ego.value(EgoCol.ROUTE_S)[last]
+            if distance[last] - came <= -ego.actor.length + _SAME_PLACE:
                 passages.append((int(start), last))
     return passages
