@@ -26,7 +26,10 @@ SCENARIO: dict[str, Any] = {
         {
             "id": "ego",
             "model": "vehicle.lincoln.mkz_2017",
-            "route": [{"x": 20.0, "y": 98.4}, {"x": 180.0, "y": 98.4}],
+            "route": [
+                {"x": 11.77, "y": 19.81, "yaw": 125.36},
+                {"x": 3.01, "y": 104.32, "yaw": 91.51},
+            ],
             "agent": {"name": "idm"},
         }
     ],

@@ -1,0 +1,142 @@
+"""A real service in a process of its own, and an application whose runs nobody hands out."""
+
+from __future__ import annotations
+
+import copy
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+import uvicorn
+from fastapi import FastAPI
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.api.application import create_api
+from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.examples import SCENARIO
+from drivora_service.api.tokens import TokenFile
+from drivora_service.cli.service_process import running_service
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.traces import TraceFolder
+
+BODY_LIMIT = 200_000
+
+
+@pytest.fixture
+def scenario() -> dict[str, Any]:
+    """A scenario that can be run; a copy of its own for each test."""
+    return copy.deepcopy(SCENARIO)
+
+
+@pytest.fixture(scope="session")
+def service_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a real service with two workers."""
+    with running_service(tmp_path_factory.mktemp("service"), workers=2) as url:
+        yield url
+
+
+@pytest.fixture
+def http(service_url: str) -> Iterator[httpx.Client]:
+    """A client of the real service."""
+    with httpx.Client(base_url=service_url, timeout=60) as client:
+        yield client
+
+
+def wait_until_final(client: httpx.Client, job_id: str, timeout: float = 90.0) -> dict[str, Any]:
+    """Polls a job until it has ended."""
+    deadline = time.monotonic() + timeout
+    while time.monotonic() < deadline:
+        job: dict[str, Any] = client.get(f"/api/v1/jobs/{job_id}").json()
+        if job["status"] not in ("queued", "running"):
+            return job
+        time.sleep(0.05)
+    raise AssertionError(f"job {job_id} did not end: {job}")
+
+
+@pytest.fixture(scope="session")
+def finished_run(service_url: str) -> dict[str, Any]:
+    """A run that the real service has judged."""
+    with httpx.Client(base_url=service_url, timeout=60) as client:
+        posted = client.post("/api/v1/jobs", json=SCENARIO, params={"label": "first"})
+        assert posted.status_code == 202, posted.text
+        job = wait_until_final(client, posted.json()["id"])
+        assert job["status"] == "finished", job
+        run: dict[str, Any] = client.get(job["run_url"]).json()
+        return run
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Offline:
+    """The application in this process, its runs handed out by nobody.
+
+    Attributes:
+        woken: Grows each time that the dispatcher would be told of new work.
+    """
+
+    client: httpx.Client
+    app: FastAPI
+    context: ApiContext
+    woken: list[int]
+
+
+MakeOffline = Callable[..., Offline]
+
+
+@pytest.fixture
+def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
+    """Builds applications with limits and tokens of the test's choice."""
+    opened: list[Database] = []
+
+    def make(*, queued_runs: int = 1000, tokens: TokenFile | None = None) -> Offline:
+        database = open_database(f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}")
+        woken: list[int] = []
+        context = ApiContext(
+            database=database,
+            networks=NetworkCatalogue(shipped_networks()),
+            agents=AgentCatalogue(),
+            oracles=default_oracles(),
+            tokens=tokens,
+            limits=Limits(body_bytes=BODY_LIMIT, batch_items=50, queued_runs=queued_runs),
+            trace_path=TraceFolder(tmp_path / "traces").path,
+            wake=lambda: woken.append(1),
+            workers_alive=lambda: False,
+        )
+        app = create_api(context)
+        url = stack.enter_context(served(app))
+        client = stack.enter_context(httpx.Client(base_url=url, timeout=30))
+        opened.append(database)
+        return Offline(client=client, app=app, context=context, woken=woken)
+
+    with ExitStack() as stack:
+        yield make
+    for database in opened:
+        database.close()
+
+
+@contextmanager
+def served(app: FastAPI) -> Iterator[str]:
+    """Serves an application from a thread and gives its address."""
+    config = uvicorn.Config(app, port=0, log_config=None, lifespan="off")
+    socket = config.bind_socket()
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [socket]})
+    thread.start()
+    while not server.started:
+        time.sleep(0.005)
+    yield f"http://127.0.0.1:{socket.getsockname()[1]}"
+    server.should_exit = True
+    thread.join()
+
+
+@pytest.fixture
+def offline(make_offline: MakeOffline) -> Offline:
+    """An application with the usual limits."""
+    return make_offline()

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.api.conftest import Offline
+
+NDJSON = {"Content-Type": "application/x-ndjson"}
+
+
+def test_every_scenario_of_a_batch_gets_its_own_answer(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    lost = {**scenario, "map_region": {"town": "Town99"}}
+    answer = offline.client.post("/api/v1/batches", json=[scenario, lost, 3], params={"name": "n"})
+    assert answer.status_code == 202
+    body = answer.json()
+    assert (body["accepted"], body["rejected"]) == (1, 2)
+    accepted, unknown_town, number = body["items"]
+    assert accepted["result"] == "accepted"
+    assert offline.client.get(f"/api/v1/jobs/{accepted['job_id']}").json()["item"] == 0
+    assert unknown_town["problems"][0]["pointer"] == "/map_region/town"
+    assert "drivora networks import" in unknown_town["problems"][0]["message"]
+    assert number["problems"][0]["code"] == "not_an_object"
+    batch = offline.client.get(answer.headers["Location"]).json()
+    assert (batch["name"], batch["size"], batch["counts"]) == ("n", 1, {"queued": 1})
+
+
+def test_lines_are_scenarios_too(offline: Offline, scenario: dict[str, Any]) -> None:
+    lines = f"{json.dumps(scenario)}\n\n{json.dumps(scenario)}\n{{broken\n"
+    answer = offline.client.post("/api/v1/batches", content=lines, headers=NDJSON)
+    assert [item["result"] for item in answer.json()["items"]] == [
+        "accepted",
+        "accepted",
+        "rejected",
+    ]
+    assert answer.json()["items"][2]["problems"][0]["code"] == "not_json"
+
+
+def test_a_batch_of_nothing_usable_is_refused_with_every_place(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    lost = {**scenario, "map_region": {"town": "Town99"}, "sed": 1}
+    answer = offline.client.post("/api/v1/batches", json=[lost])
+    assert answer.status_code == 422
+    assert {p["pointer"] for p in answer.json()["problems"]} == {"/0/sed"}
+    assert offline.client.get("/api/v1/batches").json()["items"] == []
+
+
+@pytest.mark.parametrize(
+    ("body", "code"),
+    [
+        (b"[]", "empty_batch"),
+        (b"{}", "not_a_list"),
+        (b"[" * 100_000, "malformed_json"),
+        (b"nonsense", "malformed_json"),
+        (json.dumps([{}] * 51).encode(), "batch_too_long"),
+    ],
+)
+def test_bodies_that_are_no_batch_are_refused(offline: Offline, body: bytes, code: str) -> None:
+    headers = {"Content-Type": "application/json"}
+    answer = offline.client.post("/api/v1/batches", content=body, headers=headers)
+    assert answer.status_code == 422
+    assert answer.json()["problems"][0]["code"] == code
+
+
+def test_pause_resume_and_cancel(offline: Offline, scenario: dict[str, Any]) -> None:
+    posted = offline.client.post("/api/v1/batches", json=[scenario, scenario])
+    batch = posted.headers["Location"]
+    assert offline.client.post(f"{batch}:pause").json()["state"] == "paused"
+    assert offline.client.post(f"{batch}:resume").json()["state"] == "open"
+    cancelled = offline.client.post(f"{batch}:cancel").json()
+    assert (cancelled["done"], cancelled["counts"]) == (True, {"cancelled": 2})
+    again = offline.client.post(f"{batch}:resume")
+    assert again.status_code == 409
+    assert again.headers["Content-Type"] == "application/problem+json"
+
+
+def test_a_batch_is_judged_to_the_last_run(http: httpx.Client, scenario: dict[str, Any]) -> None:
+    scenarios = [{**scenario, "seed": seed} for seed in range(6)]
+    posted = http.post("/api/v1/batches", json=scenarios)
+    deadline = time.monotonic() + 90
+    batch = posted.json()["batch"]
+    while not batch["done"]:
+        assert time.monotonic() < deadline, batch
+        time.sleep(0.1)
+        batch = http.get(posted.headers["Location"]).json()
+    assert batch["counts"] == {"finished": 6}
+    jobs = http.get(batch["jobs_url"]).json()["items"]
+    assert sorted(job["item"] for job in jobs) == list(range(6))

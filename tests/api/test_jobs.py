@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+
+from tests.api.conftest import Offline, wait_until_final
+
+
+def test_a_posted_job_tells_where_and_when_to_look(
+    http: httpx.Client, scenario: dict[str, Any]
+) -> None:
+    posted = http.post("/api/v1/jobs", json=scenario)
+    assert posted.status_code == 202
+    assert posted.headers["Location"] == f"/api/v1/jobs/{posted.json()['id']}"
+    assert int(posted.headers["Retry-After"]) >= 1
+    job = wait_until_final(http, posted.json()["id"])
+    assert job["status"] == "finished"
+    assert job["error"] is None
+    assert job["agent"] == "idm"
+    assert job["town"] == "tee-town"
+
+
+def test_a_run_carries_its_verdicts_and_measures(finished_run: dict[str, Any]) -> None:
+    assert finished_run["status"] == "finished"
+    outcomes = {verdict["oracle"]: verdict["outcome"] for verdict in finished_run["verdicts"]}
+    assert outcomes["collision"] == "passed"
+    assert outcomes["destination"] == "passed"
+    assert finished_run["metrics"]["route_completion"] == 100.0
+    assert len(finished_run["trace_sha256"]) == 64
+    assert finished_run["tries"][0]["outcome"] == "finished"
+    assert finished_run["label"] == "first"
+
+
+def test_yaml_and_overrides_are_accepted(http: httpx.Client) -> None:
+    text = """
+map_region: {town: tee-town}
+ego_vehicles:
+  - id: ego
+    model: vehicle.lincoln.mkz_2017
+    route: [{x: 11.77, y: 19.81, yaw: 125.36}, {x: 3.01, y: 104.32, yaw: 91.51}]
+    agent: {name: not-installed-here}
+"""
+    posted = http.post(
+        "/api/v1/jobs",
+        content=text,
+        headers={"Content-Type": "application/yaml"},
+        params={"agent": "sumo-idm", "seed": 7},
+    )
+    assert posted.status_code == 202, posted.text
+    job = wait_until_final(http, posted.json()["id"])
+    assert (job["status"], job["agent"], job["seed"]) == ("finished", "sumo-idm", 7)
+
+
+def test_the_same_scenario_gives_the_same_trace(
+    http: httpx.Client, finished_run: dict[str, Any], scenario: dict[str, Any]
+) -> None:
+    posted = http.post("/api/v1/jobs", json=scenario).json()
+    job = wait_until_final(http, posted["id"])
+    assert job["trace_sha256"] == finished_run["trace_sha256"]
+
+
+def test_the_scenario_of_a_run_can_be_posted_again(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    document = http.get(finished_run["scenario_url"])
+    checked = http.post("/api/v1/scenarios:validate", json=document.json())
+    assert checked.status_code == 200
+    assert checked.json()["scenario_sha256"] == finished_run["scenario_sha256"]
+
+
+def test_a_waiting_job_is_cancelled_at_once(offline: Offline, scenario: dict[str, Any]) -> None:
+    job_id = offline.client.post("/api/v1/jobs", json=scenario).json()["id"]
+    cancelled = offline.client.post(f"/api/v1/jobs/{job_id}:cancel")
+    assert cancelled.status_code == 202
+    assert cancelled.json()["status"] == "cancelled"
+    assert cancelled.json()["error"]["cause"] == "cancelled"
+    assert len(offline.woken) == 2
+
+
+def test_a_full_queue_says_when_to_come_back(make_offline: Any, scenario: dict[str, Any]) -> None:
+    offline = make_offline(queued_runs=1)
+    assert offline.client.post("/api/v1/jobs", json=scenario).status_code == 202
+    refused = offline.client.post("/api/v1/jobs", json=scenario)
+    assert refused.status_code == 429
+    assert int(refused.headers["Retry-After"]) >= 1
+    assert offline.client.get("/api/v1/jobs").json()["items"][0]["status"] == "queued"
+
+
+def test_lists_filter_and_page_without_gaps(offline: Offline, scenario: dict[str, Any]) -> None:
+    posted = [offline.client.post("/api/v1/jobs", json=scenario).json()["id"] for _ in range(5)]
+    seen: list[str] = []
+    token = ""
+    for _ in range(3):
+        page = offline.client.get("/api/v1/jobs", params={"limit": 2, "page_token": token}).json()
+        seen += [job["id"] for job in page["items"]]
+        token = page["next_page_token"]
+    assert seen == posted[::-1]
+    assert token == ""
+    finished = offline.client.get("/api/v1/runs", params={"status": "finished"}).json()
+    assert finished["items"] == []
+    assert offline.client.get("/api/v1/jobs", params={"limit": 501}).status_code == 422
+    bad = offline.client.get("/api/v1/jobs", params={"page_token": "nonsense"})
+    assert bad.status_code == 422
+    assert bad.json()["problems"][0]["code"] == "bad_page_token"
+
+
+def test_an_unchanged_job_is_not_sent_again(offline: Offline, scenario: dict[str, Any]) -> None:
+    job_id = offline.client.post("/api/v1/jobs", json=scenario).json()["id"]
+    first = offline.client.get(f"/api/v1/jobs/{job_id}")
+    known = {"If-None-Match": first.headers["ETag"]}
+    assert offline.client.get(f"/api/v1/jobs/{job_id}", headers=known).status_code == 304
+    offline.client.post(f"/api/v1/jobs/{job_id}:cancel")
+    assert offline.client.get(f"/api/v1/jobs/{job_id}", headers=known).status_code == 200
