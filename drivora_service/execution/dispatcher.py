@@ -12,6 +12,7 @@ import structlog
 
 from drivora_service.errors import StoreError
 from drivora_service.execution.executor import Executor
+from drivora_service.execution.pace import Pace
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
@@ -23,14 +24,18 @@ _HEARTBEAT_S = 2.0
 _SILENCE_S = 30.0
 """Seconds without a heartbeat after which another server's runs are taken over."""
 
+_WRITE_S = 0.25
+"""Seconds between two writings while the slots have work; a transaction costs as much as ten
+steps of a simulation, so that ends of short runs are written together."""
+
 _log = structlog.get_logger(__name__)
 
 
 class Dispatcher:
     """A thread that keeps the executor's slots busy with what the store has queued.
 
-    It is the only one that writes ends of runs. Each slot's next run waits in the executor, so that
-    no slot waits for the database.
+    It is the only one that writes ends of runs. The next runs of the slots wait in the executor, so
+    that no slot waits for the database.
     """
 
     def __init__(
@@ -58,7 +63,9 @@ class Dispatcher:
         self._in_flight: set[str] = set()
         self._unwritten: list[AttemptEnd] = []
         self._cancelling: set[str] = set()
+        self._pace = Pace(executor.capacity)
         self._next_beat = 0.0
+        self._next_write = 0.0
         self._stop_at: float | None = None
         self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
 
@@ -116,10 +123,11 @@ class Dispatcher:
         return not self._in_flight or time.monotonic() >= self._stop_at
 
     def _turn(self) -> None:
-        self._unwritten += self._executor.wait(0.0 if self._unwritten else _POLL_S)
+        self._collect()
         if self._unwritten or self._has_room_and_work():
             for spec in self._write_and_claim():
                 self._executor.submit(spec)
+            self._next_write = time.monotonic() + _WRITE_S
         self._cancel()
         now = time.monotonic()
         if now >= self._next_beat:
@@ -129,11 +137,24 @@ class Dispatcher:
             if not self._exclusive:
                 self._take_over(silent_for=timedelta(seconds=_SILENCE_S))
 
+    def _collect(self) -> None:
+        """Takes what has ended; lingers for more as long as no slot can run out of work."""
+        timeout = 0.0 if self._unwritten else _POLL_S
+        while True:
+            ended = self._executor.wait(timeout)
+            self._unwritten += ended
+            for end in ended:
+                self._pace.note((end.ended - end.started).total_seconds())
+            timeout = self._next_write - time.monotonic()
+            slots_have_work = len(self._in_flight) - len(self._unwritten) > self._executor.capacity
+            if not ended or timeout <= 0 or not slots_have_work or self._stop_at is not None:
+                return
+
     def _room(self) -> int:
-        """Runs that may be claimed: one for each slot, and one more to wait for it."""
+        """Runs that may be claimed now."""
         if self._stop_at is not None:
             return 0
-        return 2 * self._executor.capacity - len(self._in_flight)
+        return self._pace.wanted_in_flight() - len(self._in_flight)
 
     def _has_room_and_work(self) -> bool:
         if self._room() <= 0:

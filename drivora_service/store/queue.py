@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 
 from sqlalchemy import select, update
@@ -44,7 +45,7 @@ class QueueRepository:
         """
         specs: list[RunSpec] = []
         now = datetime.now(UTC)
-        revision = latest_revision(self._session)
+        changes = self._changes()
         for batch, share in self._shares(limit):
             rows = self._session.execute(
                 select(RunRow, DocumentRow.body)
@@ -55,8 +56,7 @@ class QueueRepository:
                 .with_for_update(skip_locked=True, of=RunRow)
             ).all()
             for row, document in rows:
-                revision += 1
-                set_run_state(row, lifecycle.start(run_state(row)), revision=revision)
+                set_run_state(row, lifecycle.start(run_state(row)), revision=next(changes))
                 row.attempts += 1
                 row.started_at = row.started_at or now
                 self._session.add(
@@ -82,6 +82,7 @@ class QueueRepository:
     ) -> tuple[RunReport, ...]:
         """Writes how attempts ended and gives the reports of the runs that are over now."""
         final: list[RunReport] = []
+        changes = self._changes()
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
         for end in ends:
             lease = leases.pop(end.report.run_id, None)
@@ -93,7 +94,7 @@ class QueueRepository:
             attempt.started_at = end.started
             _close(attempt, report.status, report.failure, end.ended)
             transition = lifecycle.end(run_state(row), report, policy)
-            self._follow(row, transition, end.ended)
+            self._follow(row, transition, end.ended, revision=next(changes))
             if transition.quarantine and report.failure is not None:
                 QuarantineRepository(self._session).add(
                     quarantine_key(row.document_sha256, row.agent_override, row.seed_override),
@@ -109,17 +110,21 @@ class QueueRepository:
     def release(self, owner_id: str, run_ids: Sequence[str]) -> None:
         """Gives runs back to the queue because their owner stops."""
         now = datetime.now(UTC)
+        changes = self._changes()
         for row, attempt in self._leases(owner_id, run_ids).values():
             _close(attempt, "released", None, now)
-            self._follow(row, lifecycle.release(run_state(row), row.id), now)
+            transition = lifecycle.release(run_state(row), row.id)
+            self._follow(row, transition, now, revision=next(changes))
 
     def reclaim(self, dead_owner_id: str, policy: RetryPolicy) -> int:
         """Gives the runs of an owner that died back to the queue, and counts them."""
         now = datetime.now(UTC)
+        changes = self._changes()
         leases = self._leases(dead_owner_id, None)
         for row, attempt in leases.values():
             _close(attempt, "interrupted", None, now)
-            self._follow(row, lifecycle.interrupt(run_state(row), row.id, policy), now)
+            transition = lifecycle.interrupt(run_state(row), row.id, policy)
+            self._follow(row, transition, now, revision=next(changes))
         return len(leases)
 
     def has_work(self) -> bool:
@@ -172,8 +177,13 @@ class QueueRepository:
             query = query.where(RunRow.id.in_(run_ids))
         return {row.id: (row, attempt) for row, attempt in self._session.execute(query)}
 
-    def _follow(self, row: RunRow, transition: Transition, when: datetime) -> None:
-        revision = latest_revision(self._session) + 1
+    def _changes(self) -> Iterator[int]:
+        """Gives revisions for the changes of this transaction."""
+        return itertools.count(latest_revision(self._session) + 1)
+
+    def _follow(
+        self, row: RunRow, transition: Transition, when: datetime, *, revision: int
+    ) -> None:
         set_run_state(row, transition.state, revision=revision)
         if transition.report is not None:
             write_report(self._session, row, transition.report, ended=when)
