@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -107,3 +109,10 @@ def test_scores_are_shares_or_none(trace: Trace) -> None:
 
 def test_an_ego_that_never_started_has_no_scores() -> None:
     assert set(scores(ego(start_time=100.0)).values()) == {None}
+
+
+def test_the_reference_names_every_objective(repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "oracles.md").read_text(encoding="utf-8")
+    section = text.split("## Objectives")[1].split("## ")[0]
+    documented = re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE)
+    assert documented == [objective.name for objective in default_objectives()]

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -244,3 +246,11 @@ def test_a_shared_view_changes_nothing() -> None:
     view = RunView(trace, ROAD)
     verdicts = judge_all(trace, ROAD, default_oracles(), view=view)
     assert measure(trace, ROAD, verdicts, view=view) == _measure(trace)
+
+
+def test_the_reference_names_every_metric(repository: Path) -> None:
+    text = (repository / "docs" / "reference" / "oracles.md").read_text(encoding="utf-8")
+    section = text.split("## Metrics")[1].split("The penalty of")[0]
+    rows = [line.split("|")[1] for line in section.splitlines() if line.startswith("| `")]
+    documented = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    assert documented == set(measured(driver()))
