@@ -13,7 +13,7 @@ from shapely.affinity import affine_transform
 from drivora_service.geometry import wrap_angle
 from drivora_service.observations.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import Actor, Col, Contact, EgoCol, FloatArray, Role, Trace
+from drivora_service.observations.trace import Actor, Col, Contact, EgoCol, FloatArray, Trace
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
 
@@ -233,10 +233,3 @@ def _touch_point(pose: FloatArray, ego: Actor, other: Actor) -> tuple[float, flo
     common = own.intersection(theirs)
     middle = common.centroid if not common.is_empty else theirs.centroid
     return float(middle.x), float(middle.y)
-
-
-def counterpart_kind(role: Role) -> str:
-    """Gives the Leaderboard's kind of a counterpart: pedestrian, vehicle or static."""
-    if role is Role.NPC_WALKER:
-        return "pedestrian"
-    return "static" if role is Role.NPC_OBSTACLE else "vehicle"
