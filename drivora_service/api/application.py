@@ -10,7 +10,7 @@ from fastapi import FastAPI
 
 from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
-from drivora_service.api.documentation import install_openapi
+from drivora_service.api.documentation import install_openapi, problem_answer
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
 from drivora_service.api.routes import (
@@ -44,7 +44,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     )
     api.state.context = context
     for module in (scenarios, jobs, batches, runs, networks, catalogues):
-        api.include_router(module.router, prefix=PREFIX)
+        api.include_router(module.router, prefix=PREFIX, responses={422: problem_answer(422)})
     api.include_router(health.router)
     api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
     install_problem_handlers(api)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,6 +14,7 @@ from drivora_service.api import problems
 from drivora_service.scenario.documents import ScenarioDocument
 
 _SCHEMAS = "#/components/schemas/"
+_PACKED = "json:"
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
 _DESCRIPTION = """Post scenarios, follow their runs, fetch what was recorded and judged.
 
@@ -27,7 +29,7 @@ def answers(example: BaseModel, *errors: int, status: int = 200) -> dict[int | s
     documented: dict[int | str, dict[str, Any]] = {
         status: {
             "description": "Done" if status < 202 else "Accepted",
-            "content": {"application/json": {"example": example.model_dump(mode="json")}},
+            "content": {"application/json": {"example": _packed(example)}},
         }
     }
     for error in errors:
@@ -44,7 +46,7 @@ def problem_answer(status: int) -> dict[str, Any]:
         "content": {
             problems.MEDIA_TYPE: {
                 "schema": {"$ref": _SCHEMAS + "ProblemDetails"},
-                "example": example.model_dump(mode="json"),
+                "example": _packed(example),
             }
         },
     }
@@ -88,6 +90,7 @@ def install_openapi(api: FastAPI) -> None:
                 description=_DESCRIPTION,
                 routes=api.routes,
             )
+            _unpack_examples(document["paths"])
             schemas = document.setdefault("components", {}).setdefault("schemas", {})
             for model in (ScenarioDocument, problems.ProblemDetails):
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
@@ -97,6 +100,24 @@ def install_openapi(api: FastAPI) -> None:
         return api.openapi_schema
 
     api.openapi = build  # type: ignore[method-assign] # FastAPI's own way to extend the document
+
+
+def _packed(example: BaseModel) -> str:
+    """Writes an example as text, for FastAPI would drop what is null in it."""
+    return _PACKED + example.model_dump_json()
+
+
+def _unpack_examples(part: Any) -> None:
+    """Turns packed examples back into values, everywhere in a part of the document."""
+    if isinstance(part, list):
+        for item in part:
+            _unpack_examples(item)
+    elif isinstance(part, dict):
+        for key, value in part.items():
+            if key == "example" and isinstance(value, str) and value.startswith(_PACKED):
+                part[key] = json.loads(value.removeprefix(_PACKED))
+            else:
+                _unpack_examples(value)
 
 
 _ERRORS: Mapping[int, tuple[str, str]] = {
@@ -109,5 +130,4 @@ _ERRORS: Mapping[int, tuple[str, str]] = {
     415: ("Unsupported Media Type", "the body must be plain application/json"),
     422: ("Unprocessable Entity", "1 problem in the document"),
     429: ("Too Many Requests", "the queue is full; try again later"),
-    503: ("Service Unavailable", "the workers are not ready"),
 }

@@ -153,6 +153,13 @@ READINESS = service.Readiness(
         service.Check(name="workers", ok=True, detail=""),
     ),
 )
+NOT_READY = service.Readiness(
+    ready=False,
+    checks=(
+        service.Check(name="database", ok=True, detail=""),
+        service.Check(name="workers", ok=False, detail="no worker hands out runs"),
+    ),
+)
 
 _BOUNDS = (0.0, 0.0, 200.0, 200.0)
 NETWORKS = catalogues.NetworkList(

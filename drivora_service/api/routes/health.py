@@ -23,7 +23,14 @@ def healthz() -> Health:
     return Health(status="ok", version=version("drivora"))
 
 
-@router.get("/readyz", response_model=Readiness, responses=answers(examples.READINESS))
+@router.get(
+    "/readyz",
+    response_model=Readiness,
+    responses={
+        **answers(examples.READINESS),
+        503: {**answers(examples.NOT_READY)[200], "model": Readiness, "description": "Not ready"},
+    },
+)
 def readyz(context: Context, response: Response) -> Readiness:
     """Answers 200 if runs can be taken and handed out, else 503."""
     checks = (_database(context), _workers(context))

@@ -25,7 +25,7 @@ def validate(
     as_json: JsonOption = False,
 ) -> None:
     """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
-    from drivora_service.cli.scenario_files import read_files
+    from drivora_service.cli.scenario_files import find_files, read_files
 
     scenarios, unreadable = read_files(files, agent="")
     results = [_result(str(file.path), "", (), file.problems) for file in unreadable]
@@ -37,6 +37,8 @@ def validate(
                 results.append(_result(path, name, notes, ()))
             except InvalidDocument as error:
                 results.append(_result(path, name, scenario.notes, error.problems))
+    order = {str(path): place for place, path in enumerate(find_files(files))}
+    results.sort(key=lambda result: order[result["file"]])
     valid = all(result["valid"] for result in results)
     if as_json:
         print_json({"valid": valid, "results": results})

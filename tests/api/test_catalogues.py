@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import re
+
+import httpx
+
+from tests.api.conftest import Offline
+
+
+def test_networks_and_their_geometry(offline: Offline) -> None:
+    names = [item["name"] for item in offline.client.get("/api/v1/networks").json()["items"]]
+    assert "tee-town" in names
+    network = offline.client.get("/api/v1/networks/tee-town").json()
+    geometry = offline.client.get(network["geometry_url"])
+    assert len(geometry.json()["lanes"]) == network["lanes"]
+    known = {"If-None-Match": geometry.headers["ETag"]}
+    assert offline.client.get(network["geometry_url"], headers=known).status_code == 304
+
+
+def test_agents_and_oracles(offline: Offline) -> None:
+    agents = {item["name"]: item for item in offline.client.get("/api/v1/agents").json()["items"]}
+    assert agents["idm"]["installed"] is True
+    oracles = {o["name"]: o for o in offline.client.get("/api/v1/oracles").json()["items"]}
+    assert {"collision", "red_light", "off_road"} <= set(oracles)
+    assert all(oracle["description"] for oracle in oracles.values())
+    assert oracles["speeding"]["thresholds"]
+
+
+def test_health_and_readiness(offline: Offline, http: httpx.Client) -> None:
+    assert http.get("/healthz").json()["status"] == "ok"
+    assert http.get("/readyz").json()["ready"] is True
+    assert http.get("/api/v1/healthz").status_code == 200
+    without_workers = offline.client.get("/readyz")
+    assert without_workers.status_code == 503
+    checks = {check["name"]: check["ok"] for check in without_workers.json()["checks"]}
+    assert checks == {"database": True, "workers": False}
+
+
+def test_metrics_count_runs(http: httpx.Client, finished_run: dict[str, object]) -> None:
+    text = http.get("/metrics").text
+    finished = re.search(r'^drivora_runs\{status="finished"\} (\d+)', text, re.MULTILINE)
+    assert finished is not None
+    assert int(finished.group(1)) >= 1
+    assert 'drivora_runs{status="queued"}' in text

@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+from typing import Any
+
+import jsonschema
+import pytest
+
+from tests.api.conftest import Offline
+
+
+@pytest.fixture
+def openapi(offline: Offline) -> dict[str, Any]:
+    document: dict[str, Any] = offline.client.get("/api/v1/openapi.json").json()
+    return document
+
+
+def operations(openapi: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [
+        (f"{method.upper()} {path}", operation)
+        for path, methods in openapi["paths"].items()
+        for method, operation in methods.items()
+    ]
+
+
+def check(openapi: dict[str, Any], where: str, content: dict[str, Any]) -> None:
+    """Checks that content documented as JSON has an example that its schema accepts."""
+    assert "example" in content, where
+    schema = {**content["schema"], "components": openapi["components"]}
+    jsonschema.Draft202012Validator(schema).validate(content["example"])
+
+
+def test_every_operation_has_examples_that_its_schema_accepts(openapi: dict[str, Any]) -> None:
+    assert len(operations(openapi)) >= 22
+    for name, operation in operations(openapi):
+        bodies = operation.get("requestBody", {}).get("content", {})
+        for media_type, content in bodies.items():
+            check(openapi, f"{name}: {media_type}", content)
+        for status, answer in operation["responses"].items():
+            for media_type, content in answer.get("content", {}).items():
+                if media_type != "application/vnd.apache.parquet":
+                    check(openapi, f"{name}: {status} {media_type}", content)
+
+
+def test_every_operation_says_what_it_does_and_how_it_fails(openapi: dict[str, Any]) -> None:
+    for name, operation in operations(openapi):
+        assert operation["description"], name
+        errors = {
+            status: answer
+            for status, answer in operation["responses"].items()
+            if "400" <= status < "500"
+        }
+        if "/healthz" not in name and "/readyz" not in name:
+            assert "401" in errors, name
+        for status, answer in errors.items():
+            assert list(answer["content"]) == ["application/problem+json"], (name, status)
+
+
+def test_the_pages_that_would_load_scripts_from_elsewhere_are_off(offline: Offline) -> None:
+    assert offline.client.get("/docs").status_code == 404
+    assert offline.client.get("/redoc").status_code == 404

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from drivora_service.api.examples import SCENARIO
+from tests.cli.conftest import Drivora
+
+COMMANDS = ["run", "serve", "validate", "plot", "schema", "demo"]
+GROUPS = {
+    "seeds": ["generate", "import"],
+    "networks": ["list", "show", "import"],
+    "agents": ["list"],
+    "store": ["migrate", "backup", "verify", "prune"],
+    "tokens": ["create", "list", "revoke"],
+}
+
+
+def test_help_is_quick_and_names_the_exit_codes(drivora: Drivora) -> None:
+    begun = time.monotonic()
+    ended = drivora("--help")
+    assert time.monotonic() - begun < 2.0
+    assert ended.code == 0
+    assert "1 a gate failed" in ended.out
+    assert all(name in ended.out for name in [*COMMANDS, *GROUPS])
+
+
+def test_help_loads_neither_simulator_nor_compiler() -> None:
+    heavy = "{'numba', 'libsumo', 'matplotlib', 'fastapi', 'sqlalchemy', 'pyarrow', 'numpy'}"
+    code = f"import sys, drivora_service.cli.main; print({heavy} & set(sys.modules))"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stdout.strip() == "set()"
+
+
+def test_every_command_is_in_the_reference(repository: Path) -> None:
+    reference = (repository / "docs" / "reference" / "cli.md").read_text()
+    names = [*COMMANDS, *(f"{group} {name}" for group, names in GROUPS.items() for name in names)]
+    assert [name for name in names if f"`drivora {name}" not in reference] == []
+
+
+def test_version(drivora: Drivora) -> None:
+    assert drivora("--version").out.strip() == version("drivora")
+
+
+def test_a_wrong_setting_is_wrong_use(drivora: Drivora) -> None:
+    ended = drivora("networks", "list", DRIVORA_WORKERS="many")
+    assert ended.code == 2
+    assert "DRIVORA_WORKERS" in ended.err
+
+
+def test_validate_names_every_problem_with_its_place(drivora: Drivora, tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.json", tmp_path / "bad.json"
+    good.write_text(json.dumps(SCENARIO))
+    bad.write_text(json.dumps({**SCENARIO, "seed": -1, "surprise": 1}))
+    ended = drivora("validate", good, bad, "--json")
+    assert ended.code == 1
+    first, second = ended.json()["results"]
+    assert (first["valid"], second["valid"]) == (True, False)
+    assert {p["pointer"] for p in second["problems"]} == {"/seed", "/surprise"}
+    assert drivora("validate", good).code == 0
+    assert "/surprise" in drivora("validate", bad).out
+
+
+def test_a_service_validates_too(drivora: Drivora, tmp_path: Path, service_url: str) -> None:
+    lost = tmp_path / "lost.json"
+    lost.write_text(json.dumps({**SCENARIO, "map_region": {"town": "Town99"}}))
+    ended = drivora("validate", lost, "--server", service_url, "--json")
+    assert ended.code == 1
+    assert ended.json()["results"][0]["problems"][0]["pointer"] == "/map_region/town"
+
+
+def test_seeds_are_made_as_asked_and_the_same_again(drivora: Drivora, tmp_path: Path) -> None:
+    asked = "seeds generate --num 3 --town tee-town --min-length 50 --max-length 200 --seed 1"
+    for folder in ("a", "b"):
+        ended = drivora(*asked.split(), "--out", tmp_path / folder, "--json")
+        assert ended.code == 0, ended.err
+    names = [f"tee-town_{number:04d}.json" for number in (1, 2, 3)]
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == names
+    for name in names:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_seeds_that_do_not_exist_end_with_the_reason(drivora: Drivora, tmp_path: Path) -> None:
+    options = "--num 2 --town tee-town --min-length 90000 --max-length 95000"
+    ended = drivora("seeds", "generate", *options.split(), "--out", tmp_path / "s")
+    assert ended.code == 3
+    assert len(ended.err) > 20
+    contradiction = "--num 2 --town tee-town --min-length 200 --max-length 100"
+    assert drivora("seeds", "generate", *contradiction.split()).code == 2
+    assert drivora("seeds", "generate", "--town", "Nowhere").code == 2
+
+
+def test_leaderboard_routes_become_seeds(
+    drivora: Drivora, tmp_path: Path, shared_data: Path
+) -> None:
+    routes = sorted((shared_data / "routes").glob("leaderboard1_*.xml"))[0]
+    ended = drivora("seeds", "import", routes, "--out", tmp_path / "s", "--json")
+    assert ended.code == 0, ended.err
+    assert len(ended.json()["files"]) >= 1
+
+
+def test_networks_are_listed_shown_and_imported(
+    drivora: Drivora, repository: Path, service_url: str
+) -> None:
+    source = repository / "sumo_nets" / "tee-town" / "tee-town.net.xml"
+    assert "tee-town" in drivora("networks", "list", "--json").json()
+    imported = drivora("networks", "import", source, "--name", "copy", "--json")
+    assert imported.code == 0, imported.err
+    assert imported.json() == drivora("networks", "show", "copy", "--json").json()
+    assert "copy" in drivora("networks", "list").out.split()
+    assert drivora("networks", "show", "Nowhere").code == 2
+    there = drivora("networks", "show", "tee-town", "--server", service_url, "--json").json()
+    assert there["sha256"] == imported.json()["sha256"]
+
+
+def test_agents(drivora: Drivora, service_url: str) -> None:
+    here = drivora("agents", "list", "--json").json()
+    there = drivora("agents", "list", "--server", service_url, "--json").json()
+    assert [agent["name"] for agent in here] == [agent["name"] for agent in there]
+    assert "idm" in drivora("agents", "list").out
+
+
+def test_the_schema_is_printed_and_checked(drivora: Drivora) -> None:
+    assert drivora("schema").json()["title"].startswith("OpenScenario")
+    assert drivora("schema", "--check", "--write").code == 2
+
+
+def test_the_store_is_looked_after(drivora: Drivora, tmp_path: Path) -> None:
+    assert drivora("store", "migrate", "--json").json()["schema"]
+    assert drivora("store", "verify", "--json").json() == []
+    assert drivora("store", "backup", tmp_path / "copy", "--json").json()["runs"] == 0
+    assert drivora("store", "backup", tmp_path / "copy").code == 3
+    assert drivora("store", "prune", "--older-than", "0", "--json").json()["runs"] == 0
+
+
+def test_tokens_are_shown_once(drivora: Drivora) -> None:
+    made = drivora("tokens", "create", "ci", "--scope", "read", "--json").json()
+    assert made["token"].startswith("drv_")
+    listed = drivora("tokens", "list", "--json")
+    assert listed.json()[0]["name"] == "ci"
+    assert made["token"] not in listed.out
+    assert drivora("tokens", "create", "ci").code == 2
+    assert drivora("tokens", "revoke", "ci").code == 0
+    assert drivora("tokens", "revoke", "ci").code == 2
+
+
+def test_a_service_beyond_loopback_needs_tokens(drivora: Drivora) -> None:
+    ended = drivora("serve", "--host", "0.0.0.0", "--port", "0")
+    assert ended.code == 2
+    assert "drivora tokens create" in ended.err
+
+
+@pytest.mark.slow
+def test_the_demo_shows_the_whole_way(drivora: Drivora, tmp_path: Path) -> None:
+    ended = drivora("demo", "--num", "4")
+    assert ended.code == 0, ended.err
+    assert "4 of 4 runs judged" in ended.out
+    assert (tmp_path / "demo-data" / "run.svg").is_file()
+    assert not (tmp_path / "demo-data" / "service.json").exists()

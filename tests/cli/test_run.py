@@ -1,0 +1,125 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.observations.trace_hash import trace_sha256
+from tests.cli.conftest import Drivora
+
+PROMISED = {
+    "status",
+    "verdicts",
+    "metrics",
+    "scores",
+    "trace_sha256",
+    "steps",
+    "sim_time_s",
+    "wall_time_s",
+    "step_cost_us",
+}
+
+
+def test_one_scenario_prints_one_object_and_leaves_its_trace(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    ended = drivora(
+        "run", scenario_file, "--agent", "sumo-idm", "--seed", "3", "--out", out, "--json"
+    )
+    assert ended.code == 0, ended.err
+    result = ended.json()
+    assert set(result) >= PROMISED
+    assert result["status"] == "finished"
+    trace = read_trace(out / "crossing.trace.parquet")
+    assert trace_sha256(trace) == result["trace_sha256"]
+    assert trace.step_count == result["steps"]
+    assert json.loads((out / "crossing.report.json").read_text()) == result
+
+
+def test_a_folder_is_a_batch_in_which_broken_files_harm_nobody(
+    drivora: Drivora, tmp_path: Path
+) -> None:
+    folder = tmp_path / "scenarios"
+    folder.mkdir()
+    (folder / "good.json").write_text(json.dumps(SCENARIO))
+    (folder / "lost.json").write_text(json.dumps({**SCENARIO, "map_region": {"town": "Town99"}}))
+    (folder / "broken.json").write_text("{")
+    ended = drivora("run", folder, "--workers", "2", "--json")
+    assert ended.code == 3
+    statuses = {run["scenario"]: run["status"] for run in ended.json()["runs"]}
+    assert statuses["good"] == "finished"
+    assert sorted(statuses.values()) == ["finished", "invalid", "invalid"]
+    lost = next(run for run in ended.json()["runs"] if run["scenario"] == "lost")
+    assert lost["error"]["problems"][0]["pointer"] == "/map_region/town"
+
+
+def test_a_gate_fails_on_a_broken_rule(drivora: Drivora, tmp_path: Path) -> None:
+    x, y = 3.01, 104.32
+    hit = {
+        **SCENARIO,
+        "npc_obstacles": [
+            {"id": "stone", "model": "static.prop.container", "location": {"x": x, "y": y - 20}}
+        ],
+    }
+    hit["ego_vehicles"] = [{**SCENARIO["ego_vehicles"][0], "agent": {"name": "sumo-idm"}}]
+    path = tmp_path / "hit.json"
+    path.write_text(json.dumps({**hit, "max_sim_time": 5.0}))
+    ended = drivora("run", path, "--gate", "--json")
+    violated = [v for v in ended.json()["verdicts"] if v["outcome"] == "violated"]
+    assert violated
+    assert ended.code == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["nope.json"], 2, "there is no file"),
+        (["crossing.json", "--agent", "nobody"], 2, "known: idm"),
+        (["crossing.json", "--seed", "-1"], 2, "--seed"),
+        ([], 2, "Missing argument"),
+        (["crossing.json", "--server", "http://127.0.0.1:9"], 3, "does not answer"),
+    ],
+)
+def test_exit_codes(
+    drivora: Drivora, scenario_file: Path, arguments: list[str], code: int, said: str
+) -> None:
+    ended = drivora("run", *arguments)
+    assert ended.code == code
+    assert said in ended.err
+
+
+def test_a_table_for_people(drivora: Drivora, scenario_file: Path) -> None:
+    ended = drivora("run", scenario_file)
+    assert ended.code == 0, ended.err
+    assert "crossing" in ended.out
+    assert "collision" in ended.out
+
+
+def test_a_service_gives_the_same_run(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path, service_url: str
+) -> None:
+    here = drivora("run", scenario_file, "--json").json()
+    out = tmp_path / "out"
+    there = drivora("run", scenario_file, "--server", service_url, "--out", out, "--json").json()
+    assert there["trace_sha256"] == here["trace_sha256"]
+    assert set(there) >= PROMISED
+    picture = tmp_path / "run.svg"
+    drawn = drivora("plot", there["run_id"], "--server", service_url, "--out", picture)
+    assert drawn.code == 0, drawn.err
+    assert picture.read_text().startswith("<?xml")
+    plain = drivora("plot", out / "crossing.trace.parquet", "--out", tmp_path / "run.png")
+    assert plain.code == 0, plain.err
+
+
+def test_a_service_names_the_problems_of_each_scenario(
+    drivora: Drivora, tmp_path: Path, service_url: str
+) -> None:
+    path = tmp_path / "lost.json"
+    path.write_text(json.dumps({**SCENARIO, "map_region": {"town": "Town99"}}))
+    ended = drivora("run", path, "--server", service_url, "--json")
+    assert ended.code == 3
+    assert ended.json()["error"]["problems"][0]["pointer"] == "/map_region/town"

@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Iterator
+
+import pytest
+import structlog
+
+from drivora_service.logs import configure_logs
+
+
+@pytest.fixture(autouse=True)
+def _restored() -> Iterator[None]:
+    root = logging.getLogger()
+    handlers, level = root.handlers, root.level
+    yield
+    root.handlers = handlers
+    root.setLevel(level)
+    structlog.reset_defaults()
+
+
+def test_own_and_foreign_lines_are_json_alike(capsys: pytest.CaptureFixture[str]) -> None:
+    configure_logs(form="json", level="info")
+    structlog.stdlib.get_logger("drivora.test").info("run_ended", run="7")
+    logging.getLogger("uvicorn.error").warning("slow", extra={"color_message": "\x1b[1mslow"})
+    logging.getLogger("elsewhere").debug("unseen")
+    own, foreign = (json.loads(line) for line in capsys.readouterr().err.splitlines())
+    assert (own["event"], own["run"], own["level"]) == ("run_ended", "7", "info")
+    assert (foreign["event"], foreign["logger"]) == ("slow", "uvicorn.error")
+    assert "color_message" not in foreign
+
+
+def test_errors_carry_their_trace(capsys: pytest.CaptureFixture[str]) -> None:
+    configure_logs(form="json")
+    try:
+        raise ValueError("broken")
+    except ValueError as error:
+        structlog.stdlib.get_logger("t").error("failed", exc_info=error)
+    assert "ValueError: broken" in json.loads(capsys.readouterr().err)["exception"]
+
+
+def test_console_lines_are_plain_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    configure_logs(form="console")
+    structlog.stdlib.get_logger("t").info("ready", workers=2)
+    line = capsys.readouterr().err
+    assert "ready" in line
+    assert "\x1b" not in line
