@@ -34,7 +34,7 @@ class Child:
     def __init__(
         self, *, perform: str, setup: object, files: WorkerFiles, runs_per_worker: int
     ) -> None:
-        """Starts the first process; it gets ready while others go on."""
+        """Prepares; :meth:`replace` starts the first process."""
         self._initial = (perform, setup, files)
         self._files = files
         self._runs_per_worker = runs_per_worker
@@ -43,11 +43,17 @@ class Child:
         self.restarts = 0
         files.log.write_bytes(b"")
         self.board = ProgressBoard(files.board)
-        self._pool = self._start()
+        self._pool: ProcessPool | None = None
 
     def begin(self, spec: RunSpec) -> ProcessFuture[RunReport]:
-        """Gives the process a run; the last one has ended."""
-        if self._files.log.stat().st_size > _LOG_BYTES:
+        """Gives the process a run; the last one has ended.
+
+        Raises:
+            RuntimeError: There is no process, or it died.
+        """
+        if self._pool is None:
+            raise RuntimeError("no worker process could be started")
+        if self.log_size() > _LOG_BYTES:
             os.truncate(self._files.log, 0)
         return self._pool.schedule(work, args=(spec,))
 
@@ -75,10 +81,12 @@ class Child:
 
     def log_size(self) -> int:
         """Bytes in the log; where the log of the next run will begin."""
-        return self._files.log.stat().st_size
+        return self._files.log.stat().st_size if self._files.log.exists() else 0
 
     def log_tail(self, begin: int) -> str:
         """Gives the last lines that were printed after ``begin``."""
+        if not self._files.log.exists():
+            return ""
         with self._files.log.open("rb") as log:
             end = log.seek(0, os.SEEK_END)
             log.seek(max(begin if begin <= end else 0, end - _TAIL_BYTES))
@@ -86,9 +94,19 @@ class Child:
         return "\n".join(lines[-_TAIL_LINES:])
 
     def replace(self) -> None:
-        """Ends the process, if it has not died, with all that it started, and starts another."""
+        """Ends the process, if there is one, with all that it started, and starts another.
+
+        It gets ready while the caller goes on.
+
+        Raises:
+            Exception: The system gives no process; what kind depends on what is short.
+        """
+        if self._pool is not None:
+            self.restarts += 1
         self.end()
-        self.restarts += 1
+        self._files.board.parent.mkdir(parents=True, exist_ok=True)
+        # Mapped anew, so that both sides see the same file even if somebody has removed the old.
+        self.board = ProgressBoard(self._files.board)
         self.board.cells[:] = 0
         self._pool = self._start()
 
@@ -99,8 +117,10 @@ class Child:
             # The group may outlive the process that leads it.
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(self.pid, signal.SIGKILL)
-        self._pool.stop()  # type: ignore[no-untyped-call] # pebble leaves it untyped
-        self._pool.join()
+        if self._pool is not None:
+            self._pool.stop()  # type: ignore[no-untyped-call] # pebble leaves it untyped
+            self._pool.join()
+            self._pool = None
         self._process = self.pid = None
         self._files.pid.unlink(missing_ok=True)
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Protocol
 
+import structlog
 from pebble import ProcessExpired, ProcessFuture
 
 from drivora_service.execution.child import Child
@@ -20,6 +21,10 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.runs.slot_state import SlotState
+
+_log = structlog.get_logger(__name__)
+
+_RESTART_S = 1.0
 
 _POLL_S = 0.05
 """Seconds between two looks at a run: limits are kept to this, and a look costs some 50 us."""
@@ -100,6 +105,7 @@ class Slot:
             runs_per_worker=self._limits.runs_per_worker,
         )
         try:
+            self._renew(child)
             while (spec := self._source.take()) is not None:
                 self._sink(self._attempt(child, spec))
         finally:
@@ -175,5 +181,13 @@ class Slot:
         self._renew(child)
 
     def _renew(self, child: Child) -> None:
-        if not self._closing:
-            child.replace()
+        while not self._closing:
+            try:
+                child.replace()
+            except Exception as error:
+                # The system is short of processes or memory, which passes; the slot must not.
+                self._last_crash = f"no worker process could be started: {error!r}"
+                _log.error("worker_not_started", slot=self.name, error=repr(error))
+                time.sleep(_RESTART_S)
+            else:
+                return

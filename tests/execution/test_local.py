@@ -184,6 +184,25 @@ def test_what_a_dead_worker_started_dies_with_it(start: Start) -> None:
     assert left == []
 
 
+def test_a_worker_that_cannot_start_says_why(tmp_path: Path) -> None:
+    with LocalExecutor(
+        slots=1, setup=None, folder=tmp_path, limits=LIMITS, perform="nowhere.at.all:perform"
+    ) as executor:
+        report = run(executor, "sleep 0").report
+    assert report.status is RunStatus.INFRASTRUCTURE_FAILED
+    assert "nowhere" in failure_of(report).log
+
+
+def test_a_slot_survives_the_loss_of_its_folder(start: Start, tmp_path: Path) -> None:
+    executor = start()
+    assert_usable(executor)
+    for path in tmp_path.iterdir():
+        path.unlink()
+    assert_usable(executor)
+    assert run(executor, "segfault").report.status is RunStatus.SIMULATOR_CRASHED
+    assert_usable(executor)
+
+
 def test_closing_leaves_no_process_behind(tmp_path: Path) -> None:
     executor = LocalExecutor(slots=2, setup=None, folder=tmp_path, limits=LIMITS, perform=TASKS)
     for number in range(5):
@@ -197,6 +216,7 @@ def test_closing_leaves_no_process_behind(tmp_path: Path) -> None:
         executor.submit(RunSpec(run_id="late", document="sleep 0"))
 
 
+@pytest.mark.slow
 def test_three_bad_runs_among_fifty_do_not_disturb_the_others(start: Start) -> None:
     executor = start(slots=2)
     bad = {9: "segfault", 23: "agent-hangs-in-c", 37: "grows"}
