@@ -1,0 +1,25 @@
+# Builds a wheel with the networks inside, then installs it with pinned, hashed packages.
+FROM python:3.11-slim AS build
+WORKDIR /src
+COPY requirements/run.txt requirements/run.txt
+RUN python -m venv /opt/drivora \
+ && /opt/drivora/bin/pip install --no-cache-dir --require-hashes -r requirements/run.txt
+COPY . .
+RUN /opt/drivora/bin/pip install --no-cache-dir --no-deps --no-build-isolation .
+
+FROM python:3.11-slim
+RUN useradd --create-home --uid 10001 drivora && install -d -o drivora -g drivora /data
+COPY --from=build /opt/drivora /opt/drivora
+ENV PATH=/opt/drivora/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    NUMBA_CACHE_DIR=/home/drivora/.cache/numba \
+    DRIVORA_DATA_DIR=/data \
+    DRIVORA_HOST=0.0.0.0 \
+    DRIVORA_LOG_FORMAT=json
+USER drivora
+VOLUME /data
+EXPOSE 8000
+HEALTHCHECK --interval=15s --timeout=5s --start-period=60s \
+  CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/readyz', timeout=4)"]
+ENTRYPOINT ["drivora"]
+CMD ["serve"]
