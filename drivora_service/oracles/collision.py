@@ -155,13 +155,12 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
     pose = _first_touch(before, after, ego, other)
     cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
     relative = velocities[1] - velocities[0]
-    into = (relative[0] * cos + relative[1] * sin, relative[1] * cos - relative[0] * sin)
     return Impact(
         ego_speed=float(np.hypot(*velocities[0])),
         ego_forward=float(velocities[0] @ (cos, sin)),
         other_speed=float(np.hypot(*velocities[1])),
         relative_speed=float(np.hypot(*relative)),
-        face=_face(pose, ego, other, into),
+        face=_face(pose, ego, other),
         appeared=step > 0 and not begun,
     )
 
@@ -196,27 +195,15 @@ def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor
     return poses(overlapping)
 
 
-def _face(pose: FloatArray, ego: Actor, other: Actor, into: tuple[float, float]) -> Face:
-    """Tells which part of the ego was touched.
-
-    Args:
-        pose: (2, 3) of ego and other as they touch.
-        ego: Its size.
-        other: Its size.
-        into: Velocity of the other in the ego's frame, m/s.
-    """
+def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
+    """Tells which part of the ego was touched, from (2, 3) poses of ego and other as they touch."""
     x, y = _touch_point(pose, ego, other)
-    side = math.copysign(1.0, y)
     distances = {
         Face.FRONT: 0.5 * ego.length - x,
         Face.REAR: 0.5 * ego.length + x,
-        Face.SIDE: 0.5 * ego.width - side * y,
+        Face.SIDE: 0.5 * ego.width - abs(y),
     }
-    approach = {Face.FRONT: -into[0], Face.REAR: into[0], Face.SIDE: -side * into[1]}
-    nearest = min(distances.values())
-    # At a corner two parts are touched: the one that the other moved into more directly was hit.
-    touched = [face for face in Face if distances[face] <= nearest + 0.05]
-    return max(touched, key=lambda face: approach[face])
+    return min(distances, key=lambda face: distances[face])
 
 
 def _touch_point(pose: FloatArray, ego: Actor, other: Actor) -> tuple[float, float]:

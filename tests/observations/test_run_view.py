@@ -73,3 +73,12 @@ def test_the_filters_follow_a_steady_rise_at_every_step_length(step_length: floa
     np.testing.assert_allclose(found.jerk, 1.5, atol=1e-6)
     np.testing.assert_allclose(found.yaw_acceleration, 0.2, atol=1e-6)
     np.testing.assert_allclose(found.lateral_acceleration, 0.0, atol=1e-9)
+
+
+def test_jerk_is_of_the_whole_acceleration() -> None:
+    motion = Motion.steady(0.0, 0.0, steps=100, speed=5.0)
+    motion.states[:, 6] = 2.0 * 0.05 * np.arange(100)
+    found = filter_motion(motion.states, 0.05)
+    assert found is not None
+    np.testing.assert_allclose(found.jerk, 2.0, atol=1e-6)
+    np.testing.assert_allclose(found.longitudinal_jerk, 0.0, atol=1e-9)

@@ -88,6 +88,14 @@ def test_being_hit_from_behind_is_not() -> None:
     assert verdict.evidence["face"] == "rear"
 
 
+def test_a_fast_grazing_hit_from_behind_is_seen_at_its_first_touch() -> None:
+    # At the end of the step the boxes share a strip of 1.4 m along the ego's side.
+    grazing = SyntheticActor(motion=steady(-8.6, 1.5, 40.0))
+    (verdict,) = collide(on_lane(motion=steady(0.0, 0.0, 3.0)), grazing)
+    assert verdict.evidence["face"] == "rear"
+    assert verdict.at_fault is False
+
+
 def test_backing_into_somebody_is() -> None:
     (verdict,) = collide(
         on_lane(motion=steady(0.0, 0.0, -3.0)), SyntheticActor(motion=steady(-10.0, 0.0, 0.5))

@@ -102,3 +102,15 @@ def test_backing_off_the_line_is_no_crossing() -> None:
 def test_a_route_without_signals() -> None:
     (verdict,) = drive([])
     assert verdict.outcome is Outcome.PASSED
+
+
+def test_a_signal_that_is_lost_before_the_tail_has_passed_is_no_crossing() -> None:
+    distance = np.where(FRONT < 42.0, 40.0 - FRONT, np.nan)
+    ego = on_lane(
+        motion=Motion.along(FRONT - 0.5 * LENGTH, 0.0),
+        light=Light.RED,
+        light_distance=distance,
+        route_s=FRONT - 0.5 * LENGTH,
+    )
+    (verdict,) = judge(RedLight(), ego)
+    assert verdict.outcome is Outcome.PASSED
