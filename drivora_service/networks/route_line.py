@@ -28,6 +28,9 @@ CHANGE_LENGTHS = (20.0, 60.0)
 CHANGE_LEAD = 10.0
 """Metres that the reference line stays in its lane in a change window before it begins to leave."""
 
+MAX_OVERLAP = 1.0
+"""Metres by which a lane may begin behind the end of the lane before it."""
+
 SAME_PLACE = 1e-6
 """Metres; nearer points of a line are one."""
 
@@ -55,7 +58,7 @@ class _Draft:
     window: tuple[float, float] = (0.0, 0.0)
 
     def append(self, lane_index: int) -> None:
-        """Continues the line along a lane; what of it lies behind the line's end is left out."""
+        """Continues the line along a lane, leaving out a start that lies behind the line's end."""
         lane = self.network.lanes[lane_index]
         self.lanes.append(lane_index)
         if not self.points:
@@ -64,8 +67,9 @@ class _Draft:
             return
         end = self.points[-1][-1]
         heading = end - _point_before(self.points)
-        ahead = (lane.shape - end) @ heading > 0.0
-        first = int(np.argmax(ahead)) if ahead.any() else len(ahead)
+        gap = lane.shape - end
+        overlapping = (gap @ heading <= 0.0) & (np.hypot(gap[:, 0], gap[:, 1]) < MAX_OVERLAP)
+        first = len(gap) if overlapping.all() else int(np.argmin(overlapping))
         kept = lane.shape[first:]
         start = float(self.lane_u[-1][-1])
         steps = arc_lengths(np.concatenate((end[None, :], kept)))[1:]
@@ -81,7 +85,8 @@ class _Draft:
 
 def _point_before(points: Sequence[FloatArray]) -> FloatArray:
     """Gives the last point but one of a line in parts."""
-    return points[-1][-2] if len(points[-1]) > 1 else points[-2][-1]
+    before: FloatArray = points[-1][-2] if len(points[-1]) > 1 else points[-2][-1]
+    return before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -186,8 +191,9 @@ def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:
             windows = []
             for one in (lane, following):
                 length = graph.lengths[one]
-                enter = current.s / graph.lengths[current.lane] * length
-                leave = current.exit_s / graph.lengths[current.exit_lane] * length
+                # The ratio is exactly 1 on the lane itself, so that nothing is rounded there.
+                enter = current.s * (length / graph.lengths[current.lane])
+                leave = current.exit_s * (length / graph.lengths[current.exit_lane])
                 width = (leave - enter) / (len(chain) - 1)
                 windows.append((enter + nth * width, enter + (nth + 1) * width))
             draft.window = (draft.u_of(windows[0][0]), draft.u_of(windows[0][1]))

@@ -30,8 +30,8 @@ HEADING_COST = 300.0
 """Metres of detour that are worth a right angle between the point's and the lane's direction."""
 
 OFF_LANE_COST = 500.0
-"""Metres of detour that are worth leaving the lane, or lanes, that the point is on; a start is
-not moved to a neighbouring lane either, while a later point may be passed one lane beside it."""
+"""Metres of detour that are worth leaving the road that the point is on. On the same edge a start
+is never moved to another lane, while a later point may be passed in the lane beside it."""
 
 MAX_EXTRA_COST = 600.0
 """Metres by which a lane may cost more than the cheapest for its point; a dearer one, such as the
@@ -104,9 +104,11 @@ def _candidates(
         cost = DISTANCE_COST * (abs(position.lateral) - nearest)
         if point.yaw is not None:
             cost += HEADING_COST * (1.0 - math.cos(position.heading - point.yaw))
-        beside = number > 0 and network.lanes[position.lane].edge_id in taken
-        if position not in on_lane and not beside:
-            cost += OFF_LANE_COST
+        if position not in on_lane:
+            beside = network.lanes[position.lane].edge_id in taken
+            if beside and number == 0:
+                continue
+            cost += 0.0 if beside else OFF_LANE_COST
         candidates.append(Candidate(lane=position.lane, s=position.s, cost=cost))
     limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
     return tuple(candidate for candidate in candidates if candidate.cost <= limit)
