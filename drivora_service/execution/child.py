@@ -32,10 +32,10 @@ class Child:
     """
 
     def __init__(
-        self, *, perform: str, setup: object, files: WorkerFiles, runs_per_worker: int
+        self, *, perform: str, warm_up: str, setup: object, files: WorkerFiles, runs_per_worker: int
     ) -> None:
         """Prepares; :meth:`replace` starts the first process."""
-        self._initial = (perform, setup, files)
+        self._initial = (perform, warm_up, setup, files)
         self._files = files
         self._runs_per_worker = runs_per_worker
         self._process: psutil.Process | None = None

@@ -20,14 +20,15 @@ class Limits:
         memory_bytes: Resident memory a worker process may have.
         runs_per_worker: Runs after which a worker process is replaced, against leaks in code under
             test; the simulator has none worth mentioning, and a start costs seconds.
-        start_s: Seconds a new worker process may take until it is ready.
+        start_s: Seconds a new worker process may take until it is ready; the first one of an
+            installation compiles.
     """
 
     wall_time_s: float = 600.0
     agent_deadline_s: float = 10.0
     memory_bytes: int = 2 << 30
     runs_per_worker: int = 2000
-    start_s: float = 120.0
+    start_s: float = 300.0
 
 
 class Executor(Protocol):

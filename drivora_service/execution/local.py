@@ -11,7 +11,7 @@ from types import TracebackType
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.slot import Slot
-from drivora_service.execution.worker import ENVIRONMENT, PERFORM, WorkerFiles
+from drivora_service.execution.worker import ENVIRONMENT, PERFORM, WARM_UP, WorkerFiles
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
@@ -29,6 +29,7 @@ class LocalExecutor:
         folder: Path,
         limits: Limits = Limits(),  # noqa: B008 # frozen
         perform: str = PERFORM,
+        warm_up: str = WARM_UP,
     ) -> None:
         """Starts the slots; their workers get ready while the caller goes on.
 
@@ -38,6 +39,7 @@ class LocalExecutor:
             folder: For the workers' logs and progress; made if it does not exist.
             limits: What a worker may use.
             perform: What does a run, as ``module:function``; see ``execution.worker.Perform``.
+            warm_up: What gets a worker ready, as ``module:function``, or "" for nothing.
         """
         # Worker processes inherit these, before anything is imported there.
         os.environ.update(ENVIRONMENT)
@@ -51,6 +53,7 @@ class LocalExecutor:
             Slot(
                 name,
                 perform=perform,
+                warm_up=warm_up,
                 setup=setup,
                 files=WorkerFiles(
                     log=folder / f"{name}.log",

@@ -46,6 +46,7 @@ class Slot:
         name: str,
         *,
         perform: str,
+        warm_up: str,
         setup: object,
         files: WorkerFiles,
         limits: Limits,
@@ -54,7 +55,8 @@ class Slot:
     ) -> None:
         """Starts the slot and its worker."""
         self.name = name
-        self._perform, self._setup, self._files = perform, setup, files
+        self._perform, self._warm_up = perform, warm_up
+        self._setup, self._files = setup, files
         self._limits, self._source, self._sink = limits, source, sink
         self._child: Child | None = None
         self._run_id = ""
@@ -100,6 +102,7 @@ class Slot:
         # The kernel ends a worker with the thread that started it, so that must be this one.
         self._child = child = Child(
             perform=self._perform,
+            warm_up=self._warm_up,
             setup=self._setup,
             files=self._files,
             runs_per_worker=self._limits.runs_per_worker,

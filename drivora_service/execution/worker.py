@@ -25,6 +25,9 @@ Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
 PERFORM = "drivora_service.runs.performing:perform"
 """Where the real one is."""
 
+WARM_UP = "drivora_service.runs.warm_up:warm_up"
+"""What gets a worker ready for it: called once with the worker's set-up."""
+
 ENVIRONMENT = {
     # Results must not depend on the order of sets, nor on what this machine's processor can do.
     "PYTHONHASHSEED": "0",
@@ -63,11 +66,12 @@ class _Worker:
 _worker: _Worker | None = None
 
 
-def set_up(perform: str, setup: object, files: WorkerFiles) -> None:
+def set_up(perform: str, warm_up: str, setup: object, files: WorkerFiles) -> None:
     """Prepares this process for its runs.
 
     Args:
         perform: The :data:`Perform` to use, as ``module:function``.
+        warm_up: What to call first, or "" for nothing.
         setup: What it gets with every run.
         files: Where to log and to show progress.
     """
@@ -84,6 +88,12 @@ def set_up(perform: str, setup: object, files: WorkerFiles) -> None:
     board = ProgressBoard(files.board)
     board.cells[:] = 0
     files.pid.write_text(str(os.getpid()))
+    if warm_up:
+        try:
+            pkgutil.resolve_name(warm_up)(setup)
+        except Exception:
+            # The runs will show what is wrong, each for itself.
+            traceback.print_exc()
     _worker = _Worker(perform=pkgutil.resolve_name(perform), setup=setup, board=board)
 
 

@@ -24,6 +24,7 @@ def main(data_dir: Path) -> None:
         setup=None,
         folder=data_dir / "workers",
         perform="tests.execution.worker_tasks:perform",
+        warm_up="",
     )
     dispatcher = Dispatcher(database, executor, TraceFolder(data_dir / "traces"), exclusive=True)
     dispatcher.start()

@@ -42,7 +42,7 @@ def serving(
     limits = Limits(agent_deadline_s=1.0, memory_bytes=600 << 20)
     folder = tmp_path / "workers"
     with LocalExecutor(
-        slots=slots, setup=None, folder=folder, limits=limits, perform=TASKS
+        slots=slots, setup=None, folder=folder, limits=limits, perform=TASKS, warm_up=""
     ) as executor:
         dispatcher = Dispatcher(
             database, executor, TraceFolder(tmp_path / "traces"), exclusive=True

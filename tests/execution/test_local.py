@@ -32,7 +32,12 @@ def start(tmp_path: Path) -> Iterator[Start]:
         def start_executor(slots: int = 1, limits: Limits = LIMITS) -> LocalExecutor:
             return stack.enter_context(
                 LocalExecutor(
-                    slots=slots, setup="hello", folder=tmp_path, limits=limits, perform=TASKS
+                    slots=slots,
+                    setup="hello",
+                    folder=tmp_path,
+                    limits=limits,
+                    perform=TASKS,
+                    warm_up="",
                 )
             )
 
@@ -186,7 +191,12 @@ def test_what_a_dead_worker_started_dies_with_it(start: Start) -> None:
 
 def test_a_worker_that_cannot_start_says_why(tmp_path: Path) -> None:
     with LocalExecutor(
-        slots=1, setup=None, folder=tmp_path, limits=LIMITS, perform="nowhere.at.all:perform"
+        slots=1,
+        setup=None,
+        folder=tmp_path,
+        limits=LIMITS,
+        perform="nowhere.at.all:perform",
+        warm_up="",
     ) as executor:
         report = run(executor, "sleep 0").report
     assert report.status is RunStatus.INFRASTRUCTURE_FAILED
@@ -204,7 +214,9 @@ def test_a_slot_survives_the_loss_of_its_folder(start: Start, tmp_path: Path) ->
 
 
 def test_closing_leaves_no_process_behind(tmp_path: Path) -> None:
-    executor = LocalExecutor(slots=2, setup=None, folder=tmp_path, limits=LIMITS, perform=TASKS)
+    executor = LocalExecutor(
+        slots=2, setup=None, folder=tmp_path, limits=LIMITS, perform=TASKS, warm_up=""
+    )
     for number in range(5):
         executor.submit(RunSpec(run_id=f"run-{number}", document="hangs"))
     pids = [pid_of(executor, "run-0"), pid_of(executor, "run-1")]
