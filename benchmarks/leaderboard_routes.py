@@ -32,12 +32,14 @@ def specs(options: argparse.Namespace, catalogue: NetworkCatalogue) -> list[RunS
     found = []
     for file in options.routes:
         for item in read_scenarios(file.read_bytes(), name=file.stem, agent=options.agent):
+            name = f"{file.stem.split('_')[1]}-{item.name}".replace("_", "-")
+            if options.only and not any(name.endswith(end) for end in options.only):
+                continue
             traffic = BackgroundTrafficDocument.model_validate({"density": options.density})
             document = item.document.model_copy(
                 update={"background_traffic": traffic, "seed": options.seed}
             )
             valid = validate_document(document, catalogue, AgentCatalogue().names())
-            name = f"{file.stem.split('_')[1]}-{item.name}".replace("_", "-")
             for note in valid.notes:
                 print(f"{name}: {note}")
             found.append(RunSpec(run_id=name, document=canonical_json(valid.scenario)))
@@ -70,9 +72,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--networks", type=Path, required=True, help="folder of NAME.net.xml")
     parser.add_argument("--routes", type=Path, nargs="+", required=True)
-    parser.add_argument("--density", type=float, default=5.0, help="vehicles a km of lane")
+    parser.add_argument("--density", type=float, default=3.0, help="vehicles a km of lane")
     parser.add_argument("--agent", default="idm")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", nargs="*", default=[], help="ends of route names")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     setup = WorkerSetup(shipped_networks=shipped_networks(), imported_networks=options.networks)

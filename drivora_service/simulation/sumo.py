@@ -31,6 +31,7 @@ _REACH = 3.0
 _RETRY_AFTER = 40
 """Steps after which a vehicle that was off its route is tried on it again."""
 _OBEYS_ALL = 31
+_IMPATIENT_AFTER = "30"
 _CHANGES_LANES = 0b011001010101
 _READ = (
     libsumo.constants.VAR_POSITION3D,
@@ -303,6 +304,8 @@ def open_world(network: Path, *, step_length: float, seed: int, slippery: bool) 
         "--no-step-log", "true",
         "--collision.action", "none",
         "--time-to-teleport", "-1",
+        # Drivers who wait at a minor road grow bold, else full junctions lock up for good.
+        "--time-to-impatience", _IMPATIENT_AFTER,
         "--device.friction.probability", "1" if slippery else "0",
     ]  # fmt: skip
     try:

@@ -28,6 +28,8 @@ _GAP_MARGIN = 1.6
 _START_ACCELERATION = 1.6
 _WALKER_HORIZON = 3.5
 _PATIENCE = 6.0
+_LEAST_PREVIEW = 3.0
+_PREVIEW_TIME = 0.6
 
 
 @compiled
@@ -302,9 +304,9 @@ def lane_is_free(
         distance = arc[best_i] - s
         room = abs(distance) - half_length - 0.5 * sizes[j, 0]
         if distance >= 0.0:
-            if room < 2.0 + 0.3 * v + max(v - speed, 0.0) * 2.0:
+            if room < 3.0 + 0.3 * v + max(v - speed, 0.0) * 2.0:
                 return False
-        elif room < 2.0 + 0.3 * speed + max(speed - v, 0.0) * 3.5:
+        elif room < 5.0 + 0.3 * speed + max(speed - v, 0.0) * 3.5:
             return False
     return True
 
@@ -423,6 +425,9 @@ def decide(
             kinds,
             count,
         ):
+            if front - gate[z] < 0.5 and enter[z] - 1.2 - 2.0 * half_length < gate[z]:
+                # Too short a place to wait in: the tail would still stand on the stop line.
+                held = max(gate[z] - front - 0.5, 0.0)
             stop = min(stop, held)
         elif gate[z] - front > -0.5 and index >= 0 and other < 1.5:
             # Do not stop in the junction behind somebody who stands beyond it.
@@ -432,7 +437,7 @@ def decide(
     if stop < np.inf:
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
-    reach = max(3.5, 0.9 * v)
+    reach = max(_LEAST_PREVIEW, _PREVIEW_TIME * v)
     tx, ty = point_at(line, arc, cursor, s + reach)
     dx, dy = tx - x, ty - y
     # Pure pursuit (Coulter 1992) about the box centre.
