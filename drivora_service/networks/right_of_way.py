@@ -45,14 +45,18 @@ class RightOfWay:
 def right_of_way(network: RoadNetwork) -> RightOfWay:
     """Gives the right-of-way table of a network, read once."""
     into: dict[int, list[int]] = {}
-    for lane in network.lanes:
+    # Where there are sidewalks, the walking areas and crossings of a junction form a ring.
+    drivable = [lane for lane in network.lanes if lane.drivable]
+    for lane in drivable:
         for connection in lane.connections:
-            into.setdefault(connection.to_lane, []).append(lane.index)
+            if network.lanes[connection.to_lane].drivable:
+                into.setdefault(connection.to_lane, []).append(lane.index)
+    ways = {lane.id: lane.index for lane in drivable}
     by_lane: dict[int, Movement] = {}
     for _, element in ElementTree.iterparse(network.path):
         if element.tag != "junction" or element.get("type") == "internal":
             continue
-        last = [network.lane_by_id.get(name, -1) for name in element.get("intLanes", "").split()]
+        last = [ways.get(name, -1) for name in element.get("intLanes", "").split()]
         for request in element.findall("request"):
             link = int(request.get("index", "-1"))
             if not 0 <= link < len(last) or last[link] < 0:

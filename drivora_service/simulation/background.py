@@ -86,7 +86,7 @@ def _edges_behind(network: RoadNetwork, lane: Lane) -> list[str]:
     found = []
     for connection in lane.connections:
         target = network.lanes[connection.to_lane]
-        while target.is_internal and target.connections:
+        while target.is_internal and target.drivable and target.connections:
             target = network.lanes[target.connections[0].to_lane]
         if not target.is_internal and target.drivable:
             found.append(target.edge_id)
