@@ -27,6 +27,7 @@ _SIDE_ACCELERATION = 2.2
 _PLANNED_BRAKING = 1.8
 _SMOOTHING = 5
 _STANDING_SPEED = 0.2
+_LONGEST_WAIT = 10.0
 
 
 class IdmAgent:
@@ -90,7 +91,10 @@ class IdmAgent:
         """Drives."""
         x, y, yaw = observation.ego[:3].tolist()
         speed = observation.speed
-        self._waited = self._waited + self._step_length if speed < _STANDING_SPEED else 0.0
+        if speed < _STANDING_SPEED:
+            self._waited = min(self._waited + self._step_length, _LONGEST_WAIT)
+        else:
+            self._waited = max(self._waited - self._step_length, 0.0)
         if self._current < len(self._runs) - 1:
             self._change_lane_when_possible(observation, x, y)
         self._cursor = decide(

@@ -22,6 +22,8 @@ TIME_HEADWAY = 1.3
 STANDSTILL_GAP = 2.0
 _LOOK_AHEAD = 90.0
 _SIDE_ROOM = 0.35
+_TIGHT_ROOM = 0.08
+"""Metres that are enough to creep past somebody who stands."""
 _HARD_BRAKING = 4.5
 _GAP_MARGIN = 1.6
 """Seconds between another's passage of a conflict zone and ours."""
@@ -100,13 +102,17 @@ def gap_on_line(
     reach: float,
     half_length: float,
     half_width: float,
+    side_room: float,
     v: float,
     objects: FloatArray,
     sizes: FloatArray,
     kinds: IntArray,
     count: int,
 ) -> tuple[float, float, int]:
-    """Finds what ends the free corridor ahead: gap in metres, its speed along it, its index."""
+    """Finds what ends the free corridor ahead: gap in metres, its speed along it, its index.
+
+    The corridor is ``side_room`` metres wider on each side than the vehicle.
+    """
     best, best_speed, best_j = np.inf, 0.0, -1
     for j in range(count):
         x, y = objects[j, 0], objects[j, 1]
@@ -136,7 +142,7 @@ def gap_on_line(
             c, d = abs(cos * ux + sin * uy), abs(sin * ux - cos * uy)
             extent = 0.5 * (sizes[j, 0] * c + sizes[j, 1] * d)
             across = 0.5 * (sizes[j, 0] * d + sizes[j, 1] * c)
-            if abs(along) > 1.0 or abs(side) > half_width + across + _SIDE_ROOM:
+            if abs(along) > 1.0 or abs(side) > half_width + across + side_room:
                 continue
             gap = at + along - half_length - extent
             if at + along < -half_length:
@@ -156,7 +162,7 @@ def gap_on_line(
                 towards = -(-objects[j, 3] * uy + objects[j, 4] * ux) * math.copysign(1.0, side)
                 d = abs(sin * ux - cos * uy)
                 c = abs(cos * ux + sin * uy)
-                across = 0.5 * (sizes[j, 0] * d + sizes[j, 1] * c) + half_width + _SIDE_ROOM
+                across = 0.5 * (sizes[j, 0] * d + sizes[j, 1] * c) + half_width + side_room
                 at = arc[i] - s - half_length - radius
                 horizon = _WALKER_HORIZON if kinds[j] == 1 else 1.2
                 if towards > 0.3 and at > -half_length:
@@ -356,7 +362,7 @@ def decide(
         line, arc: (n, 2) and (n,) centre line of the lane run.
         profile: (n,) speed to drive at each point, m/s.
         wall: Arc length before which the lane must have been left; inf where there is none.
-        waited: Seconds that the ego has stood.
+        waited: Seconds that the ego has stood; runs down again while it moves.
         light_distance, light, protected: The next signal, as in ``Observation``.
         enter .. foe_leave: ``Conflicts`` of the run.
         objects, sizes, kinds: Perceived actors.
@@ -378,6 +384,7 @@ def decide(
         min(_LOOK_AHEAD, 25.0 + 4.0 * v),
         half_length,
         half_width,
+        _SIDE_ROOM if waited < _PATIENCE else _TIGHT_ROOM,
         v,
         objects,
         sizes,
