@@ -32,7 +32,10 @@ def configure_logs(
         last = [structlog.processors.format_exc_info]
     else:
         wanted = sys.stderr.isatty() if colors is None else colors
-        renderer = structlog.dev.ConsoleRenderer(colors=wanted)
+        # The default also prints the values of variables, tokens among them.
+        renderer = structlog.dev.ConsoleRenderer(
+            colors=wanted, exception_formatter=structlog.dev.plain_traceback
+        )
         last = []
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from drivora_service.cli.service_process import running_service
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -22,3 +25,10 @@ def shared_data() -> Path:
     if not path.is_dir():
         pytest.skip("the real towns and routes are not beside the checkout")
     return path
+
+
+@pytest.fixture(scope="session")
+def service_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a real service, in a process of its own and with two workers."""
+    with running_service(tmp_path_factory.mktemp("service"), workers=2) as url:
+        yield url

@@ -33,11 +33,25 @@ def test_own_and_foreign_lines_are_json_alike(capsys: pytest.CaptureFixture[str]
 
 def test_errors_carry_their_trace(capsys: pytest.CaptureFixture[str]) -> None:
     configure_logs(form="json")
+    _fail()
+    assert "ValueError: broken" in json.loads(capsys.readouterr().err)["exception"]
+
+
+def test_no_log_shows_the_values_of_variables(capsys: pytest.CaptureFixture[str]) -> None:
+    for form in ("console", "json"):
+        configure_logs(form=form)
+        _fail()
+    said = capsys.readouterr().err
+    assert said.count("ValueError: broken") == 2
+    assert "drv_secret" not in said
+
+
+def _fail() -> None:
+    token = "drv_" + "secret"
     try:
         raise ValueError("broken")
     except ValueError as error:
-        structlog.stdlib.get_logger("t").error("failed", exc_info=error)
-    assert "ValueError: broken" in json.loads(capsys.readouterr().err)["exception"]
+        structlog.stdlib.get_logger("t").error("failed", size=len(token), exc_info=error)
 
 
 def test_console_lines_are_plain_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:

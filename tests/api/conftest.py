@@ -1,4 +1,4 @@
-"""A real service in a process of its own, and an application whose runs nobody hands out."""
+"""Clients of a real service, and an application whose runs nobody hands out."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.tokens import TokenFile
-from drivora_service.cli.service_process import running_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.store.database import Database, open_database
@@ -34,13 +33,6 @@ BODY_LIMIT = 200_000
 def scenario() -> dict[str, Any]:
     """A scenario that can be run; a copy of its own for each test."""
     return copy.deepcopy(SCENARIO)
-
-
-@pytest.fixture(scope="session")
-def service_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a real service with two workers."""
-    with running_service(tmp_path_factory.mktemp("service"), workers=2) as url:
-        yield url
 
 
 @pytest.fixture

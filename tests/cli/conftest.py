@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.cli.service_process import running_service
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,10 +58,3 @@ def scenario_file(tmp_path: Path) -> Path:
     path = tmp_path / "crossing.json"
     path.write_text(json.dumps(SCENARIO))
     return path
-
-
-@pytest.fixture(scope="session")
-def service_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a real service."""
-    with running_service(tmp_path_factory.mktemp("service"), workers=1) as url:
-        yield url
