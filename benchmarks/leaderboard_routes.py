@@ -2,7 +2,7 @@
 
 Every route must end with a judged report; the table says what happened on each.
 
-    python -m benchmarks.leaderboard_routes --networks MAPS --routes FILE FILE --density 5 --workers 2
+    python -m benchmarks.leaderboard_routes --networks MAPS --routes FILE FILE --density 3
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 The run: one ego (`idm`) and ten reactive NPCs, 60 s at 20 Hz, with reset, all oracles, metrics and
 the written trace. The floor replays exactly the placements that the run made (same calls, same
-poses) and steps SUMO, with the reset and the adding of the vehicles, and nothing else. Both alternate
-in one process, so that the ratio holds on a noisy machine.
+poses) and steps SUMO, with the reset and the adding of the vehicles, and nothing else. Both
+alternate in one process, so that the ratio holds on a noisy machine.
 
     python benchmarks/run_cost.py --networks MAPS --routes ROUTES --town Town01 --repeat 9
 """

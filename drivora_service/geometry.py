@@ -27,7 +27,7 @@ def arc_lengths(line: FloatArray) -> FloatArray:
 def box_corners(
     x: FloatArray, y: FloatArray, yaw: FloatArray, length: float, width: float
 ) -> FloatArray:
-    """Gives the (n, 4, 2) corners of boxes with centres (n,), front left first, counter-clockwise."""
+    """Gives the (n, 4, 2) corners of boxes, front left first, counter-clockwise."""
     ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * (0.5 * length)
     left = np.stack((-np.sin(yaw), np.cos(yaw)), axis=-1)[:, None, :] * (0.5 * width)
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])

@@ -48,7 +48,7 @@ class Settings(BaseSettings):
         description="Worker processes; one run at a time each.",
     )
     runs_per_worker: int = Field(
-        default=200, ge=1, description="Runs after which a worker process is replaced."
+        default=2000, ge=1, description="Runs after which a worker process is replaced."
     )
     wall_time_limit_s: float = Field(
         default=600.0, gt=0, description="Seconds of wall time after which a run is ended."

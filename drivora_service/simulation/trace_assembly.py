@@ -103,6 +103,9 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         light_ids=tuple(program.id for program in plan.programs),
         light_states=light_states,
         light_state_names=tuple(names),
+        lane_ids={
+            index: plan.network.lanes[index].id for index in np.unique(lanes).tolist() if index >= 0
+        },
         log_names=record.log_names,
         log_values=world.logs[:rows].copy(),
         log_events=tuple(
