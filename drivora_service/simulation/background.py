@@ -28,6 +28,7 @@ class Wanderers:
         self, network: RoadNetwork, region: Region | None, rng: np.random.Generator
     ) -> None:
         self._rng = rng
+        self._region = region
         self._next: dict[str, tuple[str, ...]] = {}
         lanes: list[Lane] = []
         for lane in network.lanes:
@@ -36,7 +37,7 @@ class Wanderers:
             follows = sorted(set(_edges_behind(network, lane)))
             merged = {*self._next.get(lane.edge_id, ()), *follows}
             self._next[lane.edge_id] = tuple(sorted(merged))
-            if lane.length >= 2.0 * LENGTH and _inside(lane, region):
+            if lane.length >= 2.0 * LENGTH and _reaches_into(region, lane):
                 lanes.append(lane)
         self._lanes = lanes
         total = np.array([lane.length for lane in lanes])
@@ -69,6 +70,8 @@ class Wanderers:
             lane = self._lanes[int(self._rng.choice(len(self._lanes), p=self._weights))]
             s = float(self._rng.uniform(LENGTH, max(lane.length - 2.0, LENGTH + 0.1)))
             x, y, _ = lane.position_at(s * float(lane.arc[-1]) / lane.length)
+            if not _contains(self._region, x, y):
+                continue
             if not len(taken) or float(np.min(np.hypot(*(taken - (x, y)).T))) > _SPACING:
                 return lane, s
         return None
@@ -97,8 +100,12 @@ def _is_turn_around(edge: str, onward: str) -> bool:
     return edge.lstrip("-") == onward.lstrip("-") and edge != onward
 
 
-def _inside(lane: Lane, region: Region | None) -> bool:
+def _reaches_into(region: Region | None, lane: Lane) -> bool:
+    places = np.linspace(0.0, float(lane.arc[-1]), 1 + math.ceil(lane.length / _SPACING))
+    return any(_contains(region, *lane.position_at(float(s))[:2]) for s in places)
+
+
+def _contains(region: Region | None, x: float, y: float) -> bool:
     if region is None:
         return True
-    x, y, _ = lane.position_at(0.5 * float(lane.arc[-1]))
     return region.min_x <= x <= region.max_x and region.min_y <= y <= region.max_y

@@ -253,8 +253,9 @@ class Episode:
 
     def _hand_over_started(self, rows: Sequence[int]) -> None:
         for m in rows:
-            if self._team.active[m] and isinstance(self._team.agents[m], SumoDriver):
-                self._traffic.hand_over(m, self.plan.egos[m].ego.initial_speed)
+            agent = self._team.agents[m]
+            if self._team.active[m] and isinstance(agent, SumoDriver):
+                self._traffic.hand_over(m, self.plan.egos[m].ego.initial_speed, agent.type_id)
                 self._team.modes[m] = CommandMode.EXTERNAL
 
     def step(self, controls: Mapping[str, Control] | None = None) -> bool:

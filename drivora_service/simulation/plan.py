@@ -13,12 +13,13 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely import LineString, Point
 
 from drivora_service.geometry import arc_lengths
 from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position, project_points
-from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
@@ -40,6 +41,8 @@ FloatArray = NDArray[np.float64]
 JOIN_DISTANCE = 10.0
 """Waypoints of a reactive NPC further apart than this are joined along the lanes, metres."""
 WALKING_SPEED = 1.4
+WALKING_ACCELERATION = 2.0
+"""m/s² by which a walker changes pace: from standing to walking within a step or two."""
 OFF_ROAD_SPEED = 8.0
 TIME_PER_METRE = 0.8
 """Seconds a metre of route that an ego has, as the CARLA Leaderboard gives it."""
@@ -89,13 +92,19 @@ class FollowerPlan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DrivenPlan:
-    """An NPC vehicle that SUMO drives; ``position`` is that of the front bumper on the lane."""
+    """An NPC vehicle that SUMO drives.
+
+    Attributes:
+        position: Of the front bumper on the first lane at the start, in SUMO's metres.
+        arrival: Of the front bumper on the last lane at the destination.
+    """
 
     id: str
     model: ActorModel
     edges: tuple[str, ...]
     lane_number: int
     position: float
+    arrival: float
     speed: float
     start_time: float
 
@@ -296,7 +305,11 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
 
 def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
     """Prepares a walker."""
-    model = actor_model(ActorKind.WALKER, walker.model)
+    model = replace(
+        actor_model(ActorKind.WALKER, walker.model),
+        max_acceleration=WALKING_ACCELERATION,
+        max_deceleration=WALKING_ACCELERATION,
+    )
     line, marks = _straight(walker.route)
     speeds = _waypoint_speeds(walker.route, network, WALKING_SPEED)
     start = walker.route[0]
@@ -322,21 +335,28 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
 def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
     """Prepares an NPC vehicle that SUMO drives."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
-    points = _route_points(npc.route)
-    route = _planned(network, points)
-    lane = network.lanes[int(route.point_lanes[0])]
-    place = nearest_lane_position(network, npc.route[0].x, npc.route[0].y, heading=points[0].yaw)
-    s = 0.0 if place is None else place.s + 0.5 * model.length
+    route = plan_route(network, _route_points(npc.route))
+    first, last = (network.lanes[int(lane)] for lane in route.point_lanes[[0, -1]])
     speed = npc.route[0].speed
     return DrivenPlan(
         id=npc.id,
         model=model,
         edges=route.edges,
-        lane_number=lane.lane_number,
-        position=min(max(s, model.length), lane.length),
-        speed=min(lane.speed_limit if speed is None else speed, lane.speed_limit),
+        lane_number=0 if first.is_internal else first.lane_number,
+        position=_front_on(first, route.line[0], model.length),
+        arrival=_front_on(last, route.line[-1], model.length),
+        speed=min(first.speed_limit if speed is None else speed, first.speed_limit),
         start_time=npc.start_time,
     )
+
+
+def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
+    """Gives where on a lane the front bumper of a vehicle with its centre at ``point`` is."""
+    if lane.is_internal:
+        # SUMO lets nobody start or arrive inside a junction.
+        return min(length, lane.length)
+    s = LineString(lane.shape).project(Point(point)) * lane.length / float(lane.arc[-1])
+    return min(max(s + 0.5 * length, length), lane.length)
 
 
 def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import SimulatorError
+from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.lights import RunningProgram
 
 FloatArray = NDArray[np.float64]
@@ -26,6 +27,7 @@ FloatArray = NDArray[np.float64]
 _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
 _ON_ROUTE = 1
 _ANYWHERE = 6
+_MOVED_TYPE = "DEFAULT_VEHTYPE"
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
 _RETRY_AFTER = 40
@@ -80,6 +82,7 @@ class SumoWorld:
     def __init__(self) -> None:
         self._types: set[str] = set()
         self._routes = 0
+        self._grip = math.inf
 
     def set_programs(self, programs: Sequence[RunningProgram], time: float) -> None:
         """Makes every traffic light run its fixed-time programme as from ``time`` seconds."""
@@ -97,7 +100,11 @@ class SumoWorld:
         return str(libsumo.trafficlight.getRedYellowGreenState(light_id))
 
     def set_friction(self, edges: Sequence[str], friction: float) -> None:
-        """Sets the friction coefficient that SUMO's drivers find on the given edges."""
+        """Sets the friction coefficient that SUMO's drivers find on the given edges.
+
+        Of itself it only makes them drive more slowly: their braking is limited here.
+        """
+        self._grip = friction * GRAVITY
         for edge in edges:
             libsumo.edge.setFriction(edge, friction)
 
@@ -113,7 +120,7 @@ class SumoWorld:
         follows_route: bool,
     ) -> MovedActor:
         """Adds a vehicle that will be placed every step; the first placement inserts it."""
-        vehicle_type = self._sized_type("DEFAULT_VEHTYPE", length, width, is_walker)
+        vehicle_type = self._sized_type(_MOVED_TYPE, length, width, is_walker)
         self._add(actor_id, edges, vehicle_type)
         libsumo.vehicle.setSpeedMode(actor_id, 0)
         libsumo.vehicle.setLaneChangeMode(actor_id, 0)
@@ -132,11 +139,13 @@ class SumoWorld:
         width: float,
         lane_number: int,
         position: float,
+        arrival: float | None,
         speed: float | None,
     ) -> DrivenActor:
         """Adds a vehicle that SUMO drives, with its front bumper at ``position`` metres.
 
-        ``speed`` in m/s; ``None`` lets SUMO choose what is safe there.
+        It leaves with its front bumper at ``arrival`` metres of its last lane; ``None`` is the end
+        of that lane. ``speed`` in m/s; ``None`` lets SUMO choose what is safe there.
         """
         vehicle_type = self._sized_type(driver, length, width, is_walker=False)
         self._add(
@@ -145,6 +154,7 @@ class SumoWorld:
             vehicle_type,
             departLane=str(lane_number),
             departPos=f"{position:.3f}",
+            arrivalPos="max" if arrival is None else f"{arrival:.3f}",
             departSpeed="last" if speed is None else f"{speed:.3f}",
         )
         libsumo.vehicle.subscribe(actor_id, _READ)
@@ -165,13 +175,21 @@ class SumoWorld:
             libsumo.vehicletype.copy(base, name)
             libsumo.vehicletype.setLength(name, length)
             libsumo.vehicletype.setWidth(name, width)
+            # A factor of its own for each vehicle would be drawn from the stream that all share.
+            if base == _MOVED_TYPE:
+                libsumo.vehicletype.setSpeedDeviation(name, 0.0)
+            libsumo.vehicletype.setDecel(name, min(libsumo.vehicletype.getDecel(name), self._grip))
+            emergency = min(libsumo.vehicletype.getEmergencyDecel(name), self._grip)
+            libsumo.vehicletype.setEmergencyDecel(name, emergency)
             if is_walker:
                 libsumo.vehicletype.setShapeClass(name, "pedestrian")
             self._types.add(name)
         return name
 
-    def hand_over(self, actor: MovedActor, speed: float) -> DrivenActor:
+    def hand_over(self, actor: MovedActor, speed: float, driver: str, width: float) -> DrivenActor:
         """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""
+        driven = self._sized_type(driver, 2.0 * actor.half_length, width, is_walker=False)
+        libsumo.vehicle.setType(actor.id, driven)
         libsumo.vehicle.setSpeed(actor.id, -1.0)
         libsumo.vehicle.setPreviousSpeed(actor.id, speed)
         libsumo.vehicle.setSpeedMode(actor.id, _OBEYS_ALL)

@@ -84,12 +84,12 @@ class Traffic:
         """Announces the background traffic."""
         self._background = background
 
-    def hand_over(self, row: int, speed: float) -> None:
-        """Lets SUMO drive a row that was moved until now."""
+    def hand_over(self, row: int, speed: float, driver: str) -> None:
+        """Lets one of SUMO's drivers take over a row that was moved until now."""
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
         self._is_moved[row] = False
-        self.driven.append(self._sumo.hand_over(actor, speed))
+        self.driven.append(self._sumo.hand_over(actor, speed, driver, self._bodies[row].width))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
         """Moves a row again that SUMO drove until now, or forgets it if it has left the road."""
@@ -101,7 +101,6 @@ class Traffic:
         moved = self._sumo.take_back(actor)
         self._moved[row] = moved
         self._moved_list.append(moved)
-        self._is_moved[row] = True
 
     def step(
         self,
@@ -187,6 +186,7 @@ class Traffic:
                     width=plan.model.width,
                     lane_number=plan.lane_number,
                     position=plan.position,
+                    arrival=plan.arrival,
                     speed=plan.speed,
                 )
             )
@@ -223,6 +223,7 @@ class Traffic:
                         width=WIDTH,
                         lane_number=lane.lane_number,
                         position=s,
+                        arrival=None,
                         speed=None,
                     )
                 )
