@@ -57,8 +57,8 @@ def follow(
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, f.rows, f.first, f.line, f.yaw, f.arc, f.wanted, f.height, f.s,
-            f.speed, f.cursor, f.phase, f.start_time, f.reaction, f.stays, f.max_acceleration,
+            (k - 1) * DT, DT, friction, f.rows, f.first, f.line, f.yaw, f.arc, f.wanted, f.height,
+            f.s, f.speed, f.cursor, f.phase, f.start_time, f.reaction, f.stays, f.max_acceleration,
             f.max_deceleration, f.length, f.width, states[before], sizes, present[before],
             states[k], present[k],
         )  # fmt: skip
