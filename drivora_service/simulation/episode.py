@@ -7,7 +7,7 @@ own vehicles, and then looks what happened.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -269,10 +269,12 @@ class Episode:
 
         Raises:
             AgentError: If an agent raises or answers what is no control.
-            SimulatorError: If the episode has ended already.
+            SimulatorError: If the episode has ended already, or ``controls`` names no ego.
         """
         if self.done:
             raise SimulatorError("the episode has ended: make a new one to go on")
+        if controls:
+            self._check_egos(controls)
         world, k = self._world, self._k
         if k + 1 >= world.capacity:
             world.grow()
@@ -292,6 +294,13 @@ class Episode:
         self._k = k + 1
         self._look_around(k + 1, next_time)
         return self.done
+
+    def _check_egos(self, ids: Iterable[str]) -> None:
+        egos = [ego.ego.id for ego in self.plan.egos]
+        for ego in ids:
+            if ego not in egos:
+                known = ", ".join(egos)
+                raise SimulatorError(f"there is no ego {ego!r} to control; egos: {known}")
 
     def _put_late_obstacles(
         self, time: float, frame: NDArray[np.float64], present: NDArray[np.bool_]
@@ -387,6 +396,8 @@ class Episode:
         self._traffic.add_body(_body(actor, plan.edges, on_lanes=plan.on_lanes))
 
     def _check_new(self, actor_id: str) -> None:
+        if self.done:
+            raise SimulatorError("the episode has ended: nobody can join it any more")
         if any(actor.id == actor_id for actor in self._world.actors):
             raise SimulatorError(f"there is an actor {actor_id!r} already: choose another id")
 

@@ -1,0 +1,186 @@
+"""How an ego's part ends, and what that means for the others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.observations.trace import Light, TerminalEvent
+from drivora_service.scenario.model import LightTimes, TrafficLights
+from tests.simulation.episodes import (
+    Blind,
+    car,
+    closest,
+    contacts,
+    ego,
+    obstacle,
+    place,
+    presence,
+    run,
+    scenario,
+    speeds,
+    standing,
+    start,
+    track,
+    walker,
+)
+
+ROAD = "harbour_1_0"
+
+
+@pytest.mark.parametrize("agent", ["idm", "sumo-krauss"])
+def test_an_ego_that_arrives_leaves_the_road(agent: str) -> None:
+    there = place(ROAD, 60)
+    what = scenario(
+        ego(place(ROAD, 10), there, agent=agent),
+        ego(place("-north_2_0", 10), place("-north_2_0", 130), name="other"),
+        seconds=16.0,
+    )
+    trace = run(what)
+    assert trace.ego_ends[0] is TerminalEvent.ARRIVED
+    step = trace.ego_end_steps[0]
+    assert step < trace.step_count - 20
+    assert presence(trace, "ego")[: step + 1].all()
+    assert not presence(trace, "ego")[step + 2 :].any()
+    assert np.hypot(*(track(trace, "ego")[step] - (there.x, there.y))) < 10.0
+
+
+def test_an_arrived_ego_does_not_block_the_way() -> None:
+    what = scenario(
+        ego(place(ROAD, 30), place(ROAD, 60), name="first"),
+        ego(place(ROAD, 10), place(ROAD, 120), name="second"),
+        seconds=30.0,
+    )
+    assert run(what).ego_ends == (TerminalEvent.ARRIVED, TerminalEvent.ARRIVED)
+
+
+def test_hitting_an_npc_ends_the_part_and_the_wreck_stays() -> None:
+    what = scenario(
+        ego(place(ROAD, 30), place(ROAD, 120)),
+        npc_vehicles=(
+            car(place(ROAD, 70), name="parked"),
+            car(place(ROAD, 5, speed=8.0), place(ROAD, 120, speed=8.0), name="behind"),
+        ),
+        seconds=12.0,
+    )
+    # The part of the only ego is over, so is the run.
+    alone = run(what, Blind())
+    assert alone.ego_ends == (TerminalEvent.COLLISION,)
+    assert alone.ego_end_steps[0] == alone.step_count - 1 == alone.contacts[0].step
+    assert contacts(alone) == [("ego", "parked")]
+    witness = ego(place("-north_2_0", 10), place("-north_2_0", 130), name="witness")
+    what = scenario(*what.ego_vehicles, witness, npc_vehicles=what.npc_vehicles, seconds=12.0)
+    trace = run(what, Blind(), standing())
+    crash = trace.ego_end_steps[0]
+    assert trace.ego_ends == (TerminalEvent.COLLISION, TerminalEvent.TIME_LIMIT)
+    assert presence(trace, "ego").all()
+    assert np.all(speeds(trace, "ego")[crash + 1 :] == 0.0)
+    assert np.ptp(track(trace, "ego")[crash + 1 :], axis=0).max() == 0.0
+    assert closest(trace, "behind", "ego") > 5.0
+    assert speeds(trace, "behind")[-1] < 0.1
+
+
+def test_two_egos_that_meet_have_both_collided() -> None:
+    what = scenario(
+        ego(place(ROAD, 20), place(ROAD, 120), name="hits"),
+        ego(place(ROAD, 60), place(ROAD, 120), name="stands"),
+        ego(place("-north_2_0", 10), place("-north_2_0", 130), name="far"),
+        seconds=8.0,
+    )
+    trace = run(what, Blind(), standing(), standing())
+    assert set(contacts(trace)) == {("hits", "stands"), ("stands", "hits")}
+    assert trace.ego_ends == (
+        TerminalEvent.COLLISION, TerminalEvent.COLLISION, TerminalEvent.TIME_LIMIT,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["obstacle", "walker", "obstacle late", "walker late"])
+def test_hitting_what_stands_in_the_way_ends_the_part(kind: str) -> None:
+    begin = 3.0 if "late" in kind else 0.0
+    more = (
+        {"npc_obstacles": (obstacle(place(ROAD, 60), start_time=begin),)}
+        if "obstacle" in kind
+        else {"npc_walkers": (walker(place(ROAD, 60), start_time=begin),)}
+    )
+    trace = run(scenario(ego(place(ROAD, 20), place(ROAD, 120)), **more), Blind())
+    assert trace.ego_ends == (TerminalEvent.COLLISION,)
+    assert [other for _, other in contacts(trace)] in (["box"], ["walker"])
+
+
+def test_an_ego_that_stands_for_a_minute_is_stuck() -> None:
+    what = scenario(
+        ego(place(ROAD, 20), place(ROAD, 120), start_time=1.0),
+        ego(place("-north_2_0", 10), place("harbour_0_0", 130), name="other", start_time=20.0),
+        seconds=100.0,
+    )
+    trace = run(what, standing(), standing())
+    assert trace.ego_ends == (TerminalEvent.STUCK, TerminalEvent.STUCK)
+    assert trace.times[trace.ego_end_steps[0]] == pytest.approx(61.0, abs=0.11)
+    assert trace.times[trace.ego_end_steps[1]] == pytest.approx(80.0, abs=0.11)
+
+
+def test_an_ego_that_waits_at_red_is_not_stuck() -> None:
+    on = "signal-grid"
+    dark = TrafficLights(times=LightTimes(green=80.0, yellow=3.0))
+    egos = [
+        ego(place(lane, 70, on=on), place(end, 60, on=on), place(last, 60, on=on), name=lane)
+        for lane, end, last in (
+            ("grand_1_1", "grand_2_1", "grand_4_1"),
+            ("castle_1_1", "castle_2_1", "queen_4_1"),
+        )
+    ]
+    trace = run(scenario(*egos, on=on, traffic_lights=dark, seconds=130.0))
+    stood = [(speeds(trace, e.id) < 0.1) & (trace.times < 82.0) for e in egos]
+    waits = int(np.argmax([s.sum() for s in stood]))
+    assert stood[waits].sum() * 0.05 > 62.0
+    assert trace.ego_lights[stood[waits], waits].max() == Light.RED
+    assert TerminalEvent.STUCK not in trace.ego_ends
+
+
+def test_the_time_of_a_route_and_of_the_run_are_limits() -> None:
+    short = ego(place(ROAD, 20), place(ROAD, 30), name="short")
+    long = ego(place("harbour_0_0", 20), place("harbour_0_0", 200), name="long")
+    trace = run(scenario(short, long, seconds=20.0), standing(), standing())
+    assert trace.ego_ends == (TerminalEvent.TIME_LIMIT, TerminalEvent.TIME_LIMIT)
+    # 0.8 s a metre of route and 5 s to start.
+    assert trace.times[trace.ego_end_steps[0]] == pytest.approx(13.0, abs=0.2)
+    assert trace.times[-1] == 20.0
+    assert trace.ego_end_steps[1] == trace.step_count - 1
+    assert presence(trace, "short").all()
+
+
+def test_without_a_limit_the_run_lasts_as_long_as_its_longest_route_may() -> None:
+    what = scenario(ego(place(ROAD, 20), place(ROAD, 30)), seconds=None)
+    trace = run(what, standing())
+    assert trace.times[-1] == pytest.approx(13.0, abs=0.2)
+    assert trace.max_sim_time == pytest.approx(13.0, abs=0.2)
+
+
+@pytest.mark.parametrize("agent", ["sumo-krauss", "sumo-idm", "sumo-eidm"])
+def test_sumos_drivers_drive_an_ego_and_a_crashed_one_stays(agent: str) -> None:
+    what = scenario(
+        ego(place("harbour_0_0", 20), place(ROAD, 60), agent=agent, initial_speed=5.0),
+        seconds=60.0,
+    )
+    assert run(what).ego_ends == (TerminalEvent.ARRIVED,)
+    oncoming = car(
+        place("harbour_0_0", 120, speed=8.0), place("harbour_0_0", 20, speed=8.0), behavior="replay"
+    )
+    witness = ego(place("-north_2_0", 10), place("-north_2_0", 130), name="witness")
+    what = scenario(*what.ego_vehicles, witness, npc_vehicles=(oncoming,), seconds=15.0)
+    driver = AgentCatalogue().create(agent, {})
+    episode = start(what, driver, standing())  # type: ignore[arg-type]  # one of SUMO's drivers
+    while not episode.done:
+        episode.step()
+    trace = episode.finish()
+    assert trace.ego_ends[0] is TerminalEvent.COLLISION
+    assert np.all(speeds(trace, "ego")[trace.ego_end_steps[0] + 1 :] == 0.0)
+
+
+def test_sumos_drivers_differ() -> None:
+    ways = []
+    for agent in ("sumo-krauss", "sumo-idm", "sumo-eidm"):
+        what = scenario(ego(place("harbour_0_0", 20), place(ROAD, 60), agent=agent), seconds=8.0)
+        ways.append(float(np.nansum(speeds(run(what), "ego"))))
+    assert len(set(ways)) == 3
