@@ -101,7 +101,7 @@ class IdmAgent:
             x, y, yaw, speed, self._cursor, self._waited, observation.light_distance,
             int(observation.light), observation.light_protected, observation.objects,
             observation.object_sizes, observation.object_kinds, self._out,
-            *self._fixed[self._current],
+            self._step_length, *self._fixed[self._current],
         )  # fmt: skip
         acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
         self._log.row[:] = (gap, wanted, stop)

@@ -29,8 +29,10 @@ _GAP_MARGIN = 1.6
 """Seconds between another's passage of a conflict zone and ours."""
 _START_ACCELERATION = 1.6
 _WALKER_HORIZON = 3.5
+_DRIVING_JERK = 3.0
+_BRAKING_JERK = 8.0
 _PATIENCE = 6.0
-_LEAST_PREVIEW = 3.0
+_LEAST_PREVIEW = 3.5
 _PREVIEW_TIME = 0.6
 
 
@@ -332,6 +334,7 @@ def decide(
     sizes: FloatArray,
     kinds: IntArray,
     out: FloatArray,
+    dt: float,
     half_length: float,
     half_width: float,
     wheelbase: float,
@@ -366,7 +369,8 @@ def decide(
         light_distance, light, protected: The next signal, as in ``Observation``.
         enter .. foe_leave: ``Conflicts`` of the run.
         objects, sizes, kinds: Perceived actors.
-        out: (8,) filled: acceleration, steer, gap to what is ahead, its speed, index of it, metres
+        dt: Seconds a step.
+        out: (8,) of the step before; filled: acceleration, steer, gap to what is ahead, its speed, index of it, metres
             to where we must halt, lateral offset, wanted speed.
 
     Returns:
@@ -444,12 +448,17 @@ def decide(
     if stop < np.inf:
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
-    reach = max(_LEAST_PREVIEW, _PREVIEW_TIME * v)
-    tx, ty = point_at(line, arc, cursor, s + reach)
-    dx, dy = tx - x, ty - y
-    # Pure pursuit (Coulter 1992) about the box centre.
+    # Pure pursuit (Coulter 1992) with the rear axle: led by its centre, a car would cut its corners.
+    rear_x, rear_y = x - 0.5 * wheelbase * math.cos(yaw), y - 0.5 * wheelbase * math.sin(yaw)
+    reach = max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
+    tx, ty = point_at(line, arc, cursor, s - 0.5 * wheelbase + reach)
+    dx, dy = tx - rear_x, ty - rear_y
     angle = math.atan2(dy, dx) - yaw
     curvature = 2.0 * math.sin(angle) / max(math.hypot(dx, dy), 1.0)
+    if acceleration > -_HARD_BRAKING:
+        # As a calm foot moves the pedals; in need, the brake is stamped on.
+        calm = max(acceleration, out[0] - _BRAKING_JERK * dt)
+        acceleration = min(calm, out[0] + _DRIVING_JERK * dt)
     out[0] = acceleration
     out[1] = math.atan(wheelbase * curvature)
     out[2] = gap
