@@ -370,8 +370,8 @@ def decide(
         enter .. foe_leave: ``Conflicts`` of the run.
         objects, sizes, kinds: Perceived actors.
         dt: Seconds a step.
-        out: (8,) of the step before; filled: acceleration, steer, gap to what is ahead, its speed, index of it, metres
-            to where we must halt, lateral offset, wanted speed.
+        out: (8,) of the step before; filled: acceleration, steer, gap to what is ahead, its speed,
+            index of it, metres to where we must halt, lateral offset, wanted speed.
 
     Returns:
         The segment found now.
@@ -448,7 +448,7 @@ def decide(
     if stop < np.inf:
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
-    # Pure pursuit (Coulter 1992) with the rear axle: led by its centre, a car would cut its corners.
+    # Pure pursuit (Coulter 1992) with the rear axle: led by its centre, a car cuts its corners.
     rear_x, rear_y = x - 0.5 * wheelbase * math.cos(yaw), y - 0.5 * wheelbase * math.sin(yaw)
     reach = max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
     tx, ty = point_at(line, arc, cursor, s - 0.5 * wheelbase + reach)
