@@ -6,6 +6,8 @@ as ``x-unit``.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -58,14 +60,24 @@ VehicleCount = Annotated[int, _integer("1", 0, MAX_BACKGROUND_VEHICLES)]
 Seed = Annotated[int, _integer("1", 0, MAX_SEED)]
 
 NAME_PATTERN = r"^[A-Za-z0-9_.-]{1,64}$"
-ActorId = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:-]{1,64}$")]
+ID_PATTERN = r"^[A-Za-z0-9_.:-]{1,64}$"
+TOWN_PATTERN = r"^[A-Za-z0-9_-]{1,64}$"
+CONFIG_PATTERN = r"^(configs/)?[A-Za-z0-9_-]{1,64}(\.yaml|\.yml|\.json)?$"
+PATTERN_MEANINGS: Mapping[str, str] = MappingProxyType(
+    {
+        NAME_PATTERN: "1 to 64 of A-Z a-z 0-9 _ . -",
+        ID_PATTERN: "1 to 64 of A-Z a-z 0-9 _ . : -",
+        TOWN_PATTERN: "1 to 64 of A-Z a-z 0-9 _ -",
+        CONFIG_PATTERN: "the name of an agent: NAME, NAME.yaml or configs/NAME.yaml",
+    }
+)
+"""What the patterns mean, for people."""
+
+ActorId = Annotated[str, Field(strict=True, pattern=ID_PATTERN)]
 ModelName = Annotated[str, Field(strict=True, pattern=NAME_PATTERN)]
-TownName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+TownName = Annotated[str, Field(strict=True, pattern=TOWN_PATTERN)]
 AgentName = Annotated[str, Field(strict=True, pattern=NAME_PATTERN)]
-ConfigPath = Annotated[
-    str,
-    Field(strict=True, pattern=r"^(configs/)?[A-Za-z0-9_-]{1,64}(\.yaml|\.yml|\.json)?$"),
-]
+ConfigPath = Annotated[str, Field(strict=True, pattern=CONFIG_PATTERN)]
 TrafficLightId = Annotated[str, Field(strict=True, min_length=1, max_length=256)]
 ExtensionKey = Annotated[
     str,

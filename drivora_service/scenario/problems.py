@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from drivora_service.errors import Problem
+from drivora_service.scenario.fields import PATTERN_MEANINGS
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
 
 ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
@@ -106,7 +107,8 @@ def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
     if kind in ("enum", "literal_error"):
         return f"found {_shown(found)}; allowed: {context['expected']}"
     if kind == "string_pattern_mismatch":
-        return f"found {_shown(found)}; it must match {context['pattern']}"
+        pattern = context["pattern"]
+        return f"found {_shown(found)}; allowed is {PATTERN_MEANINGS.get(pattern, pattern)}"
     if kind in ("too_long", "too_short"):
         limit = context.get("max_length", context.get("min_length"))
         bound = "at most" if kind == "too_long" else "at least"

@@ -196,10 +196,10 @@ def test_broken_documents(name: str, networks: NetworkCatalogue) -> None:
     changed = change(copy.deepcopy(GOOD))
     data = changed if isinstance(changed, str | bytes) else json.dumps(changed)
     networks.get("tee-town")
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(InvalidDocument) as caught:
         validate_document(parse_document(data), networks, ("idm",))
-    assert time.perf_counter() - started < 1.0
+    assert time.process_time() - started < 1.0
     assert [problem.pointer for problem in caught.value.problems] == [pointer]
     assert all(problem.message and problem.code for problem in caught.value.problems)
 

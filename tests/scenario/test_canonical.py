@@ -68,6 +68,6 @@ def test_reading_is_fast(networks: NetworkCatalogue, good: dict[str, Any]) -> No
 
 
 def _seconds(text: str) -> float:
-    started = time.perf_counter()
+    started = time.process_time()
     from_canonical(text)
-    return time.perf_counter() - started
+    return time.process_time() - started

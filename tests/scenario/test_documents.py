@@ -61,7 +61,9 @@ def test_config_path_names_an_agent(good: dict[str, Any], config_path: str, name
 def test_config_path_is_no_path(good: dict[str, Any], config_path: str) -> None:
     del good["ego_vehicles"][0]["agent"]
     good["ego_vehicles"][0]["config_path"] = config_path
-    assert list(problems_of(good)) == ["/ego_vehicles/0/config_path"]
+    found = problems_of(good)
+    assert list(found) == ["/ego_vehicles/0/config_path"]
+    assert "NAME, NAME.yaml or configs/NAME.yaml" in found["/ego_vehicles/0/config_path"]
 
 
 def test_every_problem_is_named_in_document_order(good: dict[str, Any]) -> None:

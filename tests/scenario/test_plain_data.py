@@ -11,10 +11,10 @@ from drivora_service.scenario.plain_data import MAX_DOCUMENT_BYTES, MAX_YAML_BYT
 
 
 def refusal(data: str | bytes, language: str = "json") -> str:
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(InvalidDocument) as caught:
         plain_data(data, language)  # type: ignore[arg-type]  # parametrised
-    assert time.perf_counter() - started < 1.0
+    assert time.process_time() - started < 1.0
     (problem,) = caught.value.problems
     return problem.code
 

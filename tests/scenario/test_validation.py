@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from drivora_service.errors import InvalidDocument, Problem
@@ -361,6 +362,22 @@ def test_five_hundred_npcs_take_less_than_a_second(
 
 
 def seconds(valid: Any, content: dict[str, Any]) -> float:
-    started = time.perf_counter()
+    started = time.process_time()
     valid(content)
-    return time.perf_counter() - started
+    return time.process_time() - started
+
+
+def test_levels_of_a_bridge_do_not_meet(good: dict[str, Any], network: RoadNetwork) -> None:
+    raised = replace(
+        network,
+        lanes=tuple(replace(lane, heights=np.full(len(lane.arc), 6.0)) for lane in network.lanes),
+    )
+    here = on_lane(raised, "market_2_0", 40)
+    good["ego_vehicles"][0]["route"] = [here, on_lane(raised, "market_2_0", 80)]
+    cone = {"id": "cone", "model": "trafficcone01", "location": {**here, "z": 0.0}}
+    good["npc_obstacles"] = [cone]
+    validate_document(parse_document(good), OneNetwork(raised), AGENTS)  # type: ignore[arg-type]  # only get() is used
+    cone["location"]["z"] = 5.0
+    with pytest.raises(InvalidDocument) as caught:
+        validate_document(parse_document(good), OneNetwork(raised), AGENTS)  # type: ignore[arg-type]  # only get() is used
+    assert places_of(caught.value.problems) == [("/npc_obstacles/0/location", "overlapping_start")]

@@ -82,10 +82,10 @@ def test_problems_name_the_route() -> None:
     ],
 )
 def test_what_is_no_route_file(text: str, code: str) -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(InvalidDocument) as caught:
         import_routes(text)
-    assert time.perf_counter() - started < 1.0
+    assert time.process_time() - started < 1.0
     assert [problem.code for problem in caught.value.problems] == [code]
 
 
