@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
@@ -136,12 +137,24 @@ class AgentCatalogue:
         return tuple(sorted({*self._built_in, *self._found}))
 
     def entry(self, name: str) -> AgentEntry:
-        """Gives what is known of an agent.
+        """Gives what is known of an agent; of a plug-in that cannot be loaded, why.
 
         Raises:
             UnknownName: If there is no such agent.
         """
-        return self._plugin(name).entry
+        try:
+            return self._plugin(name).entry
+        except AgentError as error:
+            distribution = self._found[name].dist
+            return AgentEntry(
+                name=name,
+                kind=AgentKind.BASELINE,
+                description="a plug-in that cannot be loaded",
+                source="" if distribution is None else distribution.name,
+                licence="",
+                installed=False,
+                reason=str(error),
+            )
 
     def entries(self) -> tuple[AgentEntry, ...]:
         """Gives all entries, by name."""
@@ -152,9 +165,18 @@ class AgentCatalogue:
 
         Raises:
             UnknownName: If there is no such agent.
-            AgentError: If it does not take these parameters.
+            AgentError: If it does not take these parameters, or its plug-in cannot be loaded.
         """
-        return self._plugin(name).create(parameters)
+        plugin = self._plugin(name)
+        try:
+            return plugin.create(parameters)
+        except AgentError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise AgentError(
+                f"agent {name!r} raised {type(error).__name__} when it was made: {error}",
+                log="".join(traceback.format_exception(error))[-4000:],
+            ) from error
 
     def _plugin(self, name: str) -> AgentPlugin:
         plugin = self._built_in.get(name)
@@ -163,7 +185,14 @@ class AgentCatalogue:
         point = self._found.get(name)
         if point is None:
             raise UnknownName("agent", name, self.names())
-        loaded = point.load()
+        try:
+            loaded = point.load()
+        except Exception as error:
+            # Whatever a foreign package does on import must not take the other agents away.
+            raise AgentError(
+                f"entry point {name!r} cannot be loaded: {type(error).__name__}: {error}",
+                cause="agent_plugin",
+            ) from error
         if not isinstance(loaded, AgentPlugin):
             raise AgentError(
                 f"entry point {name!r} gives a {type(loaded).__name__}; allowed: AgentPlugin",

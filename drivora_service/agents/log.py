@@ -28,4 +28,4 @@ class AgentLog:
 
     def event(self, message: str) -> None:
         """Writes a line of text at the current step."""
-        self.events.append((self.step, message))
+        self.events.append((self.step, str(message)))

@@ -115,7 +115,7 @@ class EgoTeam:
         self._cells[2], self._cells[0] = m, Phase.IN_AGENT
         try:
             agent.setup_env(context)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
         self._cells[0] = Phase.SIMULATING
 
@@ -181,16 +181,18 @@ class EgoTeam:
                 cells[1], cells[2], cells[0] = step, m, _IN_AGENT
                 try:
                     control = agent.run_step(observation)
-                except Exception as error:
+                    if log.names:
+                        world.logs[step, m, self._log_columns[m]] = log.row
+                except (Exception, SystemExit) as error:
                     where = f"run_step at {time:.2f} s"
                     raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
                 cells[0] = _SIMULATING
-                if log.names:
-                    world.logs[step, m, self._log_columns[m]] = log.row
             command = self._commands[m]
-            self.modes[m] = mode = write_command(
-                control, ego.model, self._plan.scenario.step_length, command
-            )
+            try:
+                mode = write_command(control, ego.model, self._plan.scenario.step_length, command)
+            except (AgentError, ArithmeticError, TypeError, ValueError) as error:
+                raise _control_refused(ego.ego.id, ego.ego.agent.name, time, error) from error
+            self.modes[m] = mode
             if mode == _DRIVE:
                 world.ego_values[step, m, :_COMMANDED] = command[:_COMMANDED]
 
@@ -263,7 +265,15 @@ class EgoTeam:
             self.in_world[m] = False
 
 
-def _agent_failed(ego: str, agent: str, where: str, error: Exception) -> AgentError:
+def _control_refused(ego: str, agent: str, time: float, error: Exception) -> AgentError:
+    return AgentError(
+        f"control of ego {ego!r} by agent {agent!r} at {time:.2f} s: {error}",
+        cause="agent_invalid_control",
+        log="".join(traceback.format_exception(error))[-4000:],
+    )
+
+
+def _agent_failed(ego: str, agent: str, where: str, error: BaseException) -> AgentError:
     if isinstance(error, AgentError):
         return error
     return AgentError(

@@ -361,12 +361,13 @@ def test_light_times_of_a_document_are_shown_recorded_and_obeyed() -> None:
 
 
 def test_a_junctions_own_times_and_offset_count_for_it_alone() -> None:
+    town = "signal-grid"
     own = TrafficLights(junctions={"b2": LightTimes(green=4.0, yellow=2.0, offset=3.0)})
     traces = [
         run(
             scenario(
-                ego(place("north_3_1", 20, on="signal-grid"), place("north_3_1", 90, on="signal-grid")),
-                on="signal-grid", traffic_lights=lights, seconds=20.0,
+                ego(place("north_3_1", 20, on=town), place("north_3_1", 90, on=town)),
+                on=town, traffic_lights=lights, seconds=20.0,
             ),
             standing(),
         )

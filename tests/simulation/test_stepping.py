@@ -96,7 +96,7 @@ def test_every_kind_of_control_moves_the_ego() -> None:
 
 
 def test_controls_for_somebody_else_are_refused() -> None:
-    with pytest.raises(SimulatorError, match="'three'.*one, two"):
+    with pytest.raises(SimulatorError, match=r"'three'.*one, two"):
         two_egos().step(controls={"three": AccelerationControl(2.0, 0.0)})
 
 

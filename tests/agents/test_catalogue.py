@@ -1,0 +1,130 @@
+"""Agents by name, built in and from installed packages."""
+
+from __future__ import annotations
+
+import importlib
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from drivora_service.agents.catalogue import AgentCatalogue, AgentKind
+from drivora_service.agents.idm.agent import IdmAgent
+from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.errors import AgentError, UnknownName
+
+PLUGIN = """
+from drivora_service.agents.catalogue import AgentEntry, AgentKind, AgentPlugin
+from drivora_service.agents.interface import AccelerationControl
+
+
+class Parked:
+    def setup_env(self, context):
+        self.context = context
+
+    def run_step(self, observation):
+        return AccelerationControl(-1.0, 0.0)
+
+
+def create(parameters):
+    return Parked()
+
+
+plugin = AgentPlugin(
+    entry=AgentEntry(
+        name="parked", kind=AgentKind.BASELINE, description="stands", source="here", licence="MIT"
+    ),
+    create=create,
+)
+not_a_plugin = Parked
+"""
+
+
+@pytest.fixture
+def installed_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A distribution that brings agents, as an installer would have left it."""
+    (tmp_path / "parked_agents.py").write_text(textwrap.dedent(PLUGIN))
+    info = tmp_path / "parked_agents-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: parked-agents\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[drivora_service.agents]\n"
+        "parked = parked_agents:plugin\n"
+        "broken = parked_agents:not_a_plugin\n"
+        "gone = parked_agents_that_are_gone:plugin\n"
+        "idm = parked_agents:plugin\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.invalidate_caches()
+
+
+def test_the_built_in_agents_have_entries() -> None:
+    catalogue = AgentCatalogue()
+    assert {"idm", "sumo-krauss", "sumo-idm", "sumo-eidm"} <= set(catalogue.names())
+    assert list(catalogue.names()) == sorted(catalogue.names())
+    for entry in catalogue.entries():
+        assert entry.description
+        assert entry.licence
+    assert catalogue.entry("idm").kind is AgentKind.MODULE_BASED
+    assert catalogue.entry("sumo-idm").privileged
+    assert not catalogue.entry("idm").privileged
+
+
+def test_an_unknown_agent_is_named_with_those_that_are_known() -> None:
+    for look_up in (AgentCatalogue().entry, lambda name: AgentCatalogue().create(name, {})):
+        with pytest.raises(UnknownName, match=r"'autopilot'.*idm"):
+            look_up("autopilot")
+
+
+def test_each_call_makes_a_new_agent() -> None:
+    catalogue = AgentCatalogue()
+    one, two = catalogue.create("idm", {}), catalogue.create("idm", {"speed_factor": 0.8})
+    assert isinstance(one, IdmAgent)
+    assert one is not two
+    assert isinstance(catalogue.create("sumo-krauss", {}), SumoDriver)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("idm", {"speed": 1.0}),
+        ("idm", {"speed_factor": "fast"}),
+        ("idm", {"speed_factor": 3.0}),
+        ("idm", {"speed_factor": float("nan")}),
+        ("idm", {"speed_factor": True}),
+        ("sumo-krauss", {"sigma": 0.0}),
+    ],
+)
+def test_parameters_that_an_agent_does_not_take_are_refused(
+    name: str, parameters: dict[str, object]
+) -> None:
+    with pytest.raises(AgentError) as failure:
+        AgentCatalogue().create(name, parameters)
+    assert failure.value.cause == "agent_parameters"
+
+
+@pytest.mark.usefixtures("installed_package")
+def test_an_installed_package_brings_an_agent() -> None:
+    catalogue = AgentCatalogue()
+    assert "parked" in catalogue.names()
+    assert catalogue.entry("parked").source == "here"
+    agent = catalogue.create("parked", {})
+    assert type(agent).__name__ == "Parked"
+
+
+@pytest.mark.usefixtures("installed_package")
+def test_a_package_does_not_replace_a_built_in_agent() -> None:
+    assert isinstance(AgentCatalogue().create("idm", {}), IdmAgent)
+
+
+@pytest.mark.usefixtures("installed_package")
+@pytest.mark.parametrize("name", ["broken", "gone"])
+def test_a_broken_plug_in_is_told_of_and_spoils_nothing_else(name: str) -> None:
+    catalogue = AgentCatalogue()
+    entries = {entry.name: entry for entry in catalogue.entries()}
+    assert not entries[name].installed
+    assert entries[name].reason
+    assert entries["parked"].installed
+    with pytest.raises(AgentError) as failure:
+        catalogue.create(name, {})
+    assert failure.value.cause == "agent_plugin"
