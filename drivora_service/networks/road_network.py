@@ -147,7 +147,7 @@ class RoadNetwork:
     sha256: str
     net_offset: tuple[float, float]
     bounds: tuple[float, float, float, float]
-    lanes: tuple[Lane, ...]
+    lanes: tuple[Lane, ...] = field(repr=False)
     lane_by_id: dict[str, int] = field(repr=False)
     edge_lanes: dict[str, tuple[int, ...]] = field(repr=False)
     junction_shapes: dict[str, FloatArray] = field(repr=False)
