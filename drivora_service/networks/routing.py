@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivora_service.errors import NoRoute
-from drivora_service.networks.lane_graph import lane_graph
+from drivora_service.networks.lane_graph import LaneGraph, lane_graph
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
@@ -72,7 +72,7 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     places = [_candidates(network, points, number) for number in range(len(points))]
     way = search(graph, places)
     if not isinstance(way, int) and _length(way) < MIN_LENGTH:
-        way = search(graph, places, around=True)
+        way = _around(graph, places)
     if isinstance(way, int):
         raise NoRoute(
             f"{_named(points, way)} cannot be reached from {_named(points, way - 1)} on network "
@@ -118,13 +118,22 @@ def _is_on(network: RoadNetwork, position: LanePosition) -> bool:
     return abs(position.lateral) <= 0.5 * network.lanes[position.lane].width + ON_LANE_MARGIN
 
 
+def _around(graph: LaneGraph, places: Sequence[Sequence[Candidate]]) -> tuple[EdgePass, ...] | int:
+    """Finds a way around where all places are as good as one; see :func:`search`."""
+    last = len(places) - 1
+    for start in sorted(places[0], key=lambda candidate: candidate.cost):
+        ends = [candidate for candidate in places[last] if candidate.lane == start.lane]
+        way = search(graph, [[start], ends], around=True) if ends else last
+        if not isinstance(way, int):
+            return way
+    return last
+
+
 def _length(way: Sequence[EdgePass]) -> float:
-    """Gives zero for a way that stays at one place, else something longer, metres."""
-    if len({one.lane for one in way} | {one.exit_lane for one in way}) > 1:
+    """Gives the length of a way without lane changes in metres; one with a change is longer."""
+    if any(one.lane != one.exit_lane for one in way):
         return math.inf
-    if any(not one.continues for one in way):
-        return math.inf
-    return max(one.exit_s for one in way) - way[0].s
+    return sum(one.exit_s - one.s for one in way)
 
 
 def _named(points: Sequence[RoutePoint], number: int) -> str:
