@@ -257,7 +257,11 @@ def _along_lanes(
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
-            edges += [edge for edge in route.edges if not edges or edge != edges[-1]]
+            # SUMO needs one connected route; where legs do not join, it knows the way so far.
+            if not edges:
+                edges += route.edges
+            elif edges[-1] == route.edges[0]:
+                edges += route.edges[1:]
         travelled += float(arc_lengths(piece)[-1])
         pieces.append(piece[1:])
         marks.append(travelled)

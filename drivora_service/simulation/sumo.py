@@ -26,7 +26,9 @@ FloatArray = NDArray[np.float64]
 
 _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
 _ON_ROUTE = 1
-_ANYWHERE = 6
+_ANYWHERE = 2
+"""Wherever the pose is, on a lane that is open to cars if there is one near. With 6, which ignores
+who may use a lane, SUMO 1.28 crashes when a placed vehicle comes to a pedestrian crossing."""
 _MOVED_TYPE = "DEFAULT_VEHTYPE"
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
@@ -140,12 +142,11 @@ class SumoWorld:
         lane_number: int,
         position: float,
         arrival: float | None,
-        speed: float | None,
     ) -> DrivenActor:
         """Adds a vehicle that SUMO drives, with its front bumper at ``position`` metres.
 
         It leaves with its front bumper at ``arrival`` metres of its last lane; ``None`` is the end
-        of that lane. ``speed`` in m/s; ``None`` lets SUMO choose what is safe there.
+        of that lane. SUMO chooses a speed that is safe there; any other may be refused.
         """
         vehicle_type = self._sized_type(driver, length, width, is_walker=False)
         self._add(
@@ -155,7 +156,7 @@ class SumoWorld:
             departLane=str(lane_number),
             departPos=f"{position:.3f}",
             arrivalPos="max" if arrival is None else f"{arrival:.3f}",
-            departSpeed="last" if speed is None else f"{speed:.3f}",
+            departSpeed="last",
         )
         libsumo.vehicle.subscribe(actor_id, _READ)
         return DrivenActor(row, actor_id, 0.5 * length)
@@ -185,6 +186,10 @@ class SumoWorld:
                 libsumo.vehicletype.setShapeClass(name, "pedestrian")
             self._types.add(name)
         return name
+
+    def set_speed_now(self, actor_id: str, speed: float) -> None:
+        """Sets the speed from which a vehicle's next step goes on, m/s."""
+        libsumo.vehicle.setPreviousSpeed(actor_id, speed)
 
     def hand_over(self, actor: MovedActor, speed: float, driver: str, width: float) -> DrivenActor:
         """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""

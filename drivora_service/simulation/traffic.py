@@ -65,6 +65,7 @@ class Traffic:
         self._moved_list: list[MovedActor] = []
         self.driven: list[DrivenActor] = []
         self._waiting: list[tuple[int, DrivenPlan]] = []
+        self._entering: list[tuple[int, str, float]] = []
         self._background: Background | None = None
         self._tended = False
         self._known = np.zeros(0, dtype=np.bool_)
@@ -139,6 +140,17 @@ class Traffic:
         self._sumo.step()
         if self.driven:
             self._sumo.read_driven(self.driven, next_frame, next_present)
+        while self._entering:
+            self._begin(*self._entering.pop(), next_frame, next_present)
+
+    def _begin(
+        self, row: int, actor_id: str, speed: float, frame: FloatArray, present: BoolArray
+    ) -> None:
+        """Slows a vehicle that has just entered to the speed that it is to begin with."""
+        now = float(np.hypot(frame[row, 3], frame[row, 4])) if present[row] else 0.0
+        if now > speed:
+            self._sumo.set_speed_now(actor_id, speed)
+            frame[row, 3:5] *= speed / now
 
     def _fit(self, count: int) -> None:
         known = np.zeros(count, dtype=np.bool_)
@@ -187,9 +199,9 @@ class Traffic:
                     lane_number=plan.lane_number,
                     position=plan.position,
                     arrival=plan.arrival,
-                    speed=plan.speed,
                 )
             )
+            self._entering.append((row, plan.id, plan.speed))
 
     def _tend_background(
         self,
@@ -224,7 +236,6 @@ class Traffic:
                         lane_number=lane.lane_number,
                         position=s,
                         arrival=None,
-                        speed=None,
                     )
                 )
             elif not self._sumo.knows(vehicle):
