@@ -42,7 +42,12 @@ def from_canonical(text: str) -> model.Scenario:
     return model.Scenario(
         ego_vehicles=tuple(
             model.EgoVehicle(
-                **{**ego, "route": _route(ego["route"]), "agent": model.AgentChoice(**ego["agent"])}
+                **{
+                    **ego,
+                    "route": _route(ego["route"]),
+                    "agent": model.AgentChoice(**ego["agent"]),
+                    "dynamics": model.VehicleDynamics(ego["dynamics"]),
+                }
             )
             for ego in data["ego_vehicles"]
         ),

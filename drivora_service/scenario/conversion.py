@@ -125,6 +125,7 @@ def _ego(ego: entities.EgoDocument, frame: FrameTransform) -> model.EgoVehicle:
         ),
         start_time=ego.start_time,
         initial_speed=ego.initial_speed,
+        dynamics=ego.dynamics,
     )
 
 

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, mo
 from pydantic_core import PydanticCustomError
 
 from drivora_service.scenario import fields
-from drivora_service.scenario.model import NpcBehavior
+from drivora_service.scenario.model import NpcBehavior, VehicleDynamics
 
 MAX_FREE_DATA_BYTES = 262_144
 """Serialised size of ``extensions``, and of the parameters of one agent."""
@@ -106,6 +106,11 @@ class EgoDocument(EntityDocument):
         0.0, description="The ego stands still at its start before this time."
     )
     initial_speed: fields.VehicleSpeed = Field(0.0, description="Speed at start_time.")
+    dynamics: VehicleDynamics = Field(
+        VehicleDynamics.KINEMATIC,
+        description="How the body answers its commands: `kinematic` rolls without slip within the "
+        "grip of its tyres, `dynamic` can skid.",
+    )
     agent: AgentDocument | None = Field(
         None, description="The ADS that drives this vehicle. Without it and config_path: `idm`."
     )

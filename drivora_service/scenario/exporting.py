@@ -35,6 +35,7 @@ def to_document(scenario: Scenario) -> ScenarioDocument:
                     "agent": _agent(ego.agent),
                     "start_time": ego.start_time,
                     "initial_speed": ego.initial_speed,
+                    "dynamics": ego.dynamics,
                 }
                 for ego in scenario.ego_vehicles
             ],
