@@ -164,7 +164,7 @@ def test_a_walker_walks_at_the_speeds_of_its_waypoints_and_stays(town: str, lane
     assert not here[:20].any()
     assert here[20:].all()
     assert speed[20 + 60] == pytest.approx(1.0, abs=0.05)
-    assert speed[20 + 80 + 20] == pytest.approx(2.0, abs=0.05)
+    assert speed[20 + 80 + 45] == pytest.approx(2.0, abs=0.05)
     assert speed[-1] == 0.0
     assert np.hypot(*(track(trace, "walker")[-1] - (route[2].x, route[2].y))) < 0.3
     assert trace.actors[row_of(trace, "walker")].length < 1.0
