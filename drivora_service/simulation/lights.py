@@ -6,7 +6,7 @@ stay, since they keep a junction free of conflicts. So what a signal shows at a 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,36 +71,38 @@ def _is_green(phase: SignalPhase) -> bool:
     return not _is_yellow(phase) and any(letter in "Gg" for letter in phase.state)
 
 
-def run_program(program: SignalProgram, times: LightTimes) -> RunningProgram:
+def run_program(
+    program: SignalProgram, times: LightTimes, *, step_length: float = 0.05
+) -> RunningProgram:
     """Gives a network's programme the times of a document.
 
-    Every stage that shows green (and no yellow) lasts ``green``, every stage with a yellow
-    ``yellow``. With two green stages, ``red`` is what the first stage's signals see between their
-    greens: the second stage's green makes up for it. With one, it is the all-red stage's duration.
-    With more, red follows from the others.
+    Stages that show green (and no yellow) and follow one another, as where the walkers' green ends
+    before the cars', last ``green`` together, in the proportions that they had; every stage with a
+    yellow lasts ``yellow``. With two greens, ``red`` is what the signals of the first see between
+    their greens: the second green makes up for it. With one, it is the all-red stage's duration.
+    With more, red follows from the others. SUMO switches at steps, so every time is a whole number
+    of steps.
     """
-    greens = [i for i, phase in enumerate(program.phases) if _is_green(phase)]
+    greens = _greens(program)
     yellows = [i for i, phase in enumerate(program.phases) if _is_yellow(phase)]
     durations = [phase.duration for phase in program.phases]
     if times.green is not None:
-        for i in greens:
-            durations[i] = times.green
+        for green in greens:
+            _share(durations, green, times.green)
     if times.yellow is not None:
         for i in yellows:
             durations[i] = times.yellow
     if times.red is not None and len(program.phases) > 1:
         if len(greens) == 2:
-            others = sum(
-                durations[i]
-                for i in range(len(durations))
-                if i not in (greens[0], greens[1]) and not _follows(i, greens, durations)
-            )
-            durations[greens[1]] = times.red - others
+            # The clearing yellow directly behind the first green is not yet red.
+            counted = {*greens[0], *greens[1], (greens[0][-1] + 1) % len(durations)}
+            others = sum(durations[i] for i in range(len(durations)) if i not in counted)
+            _share(durations, greens[1], times.red - others)
         elif len(greens) == 1:
-            dark = [i for i in range(len(durations)) if i not in greens and i not in yellows]
+            dark = [i for i in range(len(durations)) if i not in greens[0] and i not in yellows]
             for i in dark:
                 durations[i] = times.red / len(dark)
-    durations = [max(duration, _MIN_PHASE) for duration in durations]
+    durations = [_whole_steps(max(duration, _MIN_PHASE), step_length) for duration in durations]
     return RunningProgram(
         id=program.id,
         phases=tuple(
@@ -108,17 +110,36 @@ def run_program(program: SignalProgram, times: LightTimes) -> RunningProgram:
             for duration, phase in zip(durations, program.phases, strict=True)
         ),
         ends=np.cumsum(np.array(durations)),
-        offset=program.offset if times.offset is None else times.offset,
+        offset=_whole_steps(program.offset if times.offset is None else times.offset, step_length),
     )
 
 
-def _follows(i: int, greens: list[int], durations: list[float]) -> bool:
-    """Whether stage ``i`` is the clearing yellow directly behind the first green stage."""
-    return i == (greens[0] + 1) % len(durations)
+def _greens(program: SignalProgram) -> list[list[int]]:
+    """Gives the stages of each green: runs of stages that show green and no yellow."""
+    greens: list[list[int]] = []
+    for i, phase in enumerate(program.phases):
+        if not _is_green(phase):
+            continue
+        if greens and greens[-1][-1] == i - 1:
+            greens[-1].append(i)
+        else:
+            greens.append([i])
+    return greens
+
+
+def _whole_steps(seconds: float, step_length: float) -> float:
+    return round(round(seconds / step_length) * step_length, 6)
+
+
+def _share(durations: list[float], stages: Sequence[int], together: float) -> None:
+    """Lets stages last ``together`` seconds in the proportions that they had."""
+    before = sum(durations[i] for i in stages)
+    for i in stages:
+        durations[i] *= together / before
 
 
 def run_programs(
-    programs: Mapping[str, SignalProgram], lights: TrafficLights
+    programs: Mapping[str, SignalProgram], lights: TrafficLights, *, step_length: float = 0.05
 ) -> tuple[RunningProgram, ...]:
     """Gives every programme of a network its times; a junction's own times come before the common.
 
@@ -126,7 +147,11 @@ def run_programs(
         KeyError: If ``lights`` names a junction without a programme; validation rules that out.
     """
     return tuple(
-        run_program(program, _merged(lights.times, lights.junctions.get(light_id)))
+        run_program(
+            program,
+            _merged(lights.times, lights.junctions.get(light_id)),
+            step_length=step_length,
+        )
         for light_id, program in sorted(programs.items())
     )
 

@@ -154,7 +154,9 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
         scenario=scenario,
         network=network,
         weather=weather,
-        programs=run_programs(network.programs, scenario.traffic_lights),
+        programs=run_programs(
+            network.programs, scenario.traffic_lights, step_length=scenario.step_length
+        ),
         egos=egos,
         followers=tuple(followers),
         driven=tuple(

@@ -240,8 +240,15 @@ class SumoWorld:
                 move(actor.id, "", -1, x, y, angle, _ANYWHERE, _REACH)
 
     def step(self) -> None:
-        """Lets SUMO simulate one step."""
-        libsumo.simulationStep()
+        """Lets SUMO simulate one step.
+
+        Raises:
+            SimulatorError: If SUMO refuses to.
+        """
+        try:
+            libsumo.simulationStep()
+        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            raise SimulatorError(f"SUMO cannot go on: {error}") from error
 
     def read_driven(
         self, actors: Sequence[DrivenActor], states: FloatArray, present: NDArray[np.bool_]

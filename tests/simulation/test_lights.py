@@ -52,11 +52,31 @@ def test_red_of_a_single_stage_is_its_dark_time() -> None:
     assert durations(LightTimes(red=11), crossing) == [82, 3, 11]
 
 
+def test_stages_of_one_green_share_its_time() -> None:
+    walkers_end_first = SignalProgram(
+        id="w",
+        program_id="0",
+        offset=0.0,
+        phases=tuple(
+            SignalPhase(duration=duration, state=state)
+            for duration, state in (
+                (20, "GrG"), (5, "Grr"), (3, "yrr"), (2, "rrr"),
+                (25, "rGr"), (3, "ryr"), (2, "rrr"),
+            )
+        ),
+    )  # fmt: skip
+    assert durations(LightTimes(green=10), walkers_end_first) == [8, 2, 3, 2, 10, 3, 2]
+    found = durations(LightTimes(green=10, red=30), walkers_end_first)
+    assert found == [8, 2, 3, 2, 23, 3, 2]
+    assert sum(found[3:]) == 30
+
+
 @pytest.mark.parametrize(
     "lights",
     [
         TrafficLights(),
         TrafficLights(times=LightTimes(green=7.3, yellow=2.2, red=12.0, offset=1.7)),
+        TrafficLights(times=LightTimes(green=7.333, yellow=2.021, offset=-1.717)),
     ],
 )
 def test_sumo_shows_what_is_computed(lights: TrafficLights) -> None:
