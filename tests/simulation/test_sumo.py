@@ -1,0 +1,36 @@
+"""What SUMO refuses is an error of the project, and the process goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from drivora_service.errors import SimulatorError
+from drivora_service.observations.trace import TerminalEvent
+from drivora_service.simulation.sumo import open_world
+from tests.simulation.episodes import ego, network, place, run, scenario
+
+ROAD = "harbour_1_0"
+
+
+@pytest.mark.parametrize("text", ["", "<net"])
+def test_a_network_that_sumo_refuses(tmp_path: Path, text: str) -> None:
+    broken = tmp_path / "broken.net.xml"
+    broken.write_text(text)
+    for path in (broken, tmp_path / "absent.net.xml"):
+        with pytest.raises(SimulatorError, match=path.name):
+            open_world(path, step_length=0.05, seed=0, slippery=False)
+    what = scenario(ego(place(ROAD, 10), place(ROAD, 60)), seconds=20.0)
+    assert run(what).ego_ends == (TerminalEvent.ARRIVED,)
+
+
+def test_a_route_that_sumo_refuses() -> None:
+    world = open_world(network().path, step_length=0.05, seed=0, slippery=False)
+    with pytest.raises(SimulatorError, match="'lost'"):
+        world.add_driven(
+            0, "lost", ["nowhere"], driver="krauss-LC2013", length=4.5, width=1.8,
+            lane_number=0, position=10.0, arrival=None,
+        )  # fmt: skip
+    world.step()
+    assert not world.knows("lost")
