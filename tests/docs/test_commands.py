@@ -1,0 +1,96 @@
+"""Every command of the README, the tutorial and the how-tos, run as it is written."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.blocks import commands_of, installation_lines, missing_lines
+
+_ROOT = Path(__file__).resolve().parents[2]
+_FILES = Path(__file__).with_name("files")
+_TIME_LIMIT_S = 180.0
+PAGES = sorted(
+    path.relative_to(_ROOT).as_posix()
+    for path in (_ROOT / "README.md", *(_ROOT / "docs").glob("*/*.md"))
+    if path.parent.name not in ("reference", "explanation", "decisions")
+)
+WITH_COMMANDS = [page for page in PAGES if commands_of((_ROOT / page).read_text())]
+
+
+def test_tutorial_and_how_tos_have_commands() -> None:
+    assert PAGES == WITH_COMMANDS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", WITH_COMMANDS)
+def test_commands_work_as_they_are_written(page: str, tmp_path: Path) -> None:
+    commands = commands_of((_ROOT / page).read_text())
+    assert commands
+    folder = tmp_path / "checkout"
+    shutil.copytree(_FILES, folder)
+    for name in ("openscenario_schemas", "sumo_nets"):
+        (folder / name).symlink_to(_ROOT / name)
+    port = _free_port()
+    script = ["trap 'kill $(jobs -p) 2>/dev/null' EXIT"]
+    for number, command in enumerate(commands):
+        text = command.script.replace("localhost:8000", f"localhost:{port}")
+        script.append(f"{{\n{text}\n}} > {tmp_path}/{number}.out 2>&1")
+        script.append(f"echo $? > {tmp_path}/{number}.code")
+    _run("\n".join(script), folder, port)
+    for number, command in enumerate(commands):
+        printed = (tmp_path / f"{number}.out").read_text()
+        code = int((tmp_path / f"{number}.code").read_text())
+        assert (code != 0) == command.fails, f"$ {command.script}\n{printed}"
+        missing = missing_lines(command.expected, printed)
+        assert not missing, f"$ {command.script}\n{printed}"
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_installation_names_targets_that_exist(page: str) -> None:
+    targets = set(re.findall(r"^([a-z-]+):", (_ROOT / "Makefile").read_text(), re.MULTILINE))
+    named = {
+        line.split("#")[0].split()[1]
+        for line in installation_lines((_ROOT / page).read_text())
+        if line.startswith("make ")
+    }
+    assert named <= targets
+
+
+def _run(script: str, folder: Path, port: int) -> None:
+    """Runs a script, and ends with it all that it started."""
+    site = folder.parent / "site"
+    environment = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "DRIVORA_PORT": str(port),
+        "COLUMNS": "80",
+        # Packages that a page installs must not reach the environment of the tests.
+        "PIP_TARGET": str(site),
+        "PYTHONPATH": str(site),
+    }
+    process = subprocess.Popen(
+        ["bash", "-c", script], cwd=folder, env=environment, start_new_session=True
+    )
+    try:
+        process.wait(_TIME_LIMIT_S)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+    return port
