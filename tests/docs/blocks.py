@@ -36,7 +36,7 @@ def commands_of(page: str) -> list[Command]:
         directive, name, text = block["directive"], block["name"], block["text"]
         if directive in ("file", "append"):
             redirect = ">" if directive == "file" else ">>"
-            script = f'mkdir -p "$(dirname {name})"\ncat {redirect} {name} <<\'END\'\n{text}END'
+            script = f"mkdir -p \"$(dirname {name})\"\ncat {redirect} {name} <<'END'\n{text}END"
             commands.append(Command(script))
         elif block["language"] == "bash":
             commands.append(Command(text))
