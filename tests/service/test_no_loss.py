@@ -1,0 +1,100 @@
+"""A real server with real runs, killed again and again in the middle of a batch."""
+
+from __future__ import annotations
+
+import json
+import random
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import httpx
+import pytest
+
+from drivora_service.cli.service_process import running_service
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs.report import RunStatus
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.store.database import open_database
+
+RUNS = 200
+KILLS = 5
+
+
+def batch_lines() -> str:
+    """Gives 200 short drives."""
+    network = NetworkCatalogue(shipped_networks()).get("tee-town")
+    seeds = generate_seeds(network, count=40, min_length=60, max_length=150, seed=4, agent="idm")
+    documents = [json.loads(document_text(seed)) for seed in seeds]
+    return "\n".join(json.dumps(documents[n % 40] | {"seed": n}) for n in range(RUNS))
+
+
+@pytest.mark.slow
+def test_every_run_is_judged_exactly_once(tmp_path: Path) -> None:
+    lines, luck = batch_lines(), random.Random(11)
+    batch = ""
+    interrupted = 0
+    for kill in range(KILLS):
+        announcement = tmp_path / "service.json"
+        announcement.unlink(missing_ok=True)
+        command = [sys.executable, "-m", "drivora_service.cli", "serve", "--port", "0"]
+        with (tmp_path / "service.log").open("ab") as log:
+            server = subprocess.Popen(
+                [*command, "--data-dir", str(tmp_path), "--workers", "2"], stdout=log, stderr=log
+            )
+        with httpx.Client(timeout=60.0) as client:
+            url = _wait_until_ready(client, announcement)
+            if kill == 0:
+                answer = client.post(
+                    f"{url}/api/v1/batches",
+                    content=lines,
+                    headers={"Content-Type": "application/x-ndjson"},
+                )
+                batch = answer.raise_for_status().json()["batch"]["id"]
+            # Workers first need to get ready; then kill at any moment of their work.
+            time.sleep(4.0 + luck.uniform(0.0, 4.0))
+        server.kill()
+        server.wait()
+        interrupted += _statuses(tmp_path)[RunStatus.RUNNING]
+    with (
+        running_service(tmp_path, workers=2) as url,
+        httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
+    ):
+        deadline = time.monotonic() + 240.0
+        while not client.get(f"/batches/{batch}").raise_for_status().json()["done"]:
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        counts = client.get(f"/batches/{batch}").json()["counts"]
+    assert interrupted > 0
+    assert {status: n for status, n in counts.items() if n} == {"finished": RUNS}
+    assert _statuses(tmp_path) == {RunStatus.FINISHED: RUNS}
+
+
+def _wait_until_ready(client: httpx.Client, announcement: Path) -> str:
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        if announcement.is_file():
+            url: str = json.loads(announcement.read_text())["url"]
+            try:
+                if client.get(f"{url}/readyz").is_success:
+                    return url
+            except httpx.HTTPError:
+                pass
+        time.sleep(0.05)
+    raise AssertionError("the service was not ready in time")
+
+
+def _statuses(folder: Path) -> Counter[RunStatus]:
+    """Counts runs by status; a run has a report exactly if it is final."""
+    database = open_database(f"sqlite:///{folder / 'drivora.sqlite3'}")
+    try:
+        with database.read() as transaction:
+            jobs = transaction.jobs.page(limit=1000).items
+            reports = transaction.jobs.reports([job.id for job in jobs])
+    finally:
+        database.close()
+    assert set(reports) == {job.id for job in jobs if job.status.is_final}
+    return Counter(job.status for job in jobs)
