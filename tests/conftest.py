@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from drivora_service.cli.service_process import running_service
+
+# Machines differ in speed: a test fails for what it finds, not for how long it took to find it.
+hypothesis.settings.register_profile(
+    "drivora", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("drivora")
 
 ROOT = Path(__file__).resolve().parents[1]
 
