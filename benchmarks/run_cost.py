@@ -122,6 +122,7 @@ def main() -> None:
             f"{1e3 * statistics.median(stepping):.1f} ms"
         )
         print(f"floor  {1e3 * statistics.median(bare):8.1f} ms")
+        print(f"least  {1e3 * min(ours):8.1f} ms against {1e3 * min(bare):.1f} ms")
         print(
             f"ratio  {statistics.median(ratios):8.2f}     min {ratios[0]:.2f} max {ratios[-1]:.2f}"
         )

@@ -262,7 +262,7 @@ def _along_lanes(
             # SUMO needs one connected route; where legs do not join, it knows the way so far.
             if not edges:
                 edges += route.edges
-            elif edges[-1] == route.edges[0]:
+            elif route.edges and edges[-1] == route.edges[0]:
                 edges += route.edges[1:]
         travelled += float(arc_lengths(piece)[-1])
         pieces.append(piece[1:])
@@ -270,6 +270,7 @@ def _along_lanes(
     return np.concatenate(pieces), np.array(marks), tuple(edges)
 
 
+@lru_cache(maxsize=1024)
 def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> FollowerPlan:
     """Prepares a replayed or reactive NPC vehicle."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
@@ -309,6 +310,7 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
     )
 
 
+@lru_cache(maxsize=1024)
 def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
     """Prepares a walker."""
     model = replace(

@@ -10,6 +10,7 @@ path tracking algorithm* (1992).
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,9 @@ class IdmAgent:
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
         self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
         self._runs = context.route.runs
-        self._profiles = [self._profile(run) for run in self._runs]
+        self._profiles = [
+            speed_profile(run, self._speed_factor, context.friction) for run in self._runs
+        ]
         self._conflicts: list[Conflicts] = [
             find_conflicts(context.network, run, context.route) for run in self._runs
         ]
@@ -68,24 +71,6 @@ class IdmAgent:
             zones.must_yield, zones.signalised, zones.first, zones.line, zones.arc,
             zones.foe_enter, zones.foe_leave,
         )  # fmt: skip
-
-    def _profile(self, run: LaneRun) -> FloatArray:
-        """Gives the speed to drive at each point of a run, (n,) m/s."""
-        step = np.diff(run.line, axis=0)
-        heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-        span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)
-        turn = np.abs(np.diff(heading))
-        bend = np.zeros(len(run.line))
-        bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
-        bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
-        side = _SIDE_ACCELERATION * self._context.friction
-        speed = np.minimum(
-            run.speed_limits * self._speed_factor, np.sqrt(side / np.maximum(bend, 1e-4))
-        )
-        speed = np.maximum(speed, 2.0)
-        brake = _PLANNED_BRAKING * self._context.friction
-        slow_down_in_time(speed, run.arc, brake)
-        return speed
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
@@ -123,3 +108,21 @@ class IdmAgent:
             self._current += 1
             self._cursor = cursor
             self._log.event(f"changes to lane {onward.lanes[0]}")
+
+
+@lru_cache(maxsize=256)
+def speed_profile(run: LaneRun, speed_factor: float, friction: float) -> FloatArray:
+    """Gives the speed to drive at each point of a lane run, (n,) m/s; not to be changed."""
+    step = np.diff(run.line, axis=0)
+    heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+    span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)
+    turn = np.abs(np.diff(heading))
+    bend = np.zeros(len(run.line))
+    bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
+    bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
+    side = _SIDE_ACCELERATION * friction
+    speed = np.minimum(run.speed_limits * speed_factor, np.sqrt(side / np.maximum(bend, 1e-4)))
+    speed = np.maximum(speed, 2.0)
+    brake = _PLANNED_BRAKING * friction
+    slow_down_in_time(speed, run.arc, brake)
+    return speed
