@@ -10,10 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
@@ -22,6 +19,7 @@ from pathlib import Path
 import httpx
 
 from benchmarks.scenes import usual_scenes
+from drivora_service.cli.service_process import running_service
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import shipped_networks
@@ -62,27 +60,13 @@ def bare(scenes: Sequence[Scenario], slots: int) -> float:
 
 def served(scenes: Sequence[Scenario], slots: int) -> float:
     """Posts scenes to a real server; gives wall seconds from the post to the last run's end."""
-    with tempfile.TemporaryDirectory() as name:
-        environment = os.environ | {
-            "DRIVORA_DATA_DIR": name,
-            "DRIVORA_WORKERS": str(slots),
-            "DRIVORA_PORT": "0",
-            "DRIVORA_LOG_LEVEL": "warning",
-        }
-        server = subprocess.Popen(
-            [str(Path(sys.executable).with_name("drivora")), "serve"], env=environment
-        )
-        try:
-            state = Path(name) / "service.json"
-            while not state.exists():
-                time.sleep(0.05)
-            url = json.loads(state.read_text())["url"]
-            with httpx.Client(base_url=f"{url}/api/v1", timeout=300.0) as client:
-                _post_and_wait(client, scenes[:_WARM_UP])
-                return _post_and_wait(client, scenes)
-        finally:
-            server.terminate()
-            server.wait()
+    with (
+        tempfile.TemporaryDirectory() as name,
+        running_service(Path(name), workers=slots) as url,
+        httpx.Client(base_url=f"{url}/api/v1", timeout=300.0) as client,
+    ):
+        _post_and_wait(client, scenes[:_WARM_UP])
+        return _post_and_wait(client, scenes)
 
 
 def _post_and_wait(client: httpx.Client, scenes: Sequence[Scenario]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -65,7 +66,16 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
 
     Raises:
         NoRoute: A point is too far from every lane or cannot be reached from the one before.
+
+    Returns:
+        The route. It is shared by all who ask for the same points and not to be changed.
     """
+    return _plan(network, tuple(points))
+
+
+@lru_cache(maxsize=512)
+def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
+    """Plans a route once: batches and searches ask for the same places again and again."""
     if len(points) < 2:
         raise NoRoute(f"a route needs a start and a destination, but has {len(points)} point(s)")
     graph = lane_graph(network)

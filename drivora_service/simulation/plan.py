@@ -169,18 +169,12 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     )
 
 
-@lru_cache(maxsize=512)
-def _planned(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
-    """Plans a route once: a search changes speeds and times far more often than places."""
-    return plan_route(network, points)
-
-
 def _route_points(waypoints: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
     return tuple(RoutePoint(x=point.x, y=point.y, yaw=point.yaw) for point in waypoints)
 
 
 def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
-    route = _planned(network, _route_points(ego.route))
+    route = plan_route(network, _route_points(ego.route))
     ahead = route.line[min(1, len(route.line) - 1)] - route.line[0]
     start = ego.route[0]
     yaw = math.atan2(ahead[1], ahead[0]) if start.yaw is None else start.yaw
@@ -255,7 +249,7 @@ def _along_lanes(
         ends = np.array([(here.x, here.y), (there.x, there.y)])
         piece = ends
         if float(np.hypot(*(ends[1] - ends[0]))) > JOIN_DISTANCE:
-            route = _planned(network, _route_points((here, there)))
+            route = plan_route(network, _route_points((here, there)))
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
