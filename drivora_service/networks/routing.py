@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from drivora_service.errors import NoRoute
 from drivora_service.networks.lane_graph import LaneGraph, lane_graph
