@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
+from drivora_service.observations.savitzky_golay import savitzky_golay
 from drivora_service.observations.trace import Col
 
 FloatArray = NDArray[np.float64]
@@ -64,9 +64,9 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     cos, sin = np.cos(states[:, Col.YAW]), np.sin(states[:, Col.YAW])
     ax, ay = states[:, Col.AX], states[:, Col.AY]
     own = np.stack((ax * cos + ay * sin, ay * cos - ax * sin, states[:, Col.YAW_RATE]))
-    smooth = savgol_filter(own, smoothing, _ORDER)
+    smooth = savitzky_golay(own, smoothing, _ORDER)
     rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
-    slopes = savgol_filter(rising, derivative, _ORDER, deriv=1, delta=step_length)
+    slopes = savitzky_golay(rising, derivative, _ORDER, derivative=1, spacing=step_length)
     return FilteredMotion(
         longitudinal_acceleration=smooth[0],
         lateral_acceleration=smooth[1],
