@@ -19,16 +19,15 @@ from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
-from drivora_service.execution.executor import Limits as RunLimits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import TraceFolder
+from drivora_service.worker_settings import run_limits, worker_setup
 
 ANNOUNCEMENT = "service.json"
 """File in the data folder that says where a running service listens."""
@@ -88,23 +87,6 @@ def create_app(settings: Settings) -> FastAPI:
         workers_alive=lambda: dispatcher.is_alive,
     )
     return create_api(context, lifespan)
-
-
-def worker_setup(settings: Settings) -> WorkerSetup:
-    """Gives what every worker is told."""
-    return WorkerSetup(
-        shipped_networks=shipped_networks(), imported_networks=settings.imported_networks_dir
-    )
-
-
-def run_limits(settings: Settings) -> RunLimits:
-    """Gives what a worker may use."""
-    return RunLimits(
-        wall_time_s=settings.wall_time_limit_s,
-        agent_deadline_s=settings.agent_deadline_s,
-        memory_bytes=settings.memory_limit_mb << 20,
-        runs_per_worker=settings.runs_per_worker,
-    )
 
 
 def serve_until_stopped(settings: Settings) -> None:

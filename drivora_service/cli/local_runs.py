@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.app import run_limits, worker_setup
 from drivora_service.cli.embedded import network_catalogue, settings_for
 from drivora_service.cli.results import invalid_result, result_of
 from drivora_service.cli.scenario_files import ScenarioFile
@@ -20,6 +19,7 @@ from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import with_agent
 from drivora_service.scenario.validation import validate_document
 from drivora_service.settings import Settings
+from drivora_service.worker_settings import run_limits, worker_setup
 
 
 def run_locally(
