@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from drivora_service.observations.run_view import EgoView
@@ -16,6 +18,7 @@ RADIUS = 50.0
 _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 
+@lru_cache(maxsize=8)
 def pace_ratios(ego: EgoView) -> FloatArray:
     """Gives the ego's mean speed over that of the traffic around it, for each section of the route.
 
@@ -28,12 +31,11 @@ def pace_ratios(ego: EgoView) -> FloatArray:
     if not rows or not ego.count:
         return np.empty(0)
     others = trace.states[ego.first : ego.first + ego.count][:, rows]
-    away = np.hypot(
-        others[:, :, Col.X] - ego.states[:, None, Col.X],
-        others[:, :, Col.Y] - ego.states[:, None, Col.Y],
-    )
-    near = away <= RADIUS
-    speeds = np.where(near, np.hypot(others[:, :, Col.VX], others[:, :, Col.VY]), 0.0)
+    dx = others[:, :, Col.X] - ego.states[:, None, Col.X]
+    dy = others[:, :, Col.Y] - ego.states[:, None, Col.Y]
+    near = dx * dx + dy * dy <= RADIUS * RADIUS
+    squares = others[:, :, Col.VX] ** 2 + others[:, :, Col.VY] ** 2
+    speeds = np.where(near, np.sqrt(squares), 0.0)
     vehicles = near.sum(axis=1)
     share = np.nan_to_num(ego.value(EgoCol.ROUTE_S) / ego.route.length, nan=-1.0)
     section = np.floor(share * CHECKPOINTS).astype(np.int64)

@@ -121,7 +121,12 @@ class Episode:
         self._late_obstacles: list[tuple[float, int, NDArray[np.float64]]] = []
         self._found = np.zeros((_ROOM_FOR_CONTACTS, 2), dtype=np.int64)
         actors, bodies, follower_rows = self._cast()
-        self._world = World(actors, len(plan.egos), len(self._team.log_names))
+        self._world = World(
+            actors,
+            len(plan.egos),
+            len(self._team.log_names),
+            expected_rows=int(plan.max_sim_time / self._dt) + 2,
+        )
         self._followers = lay_followers(plan.followers, follower_rows)
         self._static = np.array([actor.role is Role.NPC_OBSTACLE for actor in actors])
         self._seen = np.zeros((len(plan.egos), len(actors)), dtype=np.bool_)

@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
-_FIRST_CAPACITY = 1024
+_MOST_ROWS_AT_ONCE = 4096
 KIND_OF_ROLE = {
     Role.EGO: 0,
     Role.NPC_VEHICLE: 0,
@@ -35,17 +35,21 @@ class World:
         logs: (capacity, M, K) numeric agent logs.
     """
 
-    def __init__(self, actors: list[Actor], ego_count: int, log_count: int) -> None:
+    def __init__(
+        self, actors: list[Actor], ego_count: int, log_count: int, *, expected_rows: int
+    ) -> None:
+        """Makes room for ``expected_rows`` frames, within reason; more room is made as needed."""
         self.actors = actors
         self.ego_count = ego_count
         self.sizes: FloatArray = np.array([(a.length, a.width) for a in actors])
         self.kinds: IntArray = np.array([KIND_OF_ROLE[a.role] for a in actors], dtype=np.int64)
         n = len(actors)
-        self.states: FloatArray = np.empty((_FIRST_CAPACITY, n, len(Col)))
-        self.present: BoolArray = np.zeros((_FIRST_CAPACITY, n), dtype=np.bool_)
-        self.ego_values: FloatArray = np.full((_FIRST_CAPACITY, ego_count, len(EgoCol)), np.nan)
-        self.ego_lights: NDArray[np.uint8] = np.zeros((_FIRST_CAPACITY, ego_count), dtype=np.uint8)
-        self.logs: FloatArray = np.full((_FIRST_CAPACITY, ego_count, log_count), np.nan)
+        rows = min(max(expected_rows, 1), _MOST_ROWS_AT_ONCE)
+        self.states: FloatArray = np.empty((rows, n, len(Col)))
+        self.present: BoolArray = np.zeros((rows, n), dtype=np.bool_)
+        self.ego_values: FloatArray = np.full((rows, ego_count, len(EgoCol)), np.nan)
+        self.ego_lights: NDArray[np.uint8] = np.zeros((rows, ego_count), dtype=np.uint8)
+        self.logs: FloatArray = np.full((rows, ego_count, log_count), np.nan)
 
     @property
     def capacity(self) -> int:
