@@ -89,7 +89,8 @@ class IdmAgent:
             self._step_length, *self._fixed[self._current],
         )  # fmt: skip
         acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
-        self._log.row[:] = (gap, wanted, stop)
+        row = self._log.row
+        row[0], row[1], row[2] = gap, wanted, stop
         return AccelerationControl(acceleration, steer)
 
     def _change_lane_when_possible(self, observation: Observation, x: float, y: float) -> None:
