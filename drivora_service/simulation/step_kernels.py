@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.networks.line_tracking import track_line
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.simulation.line_tracking import track_line
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

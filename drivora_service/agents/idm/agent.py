@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
-from drivora_service.agents.idm.driving import decide, lane_is_free, locate
+from drivora_service.agents.idm.driving import decide, lane_is_free
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.speed_profile import slow_down_in_time
 from drivora_service.networks.lane_route import LaneRun
+from drivora_service.networks.line_tracking import track_line
 
 FloatArray = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ class IdmAgent:
         window = np.flatnonzero(onward.arc >= onward.start_s - 5.0)
         first = int(window[0]) if len(window) else 0
         start = first + int(np.argmin(near[first:]))
-        cursor, s, _ = locate(onward.line, onward.arc, start, 5, x, y)
+        cursor, s, _ = track_line(onward.line, onward.arc, start, 5, 5, x, y)
         if lane_is_free(
             onward.line, onward.arc, cursor, s, observation.speed, self._half_length,
             observation.objects, observation.object_sizes, len(observation.objects),

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.networks.line_tracking import track_line
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -34,29 +35,6 @@ _BRAKING_JERK = 8.0
 _PATIENCE = 6.0
 _LEAST_PREVIEW = 3.5
 _PREVIEW_TIME = 0.6
-
-
-@compiled
-def locate(
-    line: FloatArray, arc: FloatArray, cursor: int, ahead: int, x: float, y: float
-) -> tuple[int, float, float]:
-    """Finds a point on a line near ``cursor``: segment, arc length, signed distance (left > 0)."""
-    best, best_i, best_t = np.inf, cursor, 0.0
-    first, last = max(cursor - 5, 0), min(cursor + ahead, line.shape[0] - 2)
-    for i in range(first, last + 1):
-        ax, ay = line[i, 0], line[i, 1]
-        bx, by = line[i + 1, 0] - ax, line[i + 1, 1] - ay
-        span = bx * bx + by * by
-        t = ((x - ax) * bx + (y - ay) * by) / span if span > 0.0 else 0.0
-        t = min(max(t, 0.0), 1.0)
-        d = (x - ax - t * bx) ** 2 + (y - ay - t * by) ** 2
-        if d < best:
-            best, best_i, best_t = d, i, t
-    bx = line[best_i + 1, 0] - line[best_i, 0]
-    by = line[best_i + 1, 1] - line[best_i, 1]
-    cross = bx * (y - line[best_i, 1]) - by * (x - line[best_i, 0])
-    s = arc[best_i] + best_t * (arc[best_i + 1] - arc[best_i])
-    return best_i, s, math.copysign(math.sqrt(best), cross)
 
 
 @compiled
@@ -377,7 +355,7 @@ def decide(
         The segment found now.
     """
     count = objects.shape[0]
-    cursor, s, lateral = locate(line, arc, cursor, 30, x, y)
+    cursor, s, lateral = track_line(line, arc, cursor, 5, 30, x, y)
     wanted = profile[cursor]
     front = s + half_length
     gap, other, index = gap_on_line(
