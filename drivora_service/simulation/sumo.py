@@ -28,7 +28,7 @@ _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
 _ON_ROUTE = 1
 _ANYWHERE = 2
 """Wherever the pose is, on a lane that is open to cars if there is one near. With 6, which ignores
-who may use a lane, SUMO 1.28 crashes when a placed vehicle comes to a pedestrian crossing."""
+who may use a lane, SUMO 1.28 crashed under a walker on a junction with crossings."""
 _MOVED_TYPE = "DEFAULT_VEHTYPE"
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""

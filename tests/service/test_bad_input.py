@@ -25,7 +25,7 @@ def test_the_service_refuses_every_broken_document(service_url: str) -> None:
                 "/jobs", content=body, headers={"Content-Type": "application/json"}
             )
             took = time.perf_counter() - begun
-            # Sending 100 MB takes its time by itself: the answer is there before (see tests/api).
+            # Sending 100 MB takes its time by itself; tests/api bounds that exchange more loosely.
             if took > _MOST_S and answer.status_code != 413:
                 slow.append(name)
             problem = answer.json()
