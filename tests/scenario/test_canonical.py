@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import time
 from typing import Any
 
 from hypothesis import given
@@ -55,19 +54,3 @@ def test_any_change_changes_the_hash(networks: NetworkCatalogue, good: dict[str,
         scenario_sha256(dataclasses.replace(scenario, extensions={"a:b": 1})),
     }
     assert len(hashes) == 5
-
-
-def test_reading_is_fast(networks: NetworkCatalogue, good: dict[str, Any]) -> None:
-    places = [{"x": float(i), "y": 0.5, "speed": 3.0} for i in range(20)]
-    good["npc_vehicles"] = [
-        {"id": f"npc_{i}", "model": "audi.tt", "route": places} for i in range(10)
-    ]
-    text = canonical_json(to_scenario(parse_document(good), networks.get("tee-town")))
-    fastest = min(_seconds(text) for _ in range(20))
-    assert fastest < 0.002
-
-
-def _seconds(text: str) -> float:
-    started = time.process_time()
-    from_canonical(text)
-    return time.process_time() - started

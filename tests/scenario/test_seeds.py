@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import pytest
@@ -51,14 +50,12 @@ def test_scenarios_have_seeds_of_their_own(networks: NetworkCatalogue) -> None:
 
 
 def test_it_ends_and_says_why(networks: NetworkCatalogue) -> None:
-    started = time.process_time()
     network = networks.get("roundabout")
     generated = generate_seeds(
         network, count=5, min_length=20_000.0, max_length=21_000.0, seed=1, agent="idm"
     )
     with pytest.raises(NetworkError, match=r"found 0 of 5 .* Refused in all: .*: \d+"):
         list(generated)
-    assert time.process_time() - started < 20.0
 
 
 def test_it_ends_when_the_network_is_used_up(networks: NetworkCatalogue) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import pytest
@@ -82,10 +81,8 @@ def test_problems_name_the_route() -> None:
     ],
 )
 def test_what_is_no_route_file(text: str, code: str) -> None:
-    started = time.process_time()
     with pytest.raises(InvalidDocument) as caught:
         import_routes(text)
-    assert time.process_time() - started < 1.0
     assert [problem.code for problem in caught.value.problems] == [code]
 
 
