@@ -9,6 +9,8 @@ The tree::
     │   └── NoRoute            no drivable way between two places
     ├── AgentError             an ADS raised, answered garbage, hung or died
     ├── SimulatorError         libsumo refused a call that should have worked
+    ├── SearchError            a gene space or a tester cannot be used as asked
+    ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
     │   ├── Conflict           the request contradicts what is stored
     │   └── QueueFull          more runs wait than the queue may hold
@@ -88,6 +90,14 @@ class AgentError(DrivoraError):
 
 class SimulatorError(DrivoraError):
     """libsumo refused a call that should have worked."""
+
+
+class SearchError(DrivoraError):
+    """A gene space or a tester cannot be used as asked."""
+
+
+class CampaignError(DrivoraError):
+    """A campaign cannot be started, resumed or compared."""
 
 
 class StoreError(DrivoraError):

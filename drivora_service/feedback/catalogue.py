@@ -32,7 +32,11 @@ def score(
         Scores by name: that of the ego which was nearest to a failure; ``None`` if no ego has one.
         Where there are several egos, ``name[ego id]`` is the score of one of them.
     """
-    run = view or RunView(trace, network)
+    return score_run(view or RunView(trace, network))
+
+
+def score_run(run: RunView) -> dict[str, float | None]:
+    """Scores a run by every objective; see :func:`score`."""
     scores: dict[str, float | None] = {}
     for objective in default_objectives():
         values = [objective.score(ego) if ego.count else None for ego in run.egos]

@@ -18,9 +18,11 @@ from drivora_service.errors import (
     AgentError,
     InvalidDocument,
     NetworkError,
+    SearchError,
     UnknownName,
 )
 from drivora_service.feedback.catalogue import score
+from drivora_service.feedback.plugins import FeedbackCatalogue
 from drivora_service.metrics.catalogue import measure
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.observations.run_view import RunView
@@ -46,6 +48,11 @@ def _networks(setup: WorkerSetup) -> NetworkCatalogue:
 @lru_cache(maxsize=1)
 def _agents() -> AgentCatalogue:
     return AgentCatalogue()
+
+
+@lru_cache(maxsize=1)
+def _feedbacks() -> FeedbackCatalogue:
+    return FeedbackCatalogue()
 
 
 @lru_cache(maxsize=1)
@@ -85,7 +92,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
         return _failed(spec, RunStatus.AGENT_FAILED, failure, clock)
-    except (InvalidDocument, NetworkError, UnknownName) as error:
+    except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
         return _failed(spec, RunStatus.INVALID, failure, clock)
     finally:
@@ -103,6 +110,7 @@ def _perform(
     plan = plan_episode(scenario, network)
     catalogue = _agents()
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
+    feedback = None if spec.feedback is None else _feedbacks().create(spec.feedback)
     episode = Episode(
         plan,
         agents,
@@ -127,6 +135,7 @@ def _perform(
         verdicts=verdicts,
         metrics=measure(trace, network, verdicts, view=view),
         scores=score(trace, network, view=view),
+        measurement=None if feedback is None else feedback.measure(view),
         trace_sha256=trace_sha256(trace),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
 
 
@@ -39,6 +40,7 @@ class RunSpec:
         trace_path: Where the worker writes the trace; "" for none.
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
+        feedback: What is to be measured besides, for a tester; ``None`` for nothing.
     """
 
     run_id: str
@@ -46,6 +48,7 @@ class RunSpec:
     trace_path: str = ""
     agent: str = ""
     seed: int | None = None
+    feedback: FeedbackChoice | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +76,7 @@ class RunReport:
         verdicts: Of all oracles and egos; empty unless finished.
         metrics: Measured values by name; ``None`` is "not measurable".
         scores: Feedback objectives by name, to be minimised; ``None`` is "not measurable".
+        measurement: Of the feedback that the spec asked for; ``None`` unless finished.
         trace_sha256: Hash of the trace, hexadecimal; "" unless finished.
         steps: Rows of the trace.
         sim_time_s: Simulated seconds.
@@ -86,6 +90,7 @@ class RunReport:
     verdicts: tuple[Verdict, ...] = ()
     metrics: Mapping[str, float | None] = field(default_factory=dict)
     scores: Mapping[str, float | None] = field(default_factory=dict)
+    measurement: Measurement | None = None
     trace_sha256: str = ""
     steps: int = 0
     sim_time_s: float = 0.0

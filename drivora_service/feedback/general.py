@@ -1,0 +1,41 @@
+"""The general objectives as a feedback: for testers that need no measuring of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drivora_service.errors import SearchError
+from drivora_service.feedback.catalogue import default_objectives, score_run
+from drivora_service.feedback.measurement import Measurement
+from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.observations.run_view import RunView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class General:
+    """Gives every general objective, that of the ego which was nearest to a failure."""
+
+    @property
+    def objectives(self) -> tuple[str, ...]:
+        """Names of the objectives."""
+        return tuple(objective.name for objective in default_objectives())
+
+    def measure(self, run: RunView) -> Measurement:
+        """Measures a run."""
+        scores = score_run(run)
+        return Measurement(objectives={name: scores[name] for name in self.objectives})
+
+
+def _create(parameters: Mapping[str, Any]) -> General:
+    if parameters:
+        raise SearchError("the feedback 'general' takes no parameters: leave `parameters` out")
+    return General()
+
+
+GENERAL = FeedbackPlugin(
+    name="general",
+    description="the general objectives: gap, time to collision, progress, stuck time, goal",
+    create=_create,
+)

@@ -1,0 +1,1 @@
+"""The testing methods, one module or folder each."""

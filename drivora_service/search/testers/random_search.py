@@ -1,0 +1,52 @@
+"""Random testing: every candidate is drawn anew from the gene space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.search.components import Components
+from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.tester import Evaluation, Proposal, TesterContext
+from drivora_service.search.testers.turn import Turn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RandomParameters:
+    """Random testing has none."""
+
+
+class RandomTester:
+    """Draws candidates uniformly; what it is told changes nothing."""
+
+    def __init__(self, context: TesterContext) -> None:
+        self._context = context
+        self._turn = Turn()
+
+    def ask(self, room: int) -> tuple[Proposal, ...]:
+        """Proposes as many as there is room for."""
+        space, random = self._context.space, self._context.random
+        drawn = tuple(Proposal(values=space.sample(random), origin="initial") for _ in range(room))
+        return self._turn.propose(drawn, room)
+
+    def tell(self, evaluation: Evaluation) -> None:
+        """Takes note of nothing but the order."""
+        self._turn.take(evaluation)
+
+
+def _create(
+    context: TesterContext, _parameters: RandomParameters, _components: Components
+) -> RandomTester:
+    return RandomTester(context)
+
+
+RANDOM = TesterPlugin(
+    name="random",
+    title="Random",
+    description="draws every candidate anew from the gene space",
+    source="the baseline of every comparison",
+    parameters=RandomParameters,
+    feedback=FeedbackChoice(name="general"),
+    create=_create,
+    is_generational=False,
+)

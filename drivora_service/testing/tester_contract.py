@@ -1,0 +1,200 @@
+"""What every tester must do: a suite of tests for authors of testers.
+
+Derive a class whose name begins with ``Test`` and give it the plug-in::
+
+    class TestMyTester(TesterContract):
+        plugin = MY_PLUGIN
+
+A tester whose feedback measures features overrides :meth:`TesterContract.measure`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from drivora_service.errors import SearchError
+from drivora_service.feedback.measurement import Measurement
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.search.components import Components
+from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.tester import (
+    Evaluation,
+    EvaluationStatus,
+    Proposal,
+    Tester,
+    TesterContext,
+)
+from drivora_service.testing.gene_spaces import small_space
+
+
+class TesterContract:
+    """Tests that every tester passes.
+
+    Attributes:
+        plugin: The tester under test.
+        objectives: Names of the objectives that its feedback measures.
+        budget: Evaluations of the longer tests.
+    """
+
+    plugin: ClassVar[TesterPlugin[Any]]
+    objectives: ClassVar[tuple[str, ...]] = ("min_gap", "time_to_collision", "progress")
+    budget: ClassVar[int] = 150
+
+    def space(self) -> GeneSpace:
+        """Gives the space to search."""
+        return small_space()
+
+    def measure(self, unit: FloatArray) -> Measurement:
+        """Measures a candidate, given as (d,) values in 0..1, without a simulator."""
+        return Measurement(
+            objectives={
+                name: float(np.mean(np.abs(unit[i :: len(self.objectives)] - 0.3)))
+                for i, name in enumerate(self.objectives)
+            }
+        )
+
+    def create(self, seed: int = 7) -> Tester:
+        """Makes the tester with its default parameters."""
+        context = TesterContext(
+            space=self.space(), random=np.random.default_rng(seed), budget=self.budget
+        )
+        return self.plugin.create(context, self.plugin.parameters(), Components())
+
+    def judged(self, number: int, proposal: Proposal) -> Evaluation:
+        """Evaluates a proposal: about one in twenty fails."""
+        space = self.space()
+        measurement = self.measure(space.to_unit(proposal.values))
+        worst = min((v for v in measurement.objectives.values() if v is not None), default=1.0)
+        verdict = Verdict(
+            oracle="collision",
+            ego="ego_0",
+            outcome=Outcome.VIOLATED,
+            message="",
+            at_fault=True,
+            time=1.0,
+        )
+        return Evaluation(
+            number=number,
+            proposal=proposal,
+            status=EvaluationStatus.JUDGED,
+            violations=(verdict,) if worst < 0.12 else (),
+            scores=dict(measurement.objectives),
+            measurement=measurement,
+        )
+
+    def play(
+        self,
+        tester: Tester,
+        count: int,
+        window: int,
+        evaluate: Callable[[int, Proposal], Evaluation] | None = None,
+    ) -> list[Evaluation]:
+        """Asks and tells as an engine does, with at most ``window`` proposals under way."""
+        evaluate = evaluate or self.judged
+        told: list[Evaluation] = []
+        waiting: deque[tuple[int, Proposal]] = deque()
+        asked = 0
+        while len(told) < count:
+            room = min(window - len(waiting), count - asked)
+            if room > 0:
+                proposals = tester.ask(room)
+                assert len(proposals) <= room
+                for proposal in proposals:
+                    waiting.append((asked, proposal))
+                    asked += 1
+            assert waiting, "nothing is proposed although everything has been told"
+            number, proposal = waiting.popleft()
+            evaluation = evaluate(number, proposal)
+            tester.tell(evaluation)
+            told.append(evaluation)
+        return told
+
+    def test_it_goes_on_until_the_budget_is_spent(self) -> None:
+        assert len(self.play(self.create(), self.budget, 4)) == self.budget
+
+    def test_its_candidates_are_within_the_bounds(self) -> None:
+        space = self.space()
+        for evaluation in self.play(self.create(), self.budget, 4):
+            assert space.within(evaluation.proposal.values)
+
+    def test_the_same_seed_gives_the_same_candidates(self) -> None:
+        one = self.play(self.create(), self.budget, 3)
+        other = self.play(self.create(), self.budget, 3)
+        assert [_key(e.proposal) for e in one] == [_key(e.proposal) for e in other]
+
+    def test_another_seed_gives_other_candidates(self) -> None:
+        one = self.play(self.create(1), 20, 3)
+        other = self.play(self.create(2), 20, 3)
+        assert [_key(e.proposal) for e in one] != [_key(e.proposal) for e in other]
+
+    def test_it_leaves_its_candidates_as_they_were(self) -> None:
+        values: list[FloatArray] = []
+
+        def note(number: int, proposal: Proposal) -> Evaluation:
+            values.append(proposal.values.copy())
+            return self.judged(number, proposal)
+
+        told = self.play(self.create(), 60, 3, note)
+        assert all(
+            np.array_equal(kept, e.proposal.values) for kept, e in zip(values, told, strict=True)
+        )
+
+    def test_parents_are_evaluations_that_were_told(self) -> None:
+        told = self.play(self.create(), self.budget, 4)
+        assert all(parent < e.number for e in told for parent in e.proposal.parents)
+
+    def test_generations_never_go_back(self) -> None:
+        generations = [e.proposal.generation for e in self.play(self.create(), self.budget, 4)]
+        assert generations == sorted(generations)
+
+    def test_it_goes_on_where_nothing_can_be_judged(self) -> None:
+        def fail(number: int, proposal: Proposal) -> Evaluation:
+            return Evaluation(number=number, proposal=proposal, status=EvaluationStatus.FAILED)
+
+        assert len(self.play(self.create(), 60, 4, fail)) == 60
+
+    def test_it_goes_on_where_many_are_invalid_or_not_measurable(self) -> None:
+        def mixed(number: int, proposal: Proposal) -> Evaluation:
+            if number % 3 == 0:
+                return Evaluation(number=number, proposal=proposal, status=EvaluationStatus.INVALID)
+            if number % 3 == 1:
+                return Evaluation(
+                    number=number,
+                    proposal=proposal,
+                    status=EvaluationStatus.JUDGED,
+                    scores=dict.fromkeys(self.objectives),
+                    measurement=Measurement(
+                        objectives=dict.fromkeys(self.objectives),
+                        features=self.measure(self.space().to_unit(proposal.values)).features,
+                    ),
+                )
+            return self.judged(number, proposal)
+
+        assert len(self.play(self.create(), 60, 4, mixed)) == 60
+
+    def test_a_wrong_order_is_refused(self) -> None:
+        tester = self.create()
+        first = tester.ask(2)
+        assert first
+        with pytest.raises(SearchError, match="turn"):
+            tester.tell(self.judged(5, first[0]))
+
+    def test_telling_what_was_not_asked_is_refused(self) -> None:
+        tester = self.create()
+        stranger = Proposal(values=self.space().sample(np.random.default_rng(1)), origin="initial")
+        with pytest.raises(SearchError):
+            tester.tell(self.judged(0, stranger))
+
+    def test_asking_without_room_is_refused(self) -> None:
+        with pytest.raises(SearchError, match="room"):
+            self.create().ask(0)
+
+
+def _key(proposal: Proposal) -> tuple[bytes, str, int, tuple[int, ...]]:
+    return proposal.values.tobytes(), proposal.origin, proposal.generation, proposal.parents
