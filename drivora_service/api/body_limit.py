@@ -10,15 +10,20 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from drivora_service.api.problems import ApiError, problem_response
 
-_DRAIN_SECONDS = 5.0
+DRAIN_SECONDS = 2.0
+DRAIN_BYTES = 16 << 20
+"""What a client on the same machine sends in some hundredths of a second."""
+_CLOSE = {"Connection": "close"}
 
 
 class BodyLimit:
     """ASGI middleware: 413 for a body of more than ``max_bytes``.
 
     A declared length is judged before the application sees the request; a chunked body is counted
-    as it comes. After an early answer the rest of the body is thrown away for a few seconds, so
-    that a client that is still sending gets to read the answer rather than a reset connection.
+    as it comes. The answer is sent at once and the connection closed a little later: until then
+    what still comes is thrown away, because a client that is writing to a closed connection may
+    lose the answer before it reads it. A client that goes on for longer than ``DRAIN_SECONDS`` or
+    ``DRAIN_BYTES`` is cut off.
     """
 
     def __init__(self, app: ASGIApp, *, max_bytes: int) -> None:
@@ -32,13 +37,11 @@ class BodyLimit:
             return
         declared = Headers(scope=scope).get("content-length", "0")
         if not declared.isdecimal():
-            await _answer(scope, receive, send, HTTPStatus.BAD_REQUEST, "bad Content-Length")
+            await _refuse(scope, receive, send, HTTPStatus.BAD_REQUEST, "bad Content-Length")
             return
         if len(declared) > 18 or int(declared) > self._max_bytes:
-            detail = self._detail()
-            await _answer(
-                scope, receive, send, HTTPStatus.REQUEST_ENTITY_TOO_LARGE, detail, drain=True
-            )
+            status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+            await _refuse(scope, receive, send, status, self._detail())
             return
         received = 0
         too_large = False
@@ -50,51 +53,49 @@ class BodyLimit:
                 received += len(message.get("body", b""))
                 if received > self._max_bytes:
                     too_large = True
-                    raise ApiError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, self._detail())
+                    status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+                    raise ApiError(status, self._detail(), headers=_CLOSE)
             return message
 
-        async def draining_send(message: Message) -> None:
-            if too_large and message["type"] == "http.response.body":
-                await send({**message, "more_body": True})
-                await _drain(receive)
-                message = {"type": "http.response.body", "body": b"", "more_body": False}
-            await send(message)
+        async def lingering_send(message: Message) -> None:
+            await (_send_and_linger(message, receive, send) if too_large else send(message))
 
-        await self._app(scope, counted_receive, draining_send)
+        await self._app(scope, counted_receive, lingering_send)
 
     def _detail(self) -> str:
         return f"the body is larger than the {self._max_bytes} bytes that are allowed"
 
 
-async def _answer(
-    scope: Scope,
-    receive: Receive,
-    send: Send,
-    status: HTTPStatus,
-    detail: str,
-    *,
-    drain: bool = False,
+async def _refuse(
+    scope: Scope, receive: Receive, send: Send, status: HTTPStatus, detail: str
 ) -> None:
-    response = problem_response(
-        status, detail, instance=scope["path"], headers={"Connection": "close"}
-    )
+    response = problem_response(status, detail, instance=scope["path"], headers=_CLOSE)
 
-    async def send_then_drain(message: Message) -> None:
-        if drain and message["type"] == "http.response.body":
-            await send({**message, "more_body": True})
-            await _drain(receive)
-            message = {"type": "http.response.body", "body": b"", "more_body": False}
+    async def lingering_send(message: Message) -> None:
+        await _send_and_linger(message, receive, send)
+
+    await response(scope, receive, lingering_send)
+
+
+async def _send_and_linger(message: Message, receive: Receive, send: Send) -> None:
+    """Sends a part of an answer; after the last the connection stays open for a moment."""
+    if message["type"] != "http.response.body":
         await send(message)
-
-    await response(scope, receive, send_then_drain)
+        return
+    await send({**message, "more_body": True})
+    await _drain(receive)
+    await send({"type": "http.response.body", "body": b"", "more_body": False})
 
 
 async def _drain(receive: Receive) -> None:
+    """Throws away what comes, until the body's end, the client's leaving or a limit."""
+    left = DRAIN_BYTES
     try:
-        async with asyncio.timeout(_DRAIN_SECONDS):
-            while True:
+        async with asyncio.timeout(DRAIN_SECONDS):
+            while left > 0:
                 message = await receive()
                 if message["type"] == "http.disconnect" or not message.get("more_body", False):
                     return
+                left -= len(message.get("body", b""))
     except TimeoutError:
         return
