@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
+import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -23,6 +25,7 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
@@ -62,8 +65,10 @@ def create_app(settings: Settings) -> FastAPI:
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         dispatcher.start()
-        _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
         try:
+            # Else the first document would wait for the kernels that check it.
+            await asyncio.to_thread(warm_up_checks, NetworkCatalogue(shipped_networks()))
+            _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
             yield
         finally:
             dispatcher.stop()
@@ -107,15 +112,19 @@ def serve_until_stopped(settings: Settings) -> None:
         server_header=False,
         timeout_graceful_shutdown=_GRACE_S,
     )
-    socket = config.bind_socket()
-    port = socket.getsockname()[1]
+    listener = config.bind_socket()
+    # asyncio does this for sockets that name their protocol, which uvicorn's do not: head and body
+    # of an answer are written one after the other, and the body would wait 40 ms for the client's
+    # acknowledgement of the head. Connections inherit it.
+    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    port = listener.getsockname()[1]
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     announcement = settings.data_dir / ANNOUNCEMENT
     _announce(announcement, settings.public_url or f"http://{host}:{port}")
     # uvicorn passes a signal on once it has shut down; this makes that a normal end.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        uvicorn.Server(config).run(sockets=[socket])
+        uvicorn.Server(config).run(sockets=[listener])
     except KeyboardInterrupt:
         _log.info("stopped")
     finally:

@@ -39,7 +39,7 @@ class NetworkCatalogue:
     def __init__(self, shipped: Path, imported: Path | None = None) -> None:
         self._folders = (shipped,) if imported is None else (shipped, imported)
         self._networks: dict[str, tuple[tuple[int, int], RoadNetwork]] = {}
-        self._lock = threading.Lock()
+        self._locks: dict[str, threading.Lock] = {}
 
     def names(self) -> tuple[str, ...]:
         """Gives all names in alphabetical order."""
@@ -80,7 +80,8 @@ class NetworkCatalogue:
         path = self.path(name)
         status = path.stat()
         version = (status.st_mtime_ns, status.st_size)
-        with self._lock:
+        # One lock a network: while a large one is read, the others can be had.
+        with self._locks.setdefault(name, threading.Lock()):
             known = self._networks.get(name)
             if known is None or known[0] != version or known[1].path != path:
                 known = (version, load_network(path, name))

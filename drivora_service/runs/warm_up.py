@@ -13,24 +13,13 @@ from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.seeds import generate_seeds
-from drivora_service.scenario.validation import validate_document
+from drivora_service.scenario.warm_up import warm_up_checks
 
-_AGENT = "idm"
 _SIM_TIME_S = 1.0
 
 
 def warm_up(setup: WorkerSetup) -> None:
     """Performs a run of a second of simulation on a shipped network and forgets it."""
-    networks = NetworkCatalogue(setup.shipped_networks)
-    network = networks.get(networks.names()[0])
-    document = next(
-        iter(
-            generate_seeds(
-                network, count=1, min_length=50.0, max_length=300.0, seed=0, agent=_AGENT
-            )
-        )
-    )
-    scenario = validate_document(document, networks, (_AGENT,)).scenario
+    scenario = warm_up_checks(NetworkCatalogue(setup.shipped_networks))
     short = replace(scenario, max_sim_time=_SIM_TIME_S)
     perform(RunSpec(run_id="warm-up", document=canonical_json(short)), setup)
