@@ -6,15 +6,14 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from importlib.metadata import EntryPoint, entry_points
+from functools import partial
 from typing import Any
 
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.errors import AgentError, UnknownName
-
-ENTRY_POINT_GROUP = "drivora_service.agents"
+from drivora_service.errors import AgentError
+from drivora_service.plugin_table import PluginTable
 
 
 class AgentKind(StrEnum):
@@ -56,6 +55,11 @@ class AgentPlugin:
 
     entry: AgentEntry
     create: Callable[[Mapping[str, Any]], Agent | SumoDriver]
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return self.entry.name
 
 
 def _idm(parameters: Mapping[str, Any]) -> IdmAgent:
@@ -125,16 +129,17 @@ class AgentCatalogue:
     """The built-in agents and those that installed packages bring by entry point."""
 
     def __init__(self, built_in: tuple[AgentPlugin, ...] = BUILT_IN) -> None:
-        self._built_in = {plugin.entry.name: plugin for plugin in built_in}
-        self._found: dict[str, EntryPoint] = {
-            point.name: point
-            for point in entry_points(group=ENTRY_POINT_GROUP)
-            if point.name not in self._built_in
-        }
+        self._table = PluginTable(
+            kind="agent",
+            group="drivora_service.agents",
+            type_=AgentPlugin,
+            built_in=built_in,
+            error=partial(AgentError, cause="agent_plugin"),
+        )
 
     def names(self) -> tuple[str, ...]:
         """Gives all names, sorted."""
-        return tuple(sorted({*self._built_in, *self._found}))
+        return self._table.names()
 
     def entry(self, name: str) -> AgentEntry:
         """Gives what is known of an agent; of a plug-in that cannot be loaded, why.
@@ -143,14 +148,13 @@ class AgentCatalogue:
             UnknownName: If there is no such agent.
         """
         try:
-            return self._plugin(name).entry
+            return self._table.plugin(name).entry
         except AgentError as error:
-            distribution = self._found[name].dist
             return AgentEntry(
                 name=name,
                 kind=AgentKind.BASELINE,
                 description="a plug-in that cannot be loaded",
-                source="" if distribution is None else distribution.name,
+                source=self._table.package(name),
                 licence="",
                 installed=False,
                 reason=str(error),
@@ -167,7 +171,7 @@ class AgentCatalogue:
             UnknownName: If there is no such agent.
             AgentError: If it does not take these parameters, or its plug-in cannot be loaded.
         """
-        plugin = self._plugin(name)
+        plugin = self._table.plugin(name)
         try:
             return plugin.create(parameters)
         except AgentError:
@@ -177,25 +181,3 @@ class AgentCatalogue:
                 f"agent {name!r} raised {type(error).__name__} when it was made: {error}",
                 log="".join(traceback.format_exception(error))[-4000:],
             ) from error
-
-    def _plugin(self, name: str) -> AgentPlugin:
-        plugin = self._built_in.get(name)
-        if plugin is not None:
-            return plugin
-        point = self._found.get(name)
-        if point is None:
-            raise UnknownName("agent", name, self.names())
-        try:
-            loaded = point.load()
-        except Exception as error:
-            # Whatever a foreign package does on import must not take the other agents away.
-            raise AgentError(
-                f"entry point {name!r} cannot be loaded: {type(error).__name__}: {error}",
-                cause="agent_plugin",
-            ) from error
-        if not isinstance(loaded, AgentPlugin):
-            raise AgentError(
-                f"entry point {name!r} gives a {type(loaded).__name__}; allowed: AgentPlugin",
-                cause="agent_plugin",
-            )
-        return loaded

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drivora_service.errors import SearchError
 from drivora_service.feedback.catalogue import default_objectives, score_run
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.observations.run_view import RunView
+from drivora_service.parameters import read_parameters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,9 +29,7 @@ class General:
 
 
 def _create(parameters: Mapping[str, Any]) -> General:
-    if parameters:
-        raise SearchError("the feedback 'general' takes no parameters: leave `parameters` out")
-    return General()
+    return read_parameters(General, parameters, of="feedback 'general'")
 
 
 GENERAL = FeedbackPlugin(

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
-
-from drivora_service.errors import SearchError, UnknownName
+from drivora_service.errors import SearchError
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice
 from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.plugin_table import PluginTable
 
-ENTRY_POINT_GROUP = "drivora_service.feedback"
 BUILT_IN = (GENERAL,)
 
 
 class FeedbackCatalogue:
-    """Feedbacks by name; entry points are loaded when one of them is asked for."""
+    """Feedbacks by name."""
 
     def __init__(self) -> None:
-        self._plugins = {plugin.name: plugin for plugin in BUILT_IN}
-        self._found = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+        self._table = PluginTable(
+            kind="feedback",
+            group="drivora_service.feedback",
+            type_=FeedbackPlugin,
+            built_in=BUILT_IN,
+            error=SearchError,
+        )
 
     def names(self) -> tuple[str, ...]:
         """Gives the names of all feedbacks, sorted."""
-        return tuple(sorted({*self._plugins, *self._found}))
+        return self._table.names()
 
     def plugin(self, name: str) -> FeedbackPlugin:
         """Gives a feedback's plug-in.
@@ -31,18 +34,7 @@ class FeedbackCatalogue:
             UnknownName: If there is none of that name.
             SearchError: If an installed package's entry point is no feedback.
         """
-        if name in self._plugins:
-            return self._plugins[name]
-        if name not in self._found:
-            raise UnknownName("feedback", name, self.names())
-        plugin = self._found[name].load()
-        if not isinstance(plugin, FeedbackPlugin):
-            raise SearchError(
-                f"the entry point {name!r} of {ENTRY_POINT_GROUP!r} gives a "
-                f"{type(plugin).__name__}; it must give a FeedbackPlugin"
-            )
-        self._plugins[name] = plugin
-        return plugin
+        return self._table.plugin(name)
 
     def create(self, choice: FeedbackChoice) -> Feedback:
         """Makes the feedback of a choice."""

@@ -1,0 +1,53 @@
+"""Parameters of plug-ins: what a user wrote, checked against the fields of a dataclass."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from drivora_service.errors import SearchError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+P = TypeVar("P", bound="DataclassInstance")
+
+
+def read_parameters(type_: type[P], parameters: Mapping[str, Any], *, of: str) -> P:
+    """Makes a dataclass from what a user wrote.
+
+    Types are checked strictly: text is no number, and 1 is not true. Limits that the fields state
+    (``Annotated[int, Field(ge=1)]``) hold.
+
+    Args:
+        type_: The dataclass; every field has a default.
+        parameters: Values by field name, as they can stand in JSON.
+        of: What takes the parameters, for messages: ``tester 'random'``.
+
+    Raises:
+        SearchError: If there is no such parameter, or its value is not allowed.
+    """
+    known = tuple(field.name for field in fields(type_))
+    for name in parameters:
+        if name not in known:
+            allowed = f"known: {', '.join(known)}" if known else "it takes none: leave them out"
+            raise SearchError(f"{of} has no parameter {name!r}; {allowed}")
+    try:
+        text = json.dumps(dict(parameters), allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise SearchError(
+            f"{of}: the parameters hold what JSON cannot ({error}); allowed: finite numbers, text, "
+            "true, false, lists"
+        ) from error
+    try:
+        return TypeAdapter(type_).validate_json(text, strict=True)
+    except ValidationError as error:
+        found = "; ".join(
+            f"{'.'.join(map(str, problem['loc']))} is {problem['input']!r}: {problem['msg']}"
+            for problem in error.errors(include_url=False)
+        )
+        raise SearchError(f"{of}: {found}") from error

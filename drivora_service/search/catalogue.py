@@ -1,0 +1,103 @@
+"""The testers that a campaign may name, and the components that it may put into them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from drivora_service.errors import SearchError
+from drivora_service.parameters import read_parameters
+from drivora_service.plugin_table import PluginTable
+from drivora_service.search.components import Components
+from drivora_service.search.plugin import MutationPlugin, SelectionPlugin, TesterPlugin
+from drivora_service.search.tester import Tester, TesterContext
+from drivora_service.search.testers.random_search import RANDOM
+
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM,)
+BUILT_IN_MUTATIONS: tuple[MutationPlugin, ...] = ()
+BUILT_IN_SELECTIONS: tuple[SelectionPlugin, ...] = ()
+
+
+class TesterCatalogue:
+    """Testers by name."""
+
+    def __init__(self, built_in: tuple[TesterPlugin[Any], ...] = BUILT_IN) -> None:
+        self._table = PluginTable(
+            kind="tester",
+            group="drivora_service.testers",
+            type_=TesterPlugin,
+            built_in=built_in,
+            error=SearchError,
+        )
+
+    def names(self) -> tuple[str, ...]:
+        """Gives the names of all testers, sorted."""
+        return self._table.names()
+
+    def plugin(self, name: str) -> TesterPlugin[Any]:
+        """Gives a tester's plug-in.
+
+        Raises:
+            UnknownName: If there is none of that name.
+            SearchError: If an installed package's entry point is no tester.
+        """
+        return self._table.plugin(name)
+
+    def create(
+        self,
+        name: str,
+        context: TesterContext,
+        parameters: Mapping[str, Any],
+        components: Components,
+    ) -> Tester:
+        """Makes a tester.
+
+        Args:
+            name: Of the tester.
+            context: What it works with.
+            parameters: What the campaign sets; the others keep their defaults.
+            components: What the campaign puts in place of the tester's own parts.
+
+        Raises:
+            UnknownName: If there is none of that name.
+            SearchError: If it has no such parameter or not with that value, or cannot work in the
+                space.
+        """
+        plugin = self.plugin(name)
+        read = read_parameters(plugin.parameters, parameters, of=f"tester {name!r}")
+        return plugin.create(context, read, components)
+
+
+def mutation_plugins() -> PluginTable[MutationPlugin]:
+    """Gives the mutations by name."""
+    return PluginTable(
+        kind="mutation",
+        group="drivora_service.mutations",
+        type_=MutationPlugin,
+        built_in=BUILT_IN_MUTATIONS,
+        error=SearchError,
+    )
+
+
+def selection_plugins() -> PluginTable[SelectionPlugin]:
+    """Gives the selections by name."""
+    return PluginTable(
+        kind="selection",
+        group="drivora_service.selections",
+        type_=SelectionPlugin,
+        built_in=BUILT_IN_SELECTIONS,
+        error=SearchError,
+    )
+
+
+def components_named(*, mutation: str = "", selection: str = "") -> Components:
+    """Makes the components that a campaign names; "" keeps the tester's own.
+
+    Raises:
+        UnknownName: If there is none of that name.
+        SearchError: If an installed package's entry point is none.
+    """
+    return Components(
+        mutation=mutation_plugins().plugin(mutation).create() if mutation else None,
+        selection=selection_plugins().plugin(selection).create() if selection else None,
+    )
