@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,12 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorModel
+from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.dynamics import Limit
-from drivora_service.simulation.followers import Followers, Phase, Reaction
+from drivora_service.simulation.followers import (
+    FollowerCol,
+    Followers,
+    PathCol,
+    Phase,
+    Reaction,
+)
 from drivora_service.simulation.lights import RunningProgram, light_of
-from drivora_service.simulation.plan import EgoPlan, FollowerPlan
-from drivora_service.simulation.step_kernels import PERMISSIVE
+from drivora_service.simulation.plan import EgoPlan, FollowerPlan, ObstaclePlan
+from drivora_service.simulation.route_tracking import PERMISSIVE, Progress
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,60 +51,90 @@ def vehicle_limits(models: Sequence[ActorModel], dynamic: Sequence[bool]) -> Flo
 
 def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followers:
     """Lays follower plans end to end, all waiting for their start."""
-    count = len(plans)
-    models = [plan.model for plan in plans]
-
-    def joined(parts: list[FloatArray], shape: tuple[int, ...]) -> FloatArray:
-        return np.concatenate(parts) if parts else np.empty(shape)
-
+    counts = [len(plan.path.arc) for plan in plans]
+    paths = [
+        np.column_stack((path.line, path.yaw, path.arc, path.wanted, path.height))
+        for path in (plan.path for plan in plans)
+    ]
+    state = np.zeros((len(plans), len(FollowerCol)))
+    for row, plan in zip(state, plans, strict=True):
+        row[FollowerCol.SPEED] = plan.first_speed
+        row[FollowerCol.PHASE] = Phase.WAITING
+        row[FollowerCol.START_TIME] = plan.start_time
+        row[FollowerCol.REACTION] = Reaction.BRAKES if plan.reacts else Reaction.NONE
+        row[FollowerCol.STAYS] = plan.stays
+        row[FollowerCol.MAX_ACCELERATION] = plan.model.max_acceleration
+        row[FollowerCol.MAX_DECELERATION] = plan.model.max_deceleration
+        row[FollowerCol.LENGTH] = plan.model.length
+        row[FollowerCol.WIDTH] = plan.model.width
     return Followers(
-        rows=np.array(rows, dtype=np.int64),
-        first=_offsets([len(plan.path.arc) for plan in plans]),
-        line=joined([plan.path.line for plan in plans], (0, 2)),
-        yaw=joined([plan.path.yaw for plan in plans], (0,)),
-        arc=joined([plan.path.arc for plan in plans], (0,)),
-        wanted=joined([plan.path.wanted for plan in plans], (0,)),
-        height=joined([plan.path.height for plan in plans], (0,)),
-        s=np.zeros(count),
-        speed=np.array([plan.first_speed for plan in plans], dtype=np.float64),
-        cursor=np.zeros(count, dtype=np.int64),
-        phase=np.full(count, int(Phase.WAITING), dtype=np.int64),
-        start_time=np.array([plan.start_time for plan in plans], dtype=np.float64),
-        reaction=np.array(
-            [int(Reaction.BRAKES if plan.reacts else Reaction.NONE) for plan in plans],
-            dtype=np.int64,
-        ),
-        stays=np.array([plan.stays for plan in plans], dtype=np.bool_),
-        max_acceleration=np.array([m.max_acceleration for m in models], dtype=np.float64),
-        max_deceleration=np.array([m.max_deceleration for m in models], dtype=np.float64),
-        length=np.array([m.length for m in models], dtype=np.float64),
-        width=np.array([m.width for m in models], dtype=np.float64),
+        places=np.array((rows, _offsets(counts)[:-1], counts), dtype=np.int64).T.copy(),
+        path=np.concatenate(paths) if paths else np.empty((0, len(PathCol))),
+        state=state,
     )
 
 
 def append_follower(followers: Followers, plan: FollowerPlan, row: int) -> None:
     """Adds a follower during the run."""
     more = lay_followers([plan], [row])
-    followers.first = np.append(followers.first, followers.first[-1] + more.first[-1])
-    for name in Followers.__slots__:
-        if name != "first":
-            joined = np.concatenate((getattr(followers, name), getattr(more, name)))
-            setattr(followers, name, joined)
+    more.places[:, 1] += len(followers.path)
+    followers.places = np.concatenate((followers.places, more.places))
+    followers.path = np.concatenate((followers.path, more.path))
+    followers.state = np.concatenate((followers.state, more.state))
+
+
+def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int) -> FloatArray:
+    """Gives what never moves as (count, 10): when it appears, inf for all others, and its state."""
+    static = np.full((count, 1 + len(Col)), np.inf)
+    for plan, row in zip(plans, rows, strict=True):
+        static[row] = (plan.obstacle.start_time, *plan.pose, 0.0, 0.0, 0.0, 0.0, 0.0, plan.height)
+    return static
+
+
+def senses_of(weather: WeatherEffects) -> FloatArray:
+    """Gives (4,) range, noise of positions and speeds, and drop-out, as ``perceive`` takes them."""
+    return np.array(
+        [
+            weather.perception_range,
+            weather.position_noise,
+            weather.speed_noise,
+            weather.dropout,
+        ]
+    )
+
+
+def wind_of(weather: WeatherEffects) -> FloatArray:
+    """Gives (2,) the acceleration by the wind, m/s²."""
+    return weather.wind_acceleration * np.array(
+        [math.cos(weather.wind_direction), math.sin(weather.wind_direction)]
+    )
+
+
+def first_progress(egos: Sequence[EgoPlan]) -> FloatArray:
+    """Gives (M, 9) the progress of egos that have not begun, columns ``Progress``."""
+    progress = np.zeros((len(egos), len(Progress)))
+    progress[:, Progress.TIME_LIMIT] = [ego.time_limit for ego in egos]
+    progress[:, Progress.ROUTE_S] = progress[:, Progress.ROUTE_LATERAL] = np.nan
+    progress[:, Progress.LIGHT_DISTANCE] = np.inf
+    progress[:, Progress.SPEED_LIMIT] = [ego.route.speed_limits[0] for ego in egos]
+    return progress
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RouteArrays:
-    """The egos' routes and signals end to end, as ``follow_egos`` takes them."""
+    """The egos' routes and signals end to end, as ``follow_egos`` takes them.
 
-    first_point: IntArray
-    lines: FloatArray
-    arcs: FloatArray
-    heights: FloatArray
-    first_signal: IntArray
-    signal_s: FloatArray
-    signal_ends: FloatArray
-    signal_codes: NDArray[np.uint8]
-    signal_offsets: FloatArray
+    Attributes:
+        points: (n, 5) x, y, arc length, height and speed limit of all points; metres, m/s.
+        signals: (S, 2 + 2 p) arc length of the stop line, ascending a route; offset in seconds;
+            the ends of the p stages within the cycle, padded with the cycle; and what each stage
+            shows: ``Light`` or ``PERMISSIVE``.
+        parts: (M, 4) where each route's points begin and end, and its signals.
+    """
+
+    points: FloatArray
+    signals: FloatArray
+    parts: IntArray
 
 
 def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> RouteArrays:
@@ -109,24 +148,26 @@ def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> R
         if signal.traffic_light in by_id
     ]
     most = max((len(program.phases) for _, program in signals), default=1)
-    ends = np.ones((len(signals), most))
-    codes = np.zeros((len(signals), most), dtype=np.uint8)
-    for i, (signal, program) in enumerate(signals):
-        ends[i] = program.ends[-1]
-        ends[i, : len(program.ends)] = program.ends
+    laid = np.zeros((len(signals), 2 + 2 * most))
+    for row, (signal, program) in zip(laid, signals, strict=True):
+        ends, codes = row[2 : 2 + most], row[2 + most :]
+        row[:2] = signal.s, program.offset
+        ends[:] = program.ends[-1]
+        ends[: len(program.ends)] = program.ends
         for p, phase in enumerate(program.phases):
             letter = phase.state[signal.link_index]
-            codes[i, p:] = PERMISSIVE if letter == "g" else int(light_of(letter))
+            codes[p:] = PERMISSIVE if letter == "g" else int(light_of(letter))
+    points = _offsets([len(route.line) for route in routes])
+    counts = _offsets([sum(s.traffic_light in by_id for s in route.signals) for route in routes])
     return RouteArrays(
-        first_point=_offsets([len(route.line) for route in routes]),
-        lines=np.concatenate([route.line for route in routes]),
-        arcs=np.concatenate([route.arc for route in routes]),
-        heights=np.concatenate([ego.heights for ego in egos]),
-        first_signal=_offsets(
-            [sum(s.traffic_light in by_id for s in route.signals) for route in routes]
+        points=np.concatenate(
+            [
+                np.column_stack(
+                    (ego.route.line, ego.route.arc, ego.heights, ego.route.speed_limits)
+                )
+                for ego in egos
+            ]
         ),
-        signal_s=np.array([signal.s for signal, _ in signals]),
-        signal_ends=ends,
-        signal_codes=codes,
-        signal_offsets=np.array([program.offset for _, program in signals]),
+        signals=laid,
+        parts=np.column_stack((points[:-1], points[1:], counts[:-1], counts[1:])),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import traceback
 from collections.abc import Mapping, Sequence
 
@@ -13,15 +12,20 @@ from drivora_service.agents.interface import Agent, AgentContext, Control, Obser
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
-from drivora_service.observations.trace import Col, EgoCol, Light, TerminalEvent
+from drivora_service.observations.trace import Col, Light, TerminalEvent
 from drivora_service.scenario.model import VehicleDynamics
-from drivora_service.simulation.arrays import lay_routes, vehicle_limits
+from drivora_service.simulation.arrays import (
+    first_progress,
+    lay_routes,
+    senses_of,
+    vehicle_limits,
+)
 from drivora_service.simulation.commands import write_command
-from drivora_service.simulation.dynamics import Body, CommandMode, drive_vehicles
+from drivora_service.simulation.dynamics import Body, CommandMode
 from drivora_service.simulation.perception import perceive
 from drivora_service.simulation.phase import Phase
 from drivora_service.simulation.plan import EpisodePlan
-from drivora_service.simulation.step_kernels import follow_egos
+from drivora_service.simulation.route_tracking import Progress
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 
@@ -32,9 +36,7 @@ IntArray = NDArray[np.int64]
 _IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
 _DRIVE = int(CommandMode.DRIVE)
 _COMMANDED = 2  # Acceleration and steer, the first columns of ``EgoCol``.
-_ROUTE_S, _ROUTE_LATERAL = int(EgoCol.ROUTE_S), int(EgoCol.ROUTE_LATERAL)
-_LIGHT_DISTANCE = int(EgoCol.LIGHT_DISTANCE)
-_SPEED, _BODY_STEER, _BODY_ACCELERATION = int(Body.SPEED), int(Body.STEER), int(Body.ACCELERATION)
+_ROUTE_S, _SPEED, _STEER = int(Progress.ROUTE_S), int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
 
 
@@ -43,10 +45,15 @@ class EgoTeam:
 
     Attributes:
         bodies: (M, 9), columns ``dynamics.Body``.
+        limits: (M, 8), columns ``dynamics.Limit``.
         modes: (M,) ``CommandMode``.
+        commands: (M, 4), meaning by mode.
         active: (M,) egos whose part goes on and has begun.
         in_world: (M,) egos that are on the road.
-        ends: (M,) index into ``step_kernels.ENDS`` of what ended an ego at the last frame followed.
+        routes: The routes as the kernels take them.
+        progress: (M, 9), columns ``route_tracking.Progress``.
+        ends: (M,) index into ``route_tracking.ENDS`` of what ended an ego at the last frame
+            followed.
         going: How many egos' parts have not ended.
         endings: How each ego's part ended.
         logs: Agent logs.
@@ -66,25 +73,21 @@ class EgoTeam:
         self.bodies: FloatArray = np.zeros((count, len(Body)))
         self.bodies[:, :3] = [ego.start for ego in plan.egos]
         self.bodies[:, Body.HEIGHT] = [ego.heights[0] for ego in plan.egos]
-        self._limits = vehicle_limits(
+        self.limits = vehicle_limits(
             [ego.model for ego in plan.egos],
             [ego.ego.dynamics is VehicleDynamics.DYNAMIC for ego in plan.egos],
         )
         self.modes: IntArray = np.full(count, int(CommandMode.HOLD), dtype=np.int64)
-        self._commands = np.zeros((count, 4))
+        self.commands = np.zeros((count, 4))
         self.active = np.zeros(count, dtype=np.bool_)
         self.in_world = np.ones(count, dtype=np.bool_)
         self.endings = [Ending() for _ in range(count)]
-        self._stuck = np.zeros(count)
-        self._time_limits = np.array([ego.time_limit for ego in plan.egos])
         self.ends: IntArray = np.zeros(count, dtype=np.int64)
         self.going = count
-        self._protected = np.zeros(count, dtype=np.bool_)
-        self._routes = lay_routes(plan.egos, plan.programs)
-        self._cursors = np.zeros(count, dtype=np.int64)
-        self._wind = plan.weather.wind_acceleration * np.array(
-            [math.cos(plan.weather.wind_direction), math.sin(plan.weather.wind_direction)]
-        )
+        self.routes = lay_routes(plan.egos, plan.programs)
+        self.progress = first_progress(plan.egos)
+        self._senses = senses_of(plan.weather)
+        self._is_noisy = bool(np.any(self._senses[1:] > 0.0))
         seeds = np.random.SeedSequence([plan.scenario.seed, 2]).spawn(2 * count)
         self._noise = [np.random.default_rng(seed) for seed in seeds[:count]]
         self.logs = [AgentLog() for _ in range(count)]
@@ -96,7 +99,8 @@ class EgoTeam:
         self._log_columns = [self._columns_of(log) for log in self.logs]
         self._last_start = max(ego.ego.start_time for ego in plan.egos)
         self._observations: list[Observation] = []
-        self._buffers: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
+        self._buffers: list[tuple[FloatArray, FloatArray, IntArray]] = []
+        self._views: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
         self._draws = np.zeros((0, 5))
 
     def _set_up(self, m: int, agent: Agent, seed: int) -> None:
@@ -130,22 +134,24 @@ class EgoTeam:
         """Fits the observation buffers to a world of ``count`` rows."""
         self._draws = np.zeros((count, 5))
         self._buffers = []
+        self._views = []
         self._observations = []
         for m in range(len(self.agents)):
             buffers = (
                 np.zeros((count, len(Col))),
                 np.zeros((count, 2)),
-                np.zeros(count, dtype=np.int64),
-                np.zeros(count, dtype=np.int64),
+                np.zeros((2, count), dtype=np.int64),
             )
+            views = (buffers[0], buffers[1], buffers[2][0], buffers[2][1])
             self._buffers.append(buffers)
+            self._views.append(views)
             self._observations.append(
                 Observation(
                     ego=self.bodies[m],
-                    objects=buffers[0],
-                    object_sizes=buffers[1],
-                    object_kinds=buffers[2],
-                    object_ids=buffers[3],
+                    objects=views[0],
+                    object_sizes=views[1],
+                    object_kinds=views[2],
+                    object_ids=views[3],
                 )
             )
 
@@ -187,7 +193,7 @@ class EgoTeam:
                     where = f"run_step at {time:.2f} s"
                     raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
                 cells[0] = _SIMULATING
-            command = self._commands[m]
+            command = self.commands[m]
             try:
                 mode = write_command(control, ego.model, self._plan.scenario.step_length, command)
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
@@ -197,61 +203,43 @@ class EgoTeam:
                 world.ego_values[step, m, :_COMMANDED] = command[:_COMMANDED]
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
-        weather = self._plan.weather
-        if weather.position_noise > 0.0 or weather.speed_noise > 0.0 or weather.dropout > 0.0:
+        if self._is_noisy:
             rng = self._noise[m]
             self._draws[:, :4] = rng.standard_normal((len(self._draws), 4))
             self._draws[:, 4] = rng.random(len(self._draws))
-        objects, sizes, kinds, ids = self._buffers[m]
-        frame = world.states[step]
+        objects, sizes, numbers = self._buffers[m]
         count = perceive(
-            m, frame, world.sizes, world.kinds, world.present[step],
-            weather.perception_range, weather.position_noise, weather.speed_noise,
-            weather.dropout, self._draws, objects, sizes, kinds, ids,
+            m, step, world.states, world.present, world.sizes, world.kinds, self._senses,
+            self._draws, objects, sizes, numbers,
         )  # fmt: skip
+        views = self._views[m]
+        if count != len(views[0]):
+            views = (objects[:count], sizes[:count], numbers[0, :count], numbers[1, :count])
+            self._views[m] = views
         observation = self._observations[m]
-        body = self.bodies[m].tolist()
-        values = world.ego_values[step, m].tolist()
+        (
+            observation.objects,
+            observation.object_sizes,
+            observation.object_kinds,
+            observation.object_ids,
+        ) = views
         observation.time = time
         observation.step = step
-        observation.ego = frame[m]
+        observation.ego = world.states[step, m]
+        body = self.bodies[m].tolist()
         observation.speed = body[_SPEED]
-        observation.acceleration = body[_BODY_ACCELERATION]
-        observation.steer = body[_BODY_STEER]
-        observation.route_s = values[_ROUTE_S]
-        observation.route_lateral = values[_ROUTE_LATERAL]
-        observation.objects = objects[:count]
-        observation.object_sizes = sizes[:count]
-        observation.object_kinds = kinds[:count]
-        observation.object_ids = ids[:count]
-        distance = values[_LIGHT_DISTANCE]
-        observation.light = _LIGHTS[world.ego_lights[step, m]]
-        observation.light_protected = bool(self._protected[m])
-        observation.light_distance = math.inf if distance != distance else distance
-        observation.speed_limit = float(self._plan.egos[m].route.speed_limits[self._cursors[m]])
+        observation.steer, observation.acceleration = body[_STEER : _STEER + 2]
+        (
+            observation.route_s,
+            observation.route_lateral,
+            light,
+            protected,
+            observation.light_distance,
+            observation.speed_limit,
+        ) = self.progress[m, _ROUTE_S:].tolist()
+        observation.light = _LIGHTS[int(light)]
+        observation.light_protected = protected > 0.0
         return observation
-
-    def drive(self) -> None:
-        """Moves the bodies by one step."""
-        drive_vehicles(
-            self.bodies, self._limits, self.modes, self._commands, self._plan.weather.friction,
-            self._wind, self._plan.scenario.step_length,
-        )  # fmt: skip
-
-    def follow(self, step: int, time: float, dt: float, world: World) -> int:
-        """Tracks the active egos along their routes at a frame; gives how many parts end with it.
-
-        ``ends`` says which and why.
-        """
-        routes = self._routes
-        return follow_egos(
-            time, dt, world.states[step], self.bodies, world.sizes, self.active,
-            routes.first_point, routes.lines, routes.arcs, routes.heights, self._cursors,
-            routes.first_signal, routes.signal_s, routes.signal_ends, routes.signal_codes,
-            routes.signal_offsets, world.ego_values[step], world.ego_lights[step],
-            self._protected, self._stuck,
-            world.present[step], self._time_limits, self.ends,
-        )  # fmt: skip
 
     def end(self, m: int, event: TerminalEvent, step: int) -> None:
         """Ends an ego's part: one that arrived leaves, any other stays where it is."""

@@ -1,10 +1,8 @@
 """NPC vehicles and walkers that follow a path at the speeds of its waypoints.
 
-A follower's state is its arc length on its path and its speed; its pose is read off the path. The
-wanted speed between two waypoints is that of the one ahead, reached with the follower's comfortable
-limits; cornering and braking stay within the friction of the road. A reactive vehicle also brakes,
-by the intelligent driver model (Treiber, Hennecke, Helbing 2000), for what stands or moves in the
-corridor ahead of it.
+A follower's state is its arc length on its path and its speed; its pose is read off the path. A
+reactive vehicle also brakes, by the intelligent driver model (Treiber, Hennecke, Helbing 2000), for
+what stands or moves in the corridor ahead of it.
 """
 
 from __future__ import annotations
@@ -16,19 +14,13 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.speed_profile import slow_down_in_time
 from drivora_service.compilation import compiled
-from drivora_service.geometry import arc_lengths
 from drivora_service.observations.trace import LEVEL_GAP
 from drivora_service.simulation.dynamics import GRAVITY
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-_SPACING = 1.0
-_SIDE_GRIP_SHARE = 0.6
-"""Share of the grip that a follower uses in bends."""
 
 
 class Phase(IntEnum):
@@ -46,136 +38,77 @@ class Reaction(IntEnum):
     BRAKES = 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FollowerPath:
-    """A path to follow.
+class FollowerCol(IntEnum):
+    """Columns of ``Followers.state``."""
 
-    Attributes:
-        line: (n, 2) metres, n >= 1; one point is a place to stand at.
-        yaw: (n,) unwrapped heading, radians.
-        arc: (n,) arc length, metres.
-        wanted: (n,) speed wanted at each point, m/s.
-        height: (n,) metres up.
-    """
+    S = 0
+    """Arc length, metres."""
+    SPEED = 1
+    """m/s; before the start, the speed to start with."""
+    CURSOR = 2
+    """Index of the path point at or before ``S``, relative to the path's beginning."""
+    PHASE = 3
+    START_TIME = 4
+    REACTION = 5
+    STAYS = 6
+    """Whether it stays at its last point instead of leaving."""
+    MAX_ACCELERATION = 7
+    MAX_DECELERATION = 8
+    LENGTH = 9
+    WIDTH = 10
 
-    line: FloatArray
-    yaw: FloatArray
-    arc: FloatArray
-    wanted: FloatArray
-    height: FloatArray
 
+class PathCol(IntEnum):
+    """Columns of ``Followers.path``, as in ``FollowerPath``."""
 
-def build_path(
-    line: FloatArray,
-    speeds: FloatArray,
-    speed_arcs: FloatArray,
-    first_yaw: float | None,
-    friction: float,
-    deceleration: float,
-    is_vehicle: bool,
-) -> FollowerPath:
-    """Prepares a path for following.
-
-    Args:
-        line: (k, 2) polyline through the waypoints, metres.
-        speeds: (w,) speed of each waypoint, m/s.
-        speed_arcs: (w,) arc length of each waypoint on ``line``, metres, ascending.
-        first_yaw: Heading where the line has a single point, radians.
-        friction: Friction coefficient.
-        deceleration: Comfortable braking, m/s², positive.
-        is_vehicle: Whether grip limits the speed in bends.
-
-    Returns:
-        The path, resampled to at most one metre between points.
-    """
-    arc = arc_lengths(line)
-    keep = np.concatenate(([True], np.diff(arc) > 1e-6))
-    line, arc = line[keep], arc[keep]
-    if len(line) < 2:
-        yaw = np.array([first_yaw or 0.0])
-        zero = np.zeros(1)
-        return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero)
-    fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / _SPACING) + 1)))
-    fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
-    x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
-    yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
-    # The speed that counts between two waypoints is that of the one ahead.
-    ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
-    wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)
-    if is_vehicle:
-        bend = np.abs(np.gradient(yaw, fine))
-        wanted = np.minimum(
-            wanted, np.sqrt(_SIDE_GRIP_SHARE * friction * GRAVITY / np.maximum(bend, 1e-4))
-        )
-    slow_down_in_time(wanted, fine, deceleration)
-    return FollowerPath(
-        line=np.column_stack((x, y)),
-        yaw=yaw,
-        arc=fine,
-        wanted=wanted,
-        height=np.zeros(len(fine)),
-    )
+    X = 0
+    Y = 1
+    YAW = 2
+    ARC = 3
+    WANTED = 4
+    HEIGHT = 5
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Followers:
-    """All followers of an episode, one row each, their paths laid end to end.
+    """All followers of an episode. A few wide arrays: each costs a compiled call time of its own.
 
     Attributes:
-        rows: (F,) row of each follower in the world's arrays.
-        first: (F + 1,) where each path begins in the arrays below.
-        line, yaw, arc, wanted, height: Paths end to end, as in ``FollowerPath``.
-        s: (F,) arc length, metres.
-        speed: (F,) m/s; before the start, the speed to start with.
-        cursor: (F,) index of the path point at or before ``s``, relative to the path's beginning.
-        phase: (F,) ``Phase``.
-        start_time: (F,) seconds.
-        reaction: (F,) ``Reaction``.
-        stays: (F,) whether it stays at its last point instead of leaving.
-        max_acceleration, max_deceleration: (F,) m/s².
-        width, length: (F,) metres.
+        places: (F, 3) row of each follower in the world's arrays, where its path begins in
+            ``path``, and how many points it has.
+        path: (n, 6) paths end to end, columns ``PathCol``.
+        state: (F, 11), columns ``FollowerCol``.
     """
 
-    rows: IntArray
-    first: IntArray
-    line: FloatArray
-    yaw: FloatArray
-    arc: FloatArray
-    wanted: FloatArray
-    height: FloatArray
-    s: FloatArray
-    speed: FloatArray
-    cursor: IntArray
-    phase: IntArray
-    start_time: FloatArray
-    reaction: IntArray
-    stays: BoolArray
-    max_acceleration: FloatArray
-    max_deceleration: FloatArray
-    length: FloatArray
-    width: FloatArray
+    places: IntArray
+    path: FloatArray
+    state: FloatArray
+
+
+# The columns as plain numbers, which compiled functions index with.
+_S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
+_MOST, _LEAST, _LENGTH, _WIDTH = (int(c) for c in tuple(FollowerCol)[7:])
+_X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in PathCol)
+_WAITING, _MOVING, _DONE = (float(phase) for phase in Phase)
+_BRAKES = float(Reaction.BRAKES)
 
 
 @compiled
 def _gap_ahead(
     row: int,
-    base: int,
-    count: int,
+    way: FloatArray,
     cursor: int,
     s: float,
     reach: float,
     half_length: float,
     half_width: float,
-    line: FloatArray,
-    yaw: FloatArray,
-    arc: FloatArray,
     states: FloatArray,
     sizes: FloatArray,
     present: BoolArray,
 ) -> tuple[float, float]:
     """Gives the free metres in the corridor ahead, and the speed along it of what ends it."""
     best, best_speed = np.inf, 0.0
-    x0, y0 = line[base + cursor, 0], line[base + cursor, 1]
+    x0, y0 = way[cursor, _X], way[cursor, _Y]
     for j in range(states.shape[0]):
         if j == row or not present[j] or abs(states[j, 8] - states[row, 8]) > LEVEL_GAP:
             continue
@@ -184,14 +117,18 @@ def _gap_ahead(
         if math.hypot(x - x0, y - y0) > reach + half_length + size + 2.0:
             continue
         cos, sin = math.cos(states[j, 2]), math.sin(states[j, 2])
-        for i in range(cursor, count):
-            at = arc[base + i] - s
+        # Path points further away than this cannot be beside the other's box.
+        near = half_width + size + 1.5
+        for i in range(cursor, way.shape[0]):
+            at = way[i, _ARC] - s
             if at > reach + half_length + size:
                 break
             if at < 0.0:
                 continue
-            dx, dy = x - line[base + i, 0], y - line[base + i, 1]
-            pcos, psin = math.cos(yaw[base + i]), math.sin(yaw[base + i])
+            dx, dy = x - way[i, _X], y - way[i, _Y]
+            if dx * dx + dy * dy > near * near:
+                continue
+            pcos, psin = math.cos(way[i, _YAW]), math.sin(way[i, _YAW])
             along = dx * pcos + dy * psin
             if abs(along) > 0.75:
                 continue
@@ -215,24 +152,9 @@ def advance_followers(
     time: float,
     dt: float,
     friction: float,
-    rows: IntArray,
-    first: IntArray,
-    line: FloatArray,
-    yaw: FloatArray,
-    arc: FloatArray,
-    wanted: FloatArray,
-    height: FloatArray,
-    s: FloatArray,
-    speed: FloatArray,
-    cursor: IntArray,
-    phase: IntArray,
-    start_time: FloatArray,
-    reaction: IntArray,
-    stays: BoolArray,
-    max_acceleration: FloatArray,
-    max_deceleration: FloatArray,
-    length: FloatArray,
-    width: FloatArray,
+    places: IntArray,
+    path: FloatArray,
+    followers: FloatArray,
     states: FloatArray,
     sizes: FloatArray,
     present: BoolArray,
@@ -243,112 +165,99 @@ def advance_followers(
 
     Reads the world at ``time`` from ``states`` (N, 9), ``sizes`` (N, 2) and ``present`` (N,);
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
+    ``places``, ``path`` and ``followers``, which is changed in place, are those of ``Followers``.
     """
-    grip = friction * GRAVITY
-    for f in range(rows.shape[0]):
-        row, base = rows[f], first[f]
-        count = first[f + 1] - base
-        if phase[f] == 0 and time + dt >= start_time[f] - 1e-9:
-            phase[f] = 1
-            s[f] = 0.0
-            cursor[f] = 0
-            speed[f] = min(speed[f], wanted[base])
+    for f in range(places.shape[0]):
+        row, base = places[f, 0], places[f, 1]
+        me, way = followers[f], path[base : base + places[f, 2]]
+        if me[_PHASE] == _WAITING and time + dt >= me[_START] - 1e-9:
+            me[_PHASE] = _MOVING
+            me[_S] = 0.0
+            me[_CURSOR] = 0.0
+            me[_SPEED] = min(me[_SPEED], way[0, _WANTED])
             next_present[row] = True
-            _write_pose(f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states)
-            continue
-        if phase[f] != 1:
-            next_present[row] = phase[f] == 2 and stays[f]
-            if next_present[row]:
-                _write_pose(
-                    f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states
-                )
-            continue
-        v = speed[f]
-        target = wanted[base + cursor[f]]
-        if cursor[f] + 1 < count:
-            target = (
-                min(
-                    target,
-                    math.sqrt(
-                        wanted[base + cursor[f] + 1] ** 2
-                        + 2.0
-                        * 0.5
-                        * max_deceleration[f]
-                        * max(arc[base + cursor[f] + 1] - s[f], 0.0)
-                    ),
-                )
-                if wanted[base + cursor[f] + 1] < target
-                else target
-            )
-        most, least = min(max_acceleration[f], grip), -min(max_deceleration[f], grip)
-        acceleration = (target - v) / dt
-        if reaction[f] == 1:
-            reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * max_deceleration[f])
-            gap, other = _gap_ahead(
-                row,
-                base,
-                count,
-                cursor[f],
-                s[f],
-                reach,
-                0.5 * length[f],
-                0.5 * width[f],
-                line,
-                yaw,
-                arc,
-                states,
-                sizes,
-                present,
-            )
-            if gap < reach:
-                a, b = most, 0.35 * max_deceleration[f]
-                space = 2.0 + max(0.0, v * 1.0 + v * (v - other) / (2.0 * math.sqrt(a * b)))
-                free = 1.0 - (v / max(target, 0.1)) ** 4 if target > 0.0 else -1.0
-                following = a * (free - (space / max(gap, 0.1)) ** 2)
-                if gap < 0.5:
-                    following = least
-                acceleration = min(acceleration, following)
-        acceleration = min(max(acceleration, least), most)
-        v_next = max(v + acceleration * dt, 0.0)
-        s[f] += 0.5 * (v + v_next) * dt
-        speed[f] = v_next
-        end = arc[base + count - 1]
-        while cursor[f] + 2 < count and arc[base + cursor[f] + 1] <= s[f]:
-            cursor[f] += 1
-        done = count > 1 and (s[f] >= end or (end - s[f] < 0.5 and v_next < 0.2))
-        if done:
-            s[f] = min(s[f], end)
-            speed[f] = 0.0
-            phase[f] = 2
-        next_present[row] = not done or stays[f]
+        elif me[_PHASE] == _MOVING:
+            acceleration = _acceleration(row, dt, friction, me, way, states, sizes, present)
+            done = _advance(me, way, acceleration, dt)
+            next_present[row] = not done or me[_STAYS] > 0.0
+        else:
+            next_present[row] = me[_PHASE] == _DONE and me[_STAYS] > 0.0
         if next_present[row]:
-            _write_pose(f, row, base, count, line, yaw, arc, height, s, speed, cursor, next_states)
+            _write_pose(me, way, next_states[row])
 
 
 @compiled
-def _write_pose(
-    f: int,
+def _acceleration(
     row: int,
-    base: int,
-    count: int,
-    line: FloatArray,
-    yaw: FloatArray,
-    arc: FloatArray,
-    height: FloatArray,
-    s: FloatArray,
-    speed: FloatArray,
-    cursor: IntArray,
+    dt: float,
+    friction: float,
+    me: FloatArray,
+    way: FloatArray,
     states: FloatArray,
-) -> None:
-    i = base + cursor[f]
-    if count < 2:
-        states[row, 0], states[row, 1], heading = line[i, 0], line[i, 1], yaw[i]
+    sizes: FloatArray,
+    present: BoolArray,
+) -> float:
+    """Gives what the follower does to its speed, m/s²."""
+    grip = friction * GRAVITY
+    v = me[_SPEED]
+    cursor = int(me[_CURSOR])
+    target = way[cursor, _WANTED]
+    if cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
+        room = max(way[cursor + 1, _ARC] - me[_S], 0.0)
+        target = min(
+            target, math.sqrt(way[cursor + 1, _WANTED] ** 2 + 2.0 * 0.5 * me[_LEAST] * room)
+        )
+    most, least = min(me[_MOST], grip), -min(me[_LEAST], grip)
+    acceleration = (target - v) / dt
+    if me[_REACTION] == _BRAKES:
+        reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * me[_LEAST])
+        gap, other = _gap_ahead(
+            row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
+            states, sizes, present,
+        )  # fmt: skip
+        if gap < reach:
+            a, b = most, 0.35 * me[_LEAST]
+            space = 2.0 + max(0.0, v * 1.0 + v * (v - other) / (2.0 * math.sqrt(a * b)))
+            free = 1.0 - (v / max(target, 0.1)) ** 4 if target > 0.0 else -1.0
+            following = a * (free - (space / max(gap, 0.1)) ** 2)
+            if gap < 0.5:
+                following = least
+            acceleration = min(acceleration, following)
+    return float(min(max(acceleration, least), most))
+
+
+@compiled
+def _advance(me: FloatArray, way: FloatArray, acceleration: float, dt: float) -> bool:
+    """Moves a follower along its path; gives whether it has come to the end."""
+    count = way.shape[0]
+    v = me[_SPEED]
+    v_next = max(v + acceleration * dt, 0.0)
+    me[_S] += 0.5 * (v + v_next) * dt
+    me[_SPEED] = v_next
+    end = way[count - 1, _ARC]
+    cursor = int(me[_CURSOR])
+    while cursor + 2 < count and way[cursor + 1, _ARC] <= me[_S]:
+        cursor += 1
+    me[_CURSOR] = cursor
+    done = count > 1 and (me[_S] >= end or (end - me[_S] < 0.5 and v_next < 0.2))
+    if done:
+        me[_S] = min(me[_S], end)
+        me[_SPEED] = 0.0
+        me[_PHASE] = _DONE
+    return bool(done)
+
+
+@compiled
+def _write_pose(me: FloatArray, way: FloatArray, state: FloatArray) -> None:
+    i = int(me[_CURSOR])
+    if way.shape[0] < 2:
+        state[0], state[1], heading = way[i, _X], way[i, _Y], way[i, _YAW]
     else:
-        t = min(max((s[f] - arc[i]) / (arc[i + 1] - arc[i]), 0.0), 1.0)
-        states[row, 0] = line[i, 0] + t * (line[i + 1, 0] - line[i, 0])
-        states[row, 1] = line[i, 1] + t * (line[i + 1, 1] - line[i, 1])
-        heading = yaw[i] + t * (yaw[i + 1] - yaw[i])
-    states[row, 2] = (heading + math.pi) % (2.0 * math.pi) - math.pi
-    states[row, 3] = speed[f] * math.cos(heading)
-    states[row, 4] = speed[f] * math.sin(heading)
-    states[row, 8] = height[i]
+        t = min(max((me[_S] - way[i, _ARC]) / (way[i + 1, _ARC] - way[i, _ARC]), 0.0), 1.0)
+        state[0] = way[i, _X] + t * (way[i + 1, _X] - way[i, _X])
+        state[1] = way[i, _Y] + t * (way[i + 1, _Y] - way[i, _Y])
+        heading = way[i, _YAW] + t * (way[i + 1, _YAW] - way[i, _YAW])
+    state[2] = (heading + math.pi) % (2.0 * math.pi) - math.pi
+    state[3] = me[_SPEED] * math.cos(heading)
+    state[4] = me[_SPEED] * math.sin(heading)
+    state[8] = way[i, _HEIGHT]

@@ -23,41 +23,38 @@ BoolArray = NDArray[np.bool_]
 @compiled
 def perceive(
     ego: int,
-    states: FloatArray,
+    step: int,
+    frames: FloatArray,
+    presence: BoolArray,
     sizes: FloatArray,
     kinds: IntArray,
-    present: BoolArray,
-    reach: float,
-    position_noise: float,
-    speed_noise: float,
-    dropout: float,
+    senses: FloatArray,
     draws: FloatArray,
     seen: FloatArray,
     seen_sizes: FloatArray,
-    seen_kinds: IntArray,
-    seen_ids: IntArray,
+    seen_numbers: IntArray,
 ) -> int:
     """Fills the arrays of what ``ego`` perceives.
 
     Args:
         ego: Row of the ego.
-        states: (N, 9) world at this step.
+        step: Index of the frame.
+        frames: (rows, N, 9) frames of the world.
+        presence: (rows, N) whether each actor is in the world.
         sizes: (N, 2) length and width, metres.
         kinds: (N,) kind of each actor.
-        present: (N,) whether the actor is in the world.
-        reach: Range in metres.
-        position_noise: Standard deviation of x and y, metres.
-        speed_noise: Standard deviation of vx and vy, m/s.
-        dropout: Probability that an actor is missed at a step.
+        senses: (4,) range in metres, standard deviations of x and y in metres and of vx and vy in
+            m/s, and the probability that an actor is missed at a step.
         draws: (N, 5) four standard normal and one uniform draw an actor; unused without noise.
         seen: (N, 9) filled.
         seen_sizes: (N, 2) filled.
-        seen_kinds: (N,) filled.
-        seen_ids: (N,) filled with the actors' rows.
+        seen_numbers: (2, N) filled with the actors' kinds and rows.
 
     Returns:
         The number of actors perceived.
     """
+    states, present = frames[step], presence[step]
+    reach, position_noise, speed_noise, dropout = senses[0], senses[1], senses[2], senses[3]
     count = 0
     x, y = states[ego, 0], states[ego, 1]
     noisy = position_noise > 0.0 or speed_noise > 0.0 or dropout > 0.0
@@ -79,7 +76,7 @@ def perceive(
             seen[count, 4] += speed_noise * draws[j, 3]
         seen_sizes[count, 0] = sizes[j, 0]
         seen_sizes[count, 1] = sizes[j, 1]
-        seen_kinds[count] = kinds[j]
-        seen_ids[count] = j
+        seen_numbers[0, count] = kinds[j]
+        seen_numbers[1, count] = j
         count += 1
     return count

@@ -33,7 +33,7 @@ from drivora_service.scenario.model import (
     Waypoint,
 )
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
-from drivora_service.simulation.followers import FollowerPath, build_path
+from drivora_service.simulation.follower_path import FollowerPath, build_path
 from drivora_service.simulation.lights import RunningProgram, run_programs
 
 FloatArray = NDArray[np.float64]

@@ -1,4 +1,7 @@
-"""What happens to all actors between two frames, besides the models that move them.
+"""What happens to all actors between two frames, in two calls a step.
+
+``make_frame`` writes what the service moves, before SUMO steps; ``finish_frame`` looks what came of
+it. Each is one compiled call: what a call costs to enter is more than what most of its parts do.
 
 SI units, radians, box centres; columns as in ``observations.trace``.
 """
@@ -11,47 +14,134 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
-from drivora_service.networks.line_tracking import track_line
-from drivora_service.observations.trace import TerminalEvent
+from drivora_service.simulation.contacts import find_contacts
+from drivora_service.simulation.dynamics import drive_vehicles
+from drivora_service.simulation.followers import advance_followers
+from drivora_service.simulation.route_tracking import follow_egos
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 ByteArray = NDArray[np.uint8]
 
-STUCK_SPEED = 0.1
-STUCK_AFTER = 60.0
-"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive)."""
-ARRIVED_SHARE = 0.99
-ARRIVED_DISTANCE = 10.0
-ENDS = (None, TerminalEvent.ARRIVED, TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT)
-"""What the codes mean that ``follow_egos`` writes."""
-QUEUE_REACH = 100.0
-"""A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
-PERMISSIVE = 4
-"""Code of a green signal whose traffic yields to others with priority."""
-_SEARCH_BEHIND = 5
-_SEARCH_AHEAD = 40
-
 
 @compiled
-def begin_frame(
-    frame: FloatArray,
+def make_frame(
+    before: int,
+    after: int,
+    time: float,
+    dt: float,
+    friction: float,
+    wind: FloatArray,
+    states: FloatArray,
     present: BoolArray,
-    next_frame: FloatArray,
-    next_present: BoolArray,
-    static: BoolArray,
-) -> None:
-    """Starts the next frame: static actors stay, others are absent until someone writes them."""
-    for j in range(frame.shape[0]):
-        keep = static[j] and present[j]
-        next_present[j] = keep
-        for k in range(next_frame.shape[1]):
-            next_frame[j, k] = frame[j, k] if keep else np.nan
+    sizes: FloatArray,
+    static: FloatArray,
+    bodies: FloatArray,
+    limits: FloatArray,
+    modes: IntArray,
+    commands: FloatArray,
+    in_world: BoolArray,
+    places: IntArray,
+    path: FloatArray,
+    followers: FloatArray,
+    is_moved: BoolArray,
+    known: BoolArray,
+    placements: FloatArray,
+) -> int:
+    """Writes the rows of a frame that the service moves, and what SUMO is told of them.
+
+    Args:
+        before: Index of the frame before.
+        after: Index of the frame to write; 0 is the start, into which nobody has driven.
+        time: Seconds of the frame to write.
+        dt: Seconds a step.
+        friction: Tyre-road friction coefficient.
+        wind: (2,) acceleration by the wind, m/s².
+        states: (rows, N, 9) frames of the world.
+        present: (rows, N).
+        sizes: (N, 2) metres.
+        static: (N, 10) as of ``arrays.lay_obstacles``.
+        bodies, limits, modes, commands: The egos', as in ``dynamics.drive_vehicles``.
+        in_world: (M,) egos that are on the road.
+        places, path, followers: As in ``followers.Followers``.
+        is_moved, known, placements: As in ``write_placements``.
+
+    Returns:
+        How many moved rows enter or leave with the frame.
+    """
+    frame, next_frame = states[before], states[after]
+    next_present = present[after]
+    for j in range(static.shape[0]):
+        next_present[j] = static[j, 0] <= time + 1e-9
+        if next_present[j]:
+            for k in range(next_frame.shape[1]):
+                next_frame[j, k] = static[j, 1 + k]
+    if after > 0:
+        drive_vehicles(bodies, limits, modes, commands, friction, wind, dt)
+    _write_egos(bodies, in_world, next_frame, next_present)
+    advance_followers(
+        time - dt, dt, friction, places, path, followers, frame, sizes, present[before],
+        next_frame, next_present,
+    )  # fmt: skip
+    return write_placements(
+        frame, present[before], next_frame, next_present, sizes, is_moved, known, placements
+    )
 
 
 @compiled
-def write_egos(
+def finish_frame(
+    before: int,
+    after: int,
+    time: float,
+    dt: float,
+    states: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    bodies: FloatArray,
+    active: BoolArray,
+    seen: BoolArray,
+    found: IntArray,
+    points: FloatArray,
+    signals: FloatArray,
+    parts: IntArray,
+    progress: FloatArray,
+    ego_values: FloatArray,
+    ego_lights: ByteArray,
+    ends: IntArray,
+) -> tuple[int, int]:
+    """Completes a frame in which everybody stands where they will, and looks what happened.
+
+    Args:
+        before: Index of the frame before.
+        after: Index of the frame to complete.
+        time: Seconds of that frame.
+        dt: Seconds a step.
+        states: (rows, N, 9) frames of the world.
+        present: (rows, N).
+        sizes: (N, 2) metres.
+        bodies: (M, 9) of the egos.
+        active: (M,) egos that are driving.
+        seen, found: As in ``contacts.find_contacts``.
+        points, signals, parts, progress, ends: As in ``route_tracking.follow_egos``.
+        ego_values: (rows, M, 8), columns ``EgoCol``.
+        ego_lights: (rows, M).
+
+    Returns:
+        How many rows of ``found`` were filled, and how many egos' parts end with this frame.
+    """
+    frame = states[after]
+    _write_rates(states[before], present[before], frame, present[after], dt)
+    contacts = find_contacts(frame, sizes, present[after], active, seen, found)
+    ended = follow_egos(
+        time, dt, frame, present[after], sizes, bodies, active, points, signals, parts, progress,
+        ego_values[after], ego_lights[after], ends,
+    )  # fmt: skip
+    return contacts, ended
+
+
+@compiled
+def _write_egos(
     bodies: FloatArray,
     in_world: BoolArray,
     next_frame: FloatArray,
@@ -117,7 +207,7 @@ def write_placements(
 
 
 @compiled
-def write_rates(
+def _write_rates(
     frame: FloatArray,
     present: BoolArray,
     next_frame: FloatArray,
@@ -158,118 +248,3 @@ def take_over_driven(
         bodies[m, 4] = 0.0
         bodies[m, 5] = next_frame[m, 7]
         bodies[m, 7] = (bodies[m, 3] - before) / dt
-
-
-@compiled
-def _signal_shown(
-    signal: int, time: float, ends: FloatArray, codes: ByteArray, offsets: FloatArray
-) -> int:
-    cycle = ends[signal, ends.shape[1] - 1]
-    in_cycle = (time - offsets[signal] + 1e-9) % cycle
-    for p in range(ends.shape[1]):
-        if in_cycle < ends[signal, p]:
-            return int(codes[signal, p])
-    return int(codes[signal, ends.shape[1] - 1])
-
-
-@compiled
-def follow_egos(
-    time: float,
-    dt: float,
-    frame: FloatArray,
-    bodies: FloatArray,
-    sizes: FloatArray,
-    active: BoolArray,
-    first_point: IntArray,
-    lines: FloatArray,
-    arcs: FloatArray,
-    heights: FloatArray,
-    cursors: IntArray,
-    first_signal: IntArray,
-    signal_s: FloatArray,
-    signal_ends: FloatArray,
-    signal_codes: ByteArray,
-    signal_offsets: FloatArray,
-    values: FloatArray,
-    lights: ByteArray,
-    protected: BoolArray,
-    stuck: FloatArray,
-    present: BoolArray,
-    time_limits: FloatArray,
-    ends: IntArray,
-) -> int:
-    """Tracks every active ego along its route: distance, next signal, time it has been stuck.
-
-    Args:
-        time: Seconds of this frame.
-        dt: Seconds a step.
-        frame: (N, 9) this frame; the egos' heights are filled in.
-        bodies: (M, 9); their heights are filled in too.
-        sizes: (N, 2) metres.
-        active: (M,) egos that are driving.
-        first_point: (M + 1,) where each route begins in ``lines`` and ``arcs``.
-        lines: (n, 2) reference lines end to end, metres.
-        arcs: (n,) arc lengths.
-        heights: (n,) metres up.
-        cursors: (M,) segment found last, relative; changed in place.
-        first_signal: (M + 1,) where each route's signals begin in the arrays below.
-        signal_s: (S,) arc length of the stop lines, ascending a route.
-        signal_ends: (S, p) ends of the stages within the cycle, seconds, padded with the cycle.
-        signal_codes: (S, p) ``Light`` a stage, or ``PERMISSIVE``.
-        signal_offsets: (S,) seconds.
-        values: (M, 8) of this frame, columns ``EgoCol``; changed in place.
-        lights: (M,) ``Light`` of the next signal; changed in place.
-        protected: (M,) whether that signal is green with the right of way; changed in place.
-        stuck: (M,) seconds stuck; changed in place.
-        present: (N,) of this frame.
-        time_limits: (M,) seconds by which each ego must have arrived.
-        ends: (M,) filled with indices into ``ENDS``.
-
-    Returns:
-        How many egos' parts end with this frame.
-    """
-    ended = 0
-    for m in range(active.shape[0]):
-        ends[m] = 0
-        if not active[m]:
-            continue
-        if not present[m]:
-            # SUMO takes its own vehicles away at the end of their last edge, behind the goal.
-            ends[m] = 1
-            ended += 1
-            continue
-        a, b = first_point[m], first_point[m + 1]
-        x, y = frame[m, 0], frame[m, 1]
-        cursor, s, lateral = track_line(
-            lines[a:b], arcs[a:b], cursors[m], _SEARCH_BEHIND, _SEARCH_AHEAD, x, y
-        )
-        cursors[m] = cursor
-        frame[m, 8] = heights[a + cursor]
-        bodies[m, 8] = frame[m, 8]
-        values[m, 2] = s
-        values[m, 3] = lateral
-        half = 0.5 * sizes[m, 0]
-        values[m, 7] = np.nan
-        lights[m] = 0
-        protected[m] = False
-        for i in range(first_signal[m], first_signal[m + 1]):
-            if s - half <= signal_s[i]:
-                values[m, 7] = signal_s[i] - (s + half)
-                code = _signal_shown(i, time, signal_ends, signal_codes, signal_offsets)
-                protected[m] = code == 1
-                lights[m] = 1 if code == PERMISSIVE else code
-                break
-        if math.hypot(frame[m, 3], frame[m, 4]) >= STUCK_SPEED:
-            stuck[m] = 0.0
-        elif not (lights[m] >= 2 and values[m, 7] < QUEUE_REACH):
-            stuck[m] += dt
-        goal = math.hypot(x - lines[b - 1, 0], y - lines[b - 1, 1])
-        if s > ARRIVED_SHARE * arcs[b - 1] and goal < ARRIVED_DISTANCE:
-            ends[m] = 1
-        elif stuck[m] >= STUCK_AFTER - 1e-9:
-            ends[m] = 2
-        elif time >= time_limits[m]:
-            ends[m] = 3
-        if ends[m] > 0:
-            ended += 1
-    return ended

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from drivora_service.simulation.background import LENGTH, WIDTH, Wanderers
 from drivora_service.simulation.plan import DrivenPlan
-from drivora_service.simulation.step_kernels import write_placements
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
 
 FloatArray = NDArray[np.float64]
@@ -56,9 +55,11 @@ class Traffic:
 
     Attributes:
         driven: Vehicles that SUMO drives now.
+        is_moved, known, placements: As ``step_kernels.write_placements`` takes and fills them.
     """
 
-    def __init__(self, sumo: SumoWorld, bodies: Sequence[Body]) -> None:
+    def __init__(self, sumo: SumoWorld, bodies: Sequence[Body], count: int) -> None:
+        """Takes the bodies of a world of ``count`` rows."""
         self._sumo = sumo
         self._bodies = {body.row: body for body in bodies}
         self._moved: dict[int, MovedActor] = {}
@@ -68,14 +69,23 @@ class Traffic:
         self._entering: list[tuple[int, str, float]] = []
         self._background: Background | None = None
         self._tended = False
-        self._known = np.zeros(0, dtype=np.bool_)
-        self._is_moved = np.zeros(0, dtype=np.bool_)
-        self._placements: FloatArray = np.empty((0, 4))
+        self.known: BoolArray = np.zeros(0, dtype=np.bool_)
+        self.make_room(count)
 
     def add_body(self, body: Body) -> None:
         """Announces a row that the service moves."""
         self._bodies[body.row] = body
-        self._is_moved = np.zeros(0, dtype=np.bool_)
+
+    def make_room(self, count: int) -> None:
+        """Fits the arrays to a world of ``count`` rows, after bodies have been added."""
+        known = np.zeros(count, dtype=np.bool_)
+        known[: len(self.known)] = self.known
+        self.known = known
+        self.is_moved: BoolArray = np.zeros(count, dtype=np.bool_)
+        self.is_moved[list(self._bodies)] = True
+        for actor in self.driven:
+            self.is_moved[actor.row] = False
+        self.placements: FloatArray = np.zeros((count, 4))
 
     def add_driven(self, row: int, plan: DrivenPlan) -> None:
         """Announces an NPC that SUMO will drive from its start time on."""
@@ -89,7 +99,7 @@ class Traffic:
         """Lets one of SUMO's drivers take over a row that was moved until now."""
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
-        self._is_moved[row] = False
+        self.is_moved[row] = False
         self.driven.append(self._sumo.hand_over(actor, speed, driver, self._bodies[row].width))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
@@ -97,51 +107,36 @@ class Traffic:
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
         if not on_road:
-            self._known[row] = False
+            self.known[row] = False
             return
         moved = self._sumo.take_back(actor)
         self._moved[row] = moved
         self._moved_list.append(moved)
 
     def step(
-        self,
-        step: int,
-        time: float,
-        frame: FloatArray,
-        present: BoolArray,
-        next_frame: FloatArray,
-        next_present: BoolArray,
-        sizes: FloatArray,
+        self, step: int, time: float, changes: int, frame: FloatArray, present: BoolArray
     ) -> None:
-        """Shows SUMO the next frame of moved rows and completes it with SUMO's own vehicles.
+        """Shows SUMO a frame of moved rows and completes it with SUMO's own vehicles.
 
         Args:
-            step: Row of the next frame.
-            time: Seconds of the next frame.
-            frame: (N, 8) this frame.
-            present: (N,) of this frame.
-            next_frame: (N, 8) next frame; rows that SUMO drives are filled in.
-            next_present: (N,) of the next frame; changed for rows that SUMO drives.
-            sizes: (N, 2) metres.
+            step: Row of the frame.
+            time: Seconds of the frame.
+            changes: How many moved rows enter or leave with it.
+            frame: (N, 9) the frame; rows that SUMO drives are filled in.
+            present: (N,) of the frame; changed for rows that SUMO drives.
         """
-        if len(self._is_moved) != len(next_present):
-            self._fit(len(next_present))
-        changes = write_placements(
-            frame, present, next_frame, next_present, sizes, self._is_moved, self._known,
-            self._placements,
-        )  # fmt: skip
         if changes:
-            self._enter_and_leave(next_present)
-        self._sumo.place(self._moved_list, self._placements.tolist())
+            self._enter_and_leave(present)
+        self._sumo.place(self._moved_list, self.placements.tolist())
         if self._waiting:
             self._start_driven(time)
         if self._background is not None and time >= self._background.start_time - 1e-9:
-            self._tend_background(self._background, step, next_frame, next_present)
+            self._tend_background(self._background, step, frame, present)
         self._sumo.step()
         if self.driven:
-            self._sumo.read_driven(self.driven, next_frame, next_present)
+            self._sumo.read_driven(self.driven, frame, present)
         while self._entering:
-            self._begin(*self._entering.pop(), next_frame, next_present)
+            self._begin(*self._entering.pop(), frame, present)
 
     def _begin(
         self, row: int, actor_id: str, speed: float, frame: FloatArray, present: BoolArray
@@ -152,18 +147,8 @@ class Traffic:
             self._sumo.set_speed_now(actor_id, speed)
             frame[row, 3:5] *= speed / now
 
-    def _fit(self, count: int) -> None:
-        known = np.zeros(count, dtype=np.bool_)
-        known[: len(self._known)] = self._known
-        self._known = known
-        self._is_moved = np.zeros(count, dtype=np.bool_)
-        self._is_moved[list(self._bodies)] = True
-        for actor in self.driven:
-            self._is_moved[actor.row] = False
-        self._placements = np.zeros((count, 4))
-
     def _enter_and_leave(self, next_present: BoolArray) -> None:
-        for row in np.flatnonzero(self._is_moved & (next_present != self._known)).tolist():
+        for row in np.flatnonzero(self.is_moved & (next_present != self.known)).tolist():
             body = self._bodies[row]
             if next_present[row]:
                 actor = self._sumo.add_moved(
@@ -177,12 +162,12 @@ class Traffic:
                 )
                 self._moved[row] = actor
                 self._moved_list.append(actor)
-                self._placements[row, 3] = 1.0
+                self.placements[row, 3] = 1.0
             else:
                 actor = self._moved.pop(row)
                 self._moved_list.remove(actor)
                 self._sumo.remove(body.id)
-            self._known[row] = next_present[row]
+            self.known[row] = next_present[row]
 
     def _start_driven(self, time: float) -> None:
         due = [entry for entry in self._waiting if entry[1].start_time <= time + 1e-9]

@@ -10,7 +10,8 @@ from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import lay_followers
 from drivora_service.simulation.dynamics import GRAVITY
-from drivora_service.simulation.followers import advance_followers, build_path
+from drivora_service.simulation.follower_path import build_path
+from drivora_service.simulation.followers import advance_followers
 from drivora_service.simulation.plan import FollowerPlan
 
 DT = 0.05
@@ -57,10 +58,8 @@ def follow(
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, f.rows, f.first, f.line, f.yaw, f.arc, f.wanted, f.height,
-            f.s, f.speed, f.cursor, f.phase, f.start_time, f.reaction, f.stays, f.max_acceleration,
-            f.max_deceleration, f.length, f.width, states[before], sizes, present[before],
-            states[k], present[k],
+            (k - 1) * DT, DT, friction, f.places, f.path, f.state, states[before], sizes,
+            present[before], states[k], present[k],
         )  # fmt: skip
     return states, present
 

@@ -8,7 +8,8 @@ import pytest
 from drivora_service.agents.interface import AccelerationControl, PedalControl, PoseControl
 from drivora_service.errors import AgentError, NoRoute, SimulatorError
 from drivora_service.observations.trace import Role, TerminalEvent
-from drivora_service.simulation.episode import ActorState, Episode
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.look import ActorState
 from tests.simulation.episodes import (
     Blind,
     car,

@@ -1,0 +1,94 @@
+"""The path of an NPC vehicle or walker: where it goes, and how fast it wants to be there.
+
+The wanted speed between two waypoints is that of the one ahead, reached with the follower's
+comfortable limits; cornering and braking stay within the friction of the road.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.speed_profile import slow_down_in_time
+from drivora_service.geometry import arc_lengths
+from drivora_service.simulation.dynamics import GRAVITY
+
+FloatArray = NDArray[np.float64]
+
+_SPACING = 1.0
+_SIDE_GRIP_SHARE = 0.6
+"""Share of the grip that a follower uses in bends."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FollowerPath:
+    """A path to follow.
+
+    Attributes:
+        line: (n, 2) metres, n >= 1; one point is a place to stand at.
+        yaw: (n,) unwrapped heading, radians.
+        arc: (n,) arc length, metres.
+        wanted: (n,) speed wanted at each point, m/s.
+        height: (n,) metres up.
+    """
+
+    line: FloatArray
+    yaw: FloatArray
+    arc: FloatArray
+    wanted: FloatArray
+    height: FloatArray
+
+
+def build_path(
+    line: FloatArray,
+    speeds: FloatArray,
+    speed_arcs: FloatArray,
+    first_yaw: float | None,
+    friction: float,
+    deceleration: float,
+    is_vehicle: bool,
+) -> FollowerPath:
+    """Prepares a path for following.
+
+    Args:
+        line: (k, 2) polyline through the waypoints, metres.
+        speeds: (w,) speed of each waypoint, m/s.
+        speed_arcs: (w,) arc length of each waypoint on ``line``, metres, ascending.
+        first_yaw: Heading where the line has a single point, radians.
+        friction: Friction coefficient.
+        deceleration: Comfortable braking, m/s², positive.
+        is_vehicle: Whether grip limits the speed in bends.
+
+    Returns:
+        The path, resampled to at most one metre between points.
+    """
+    arc = arc_lengths(line)
+    keep = np.concatenate(([True], np.diff(arc) > 1e-6))
+    line, arc = line[keep], arc[keep]
+    if len(line) < 2:
+        yaw = np.array([first_yaw or 0.0])
+        zero = np.zeros(1)
+        return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero)
+    fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / _SPACING) + 1)))
+    fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
+    x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
+    yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
+    # The speed that counts between two waypoints is that of the one ahead.
+    ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
+    wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)
+    if is_vehicle:
+        bend = np.abs(np.gradient(yaw, fine))
+        wanted = np.minimum(
+            wanted, np.sqrt(_SIDE_GRIP_SHARE * friction * GRAVITY / np.maximum(bend, 1e-4))
+        )
+    slow_down_in_time(wanted, fine, deceleration)
+    return FollowerPath(
+        line=np.column_stack((x, y)),
+        yaw=yaw,
+        arc=fine,
+        wanted=wanted,
+        height=np.zeros(len(fine)),
+    )

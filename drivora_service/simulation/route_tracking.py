@@ -1,0 +1,167 @@
+"""Where the egos are on their routes: distance, next signal, how long stuck, whether at the end."""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.compilation import compiled
+from drivora_service.networks.line_tracking import track_line
+from drivora_service.observations.trace import TerminalEvent
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+ByteArray = NDArray[np.uint8]
+
+STUCK_SPEED = 0.1
+STUCK_AFTER = 60.0
+"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive)."""
+ARRIVED_SHARE = 0.99
+ARRIVED_DISTANCE = 10.0
+ENDS = (None, TerminalEvent.ARRIVED, TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT)
+"""What the codes mean that ``follow_egos`` writes."""
+QUEUE_REACH = 100.0
+"""A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
+PERMISSIVE = 4
+"""Code of a green signal whose traffic yields to others with priority."""
+_SEARCH_BEHIND = 5
+_SEARCH_AHEAD = 40
+
+
+class Progress(IntEnum):
+    """Columns of ``progress``: an ego on its route at the frame followed last."""
+
+    CURSOR = 0
+    """Segment of the route found last, relative to its beginning."""
+    STUCK = 1
+    """Seconds stuck."""
+    TIME_LIMIT = 2
+    """Seconds by which the ego must have arrived."""
+    ROUTE_S = 3
+    """Metres along the route; NaN before the start."""
+    ROUTE_LATERAL = 4
+    """Metres beside it, positive to the left; NaN before the start."""
+    LIGHT = 5
+    """``Light`` of the next signal."""
+    PROTECTED = 6
+    """1 if that signal is green with the right of way."""
+    LIGHT_DISTANCE = 7
+    """Metres from the front bumper to its stop line; inf where there is none."""
+    SPEED_LIMIT = 8
+    """m/s."""
+
+
+# The columns as plain numbers, which compiled functions index with.
+_CURSOR, _STUCK, _TIME_LIMIT, _ROUTE_S, _ROUTE_LATERAL = (int(c) for c in tuple(Progress)[:5])
+_LIGHT, _PROTECTED, _LIGHT_DISTANCE, _SPEED_LIMIT = (int(c) for c in tuple(Progress)[5:])
+
+
+@compiled
+def _code_shown(signal: FloatArray, time: float) -> int:
+    stages = (signal.shape[0] - 2) // 2
+    ends, codes = signal[2 : 2 + stages], signal[2 + stages :]
+    in_cycle = (time - signal[1] + 1e-9) % ends[stages - 1]
+    for p in range(stages):
+        if in_cycle < ends[p]:
+            return int(codes[p])
+    return int(codes[stages - 1])
+
+
+@compiled
+def follow_egos(
+    time: float,
+    dt: float,
+    frame: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    bodies: FloatArray,
+    active: BoolArray,
+    points: FloatArray,
+    signals: FloatArray,
+    parts: IntArray,
+    progress: FloatArray,
+    values: FloatArray,
+    lights: ByteArray,
+    ends: IntArray,
+) -> int:
+    """Tracks every active ego along its route.
+
+    Args:
+        time: Seconds of this frame.
+        dt: Seconds a step.
+        frame: (N, 9) this frame; the egos' heights are filled in.
+        present: (N,) of this frame.
+        sizes: (N, 2) metres.
+        bodies: (M, 9); their heights are filled in too.
+        active: (M,) egos that are driving.
+        points, signals, parts: As in ``arrays.RouteArrays``.
+        progress: (M, 9), columns ``Progress``; changed in place.
+        values: (M, 8) of this frame, columns ``EgoCol``; changed in place.
+        lights: (M,) ``Light`` of the next signal; changed in place.
+        ends: (M,) filled with indices into ``ENDS``.
+
+    Returns:
+        How many egos' parts end with this frame.
+    """
+    ended = 0
+    for m in range(active.shape[0]):
+        ends[m] = 0
+        if not active[m]:
+            continue
+        if not present[m]:
+            # SUMO takes its own vehicles away at the end of their last edge, behind the goal.
+            ends[m] = 1
+            ended += 1
+            continue
+        mine, route = progress[m], points[parts[m, 0] : parts[m, 1]]
+        x, y = frame[m, 0], frame[m, 1]
+        cursor, s, lateral = track_line(
+            route[:, :2], route[:, 2], int(mine[_CURSOR]), _SEARCH_BEHIND, _SEARCH_AHEAD, x, y
+        )
+        frame[m, 8] = route[cursor, 3]
+        bodies[m, 8] = route[cursor, 3]
+        mine[_CURSOR] = cursor
+        mine[_ROUTE_S] = s
+        mine[_ROUTE_LATERAL] = lateral
+        mine[_SPEED_LIMIT] = route[cursor, 4]
+        _look_for_signal(time, s, 0.5 * sizes[m, 0], signals[parts[m, 2] : parts[m, 3]], mine)
+        values[m, 2] = s
+        values[m, 3] = lateral
+        values[m, 7] = mine[_LIGHT_DISTANCE] if mine[_LIGHT_DISTANCE] < np.inf else np.nan
+        lights[m] = int(mine[_LIGHT])
+        if math.hypot(frame[m, 3], frame[m, 4]) >= STUCK_SPEED:
+            mine[_STUCK] = 0.0
+        elif not (mine[_LIGHT] >= 2.0 and mine[_LIGHT_DISTANCE] < QUEUE_REACH):
+            mine[_STUCK] += dt
+        last = route[route.shape[0] - 1]
+        goal = math.hypot(x - last[0], y - last[1])
+        if s > ARRIVED_SHARE * last[2] and goal < ARRIVED_DISTANCE:
+            ends[m] = 1
+        elif mine[_STUCK] >= STUCK_AFTER - 1e-9:
+            ends[m] = 2
+        elif time >= mine[_TIME_LIMIT]:
+            ends[m] = 3
+        if ends[m] > 0:
+            ended += 1
+    return ended
+
+
+@compiled
+def _look_for_signal(
+    time: float, s: float, half_length: float, signals: FloatArray, mine: FloatArray
+) -> None:
+    """Writes the next signal on the route into an ego's row of ``progress``."""
+    mine[_LIGHT] = 0.0
+    mine[_PROTECTED] = 0.0
+    mine[_LIGHT_DISTANCE] = np.inf
+    for i in range(signals.shape[0]):
+        if s - half_length <= signals[i, 0]:
+            code = _code_shown(signals[i], time)
+            mine[_LIGHT] = 1.0 if code == PERMISSIVE else float(code)
+            mine[_PROTECTED] = 1.0 if code == 1 else 0.0
+            mine[_LIGHT_DISTANCE] = signals[i, 0] - (s + half_length)
+            return
