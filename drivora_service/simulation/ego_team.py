@@ -34,8 +34,6 @@ IntArray = NDArray[np.int64]
 
 # Attributes of an enum are looked up slowly: the step loop uses plain values.
 _IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
-_DRIVE = int(CommandMode.DRIVE)
-_COMMANDED = 2  # Acceleration and steer, the first columns of ``EgoCol``.
 _ROUTE_S, _SPEED, _STEER = int(Progress.ROUTE_S), int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
 
@@ -199,8 +197,6 @@ class EgoTeam:
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
                 raise _control_refused(ego.ego.id, ego.ego.agent.name, time, error) from error
             self.modes[m] = mode
-            if mode == _DRIVE:
-                world.ego_values[step, m, :_COMMANDED] = command[:_COMMANDED]
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         if self._is_noisy:

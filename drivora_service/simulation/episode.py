@@ -154,7 +154,7 @@ class Episode:
             self._dt, self.plan.weather.friction, self._wind, world.states, world.present,
             world.sizes, self._static, team.bodies, team.limits, team.modes, team.commands,
             team.in_world, followers.places, followers.path, followers.state, traffic.is_moved,
-            traffic.known, traffic.placements,
+            traffic.known, traffic.placements, world.ego_values,
         )  # fmt: skip
         self._finish_arguments: tuple[Any, ...] = (
             self._dt, world.states, world.present, world.sizes, team.bodies, team.active,

@@ -48,6 +48,7 @@ def make_frame(
     is_moved: BoolArray,
     known: BoolArray,
     placements: FloatArray,
+    ego_values: FloatArray,
 ) -> int:
     """Writes the rows of a frame that the service moves, and what SUMO is told of them.
 
@@ -66,6 +67,7 @@ def make_frame(
         in_world: (M,) egos that are on the road.
         places, path, followers: As in ``followers.Followers``.
         is_moved, known, placements: As in ``write_placements``.
+        ego_values: (rows, M, 8), columns ``EgoCol``; filled with what was commanded.
 
     Returns:
         How many moved rows enter or leave with the frame.
@@ -78,6 +80,10 @@ def make_frame(
             for k in range(next_frame.shape[1]):
                 next_frame[j, k] = static[j, 1 + k]
     if after > 0:
+        for m in range(bodies.shape[0]):
+            if modes[m] == 1:
+                ego_values[before, m, 0] = commands[m, 0]
+                ego_values[before, m, 1] = commands[m, 1]
         drive_vehicles(bodies, limits, modes, commands, friction, wind, dt)
     _write_egos(bodies, in_world, next_frame, next_present)
     advance_followers(

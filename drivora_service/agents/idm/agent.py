@@ -44,7 +44,6 @@ class IdmAgent:
         self._context = context
         model = context.model
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
-        self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
         self._runs = context.route.runs
         self._profiles = [
             speed_profile(run, self._speed_factor, context.friction) for run in self._runs
@@ -54,50 +53,57 @@ class IdmAgent:
         ]
         self._current = 0
         self._cursor = int(np.searchsorted(self._runs[0].arc, self._runs[0].start_s))
+        self._car = np.array(
+            [
+                self._half_length,
+                self._half_width,
+                model.wheelbase,
+                min(model.max_deceleration, 9.81 * context.friction),
+                context.step_length,
+            ]
+        )
+        self._out = np.zeros(8)
         self._fixed = [self._arguments(number) for number in range(len(self._runs))]
         self._step_length = context.step_length
-        self._out = np.zeros(8)
         self._waited = 0.0
         self._log = context.log
         self._log.declare("gap", "wanted_speed", "halt_distance")
 
     def _arguments(self, number: int) -> tuple[Any, ...]:
-        """Gives the arguments of ``decide`` that stay the same along a lane run."""
+        """Gives the last arguments of ``decide``, which stay the same along a lane run."""
         run, zones = self._runs[number], self._conflicts[number]
         is_last = number == len(self._runs) - 1
         return (
-            self._half_length, self._half_width, self._context.model.wheelbase,
-            self._max_braking, run.line, run.arc, self._profiles[number],
-            math.inf if is_last else run.end_s, zones.enter, zones.leave, zones.gate, zones.exit,
-            zones.must_yield, zones.signalised, zones.first, zones.line, zones.arc,
-            zones.foe_enter, zones.foe_leave,
+            self._car, math.inf if is_last else run.end_s,
+            np.column_stack((run.line, run.arc, self._profiles[number])),
+            zones.zones, zones.first, zones.foes, self._out,
         )  # fmt: skip
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
-        x, y, yaw = observation.ego[:3].tolist()
         speed = observation.speed
         if speed < _STANDING_SPEED:
             self._waited = min(self._waited + self._step_length, _LONGEST_WAIT)
         else:
             self._waited = max(self._waited - self._step_length, 0.0)
         if self._current < len(self._runs) - 1:
-            self._change_lane_when_possible(observation, x, y)
+            self._change_lane_when_possible(observation)
         self._cursor = decide(
-            x, y, yaw, speed, self._cursor, self._waited, observation.light_distance,
-            int(observation.light), observation.light_protected, observation.objects,
-            observation.object_sizes, observation.object_kinds, self._out,
-            self._step_length, *self._fixed[self._current],
+            speed, self._cursor, self._waited, observation.light_distance,
+            int(observation.light), observation.light_protected, observation.ego,
+            observation.objects, observation.object_sizes, observation.object_kinds,
+            *self._fixed[self._current],
         )  # fmt: skip
         acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
         row = self._log.row
         row[0], row[1], row[2] = gap, wanted, stop
         return AccelerationControl(acceleration, steer)
 
-    def _change_lane_when_possible(self, observation: Observation, x: float, y: float) -> None:
+    def _change_lane_when_possible(self, observation: Observation) -> None:
         run, onward = self._runs[self._current], self._runs[self._current + 1]
         if float(run.arc[self._cursor]) < run.change_from:
             return
+        x, y = observation.ego[:2].tolist()
         near = np.hypot(onward.line[:, 0] - x, onward.line[:, 1] - y)
         window = np.flatnonzero(onward.arc >= onward.start_s - 5.0)
         first = int(window[0]) if len(window) else 0

@@ -28,30 +28,18 @@ class Conflicts:
     """Conflict zones of one lane run, in order along it.
 
     Attributes:
-        enter: (C,) arc length on the run's line where the zone begins, metres.
-        leave: (C,) where it ends.
-        gate: (C,) arc length of the stop line before the junction.
-        exit: (C,) arc length where the junction ends.
-        must_yield: (C,) 1 if the other movement has the right of way.
-        signalised: (C,) 1 if a traffic light controls the junction.
-        first: (C + 1,) where the foe's line begins in the arrays below.
-        line: (n, 2) foes' lines: approach and way through the junction, end to end.
-        arc: (n,) arc lengths.
-        foe_enter: (C,) arc length on the foe's line where the zone begins.
-        foe_leave: (C,) where it ends.
+        zones: (C, 8) for each zone, in metres of arc length on the run's line, where it begins and
+            ends, the stop line before the junction, and where the junction ends; 1 if the other
+            movement has the right of way; 1 if a traffic light controls the junction; and in metres
+            of arc length on the foe's line where the zone begins and ends.
+        first: (C + 1,) where each foe's line begins in ``foes``.
+        foes: (n, 3) x, y and arc length of the foes' lines: approach and way through the junction,
+            end to end; metres.
     """
 
-    enter: FloatArray
-    leave: FloatArray
-    gate: FloatArray
-    exit: FloatArray
-    must_yield: IntArray
-    signalised: IntArray
+    zones: FloatArray
     first: IntArray
-    line: FloatArray
-    arc: FloatArray
-    foe_enter: FloatArray
-    foe_leave: FloatArray
+    foes: FloatArray
 
 
 def _chain_line(network: RoadNetwork, lanes: Sequence[int]) -> FloatArray:
@@ -174,18 +162,14 @@ def _place_on(run: LaneRun, point: FloatArray, position: int) -> float:
 
 
 def _lay(zones: Sequence[_Zone]) -> Conflicts:
-    lines = [zone.line for zone in zones]
-    counts = [len(line) for line in lines]
+    laid = [
+        (z.enter, z.leave, z.gate, z.exit, z.must_yield, z.signalised, z.foe_enter, z.foe_leave)
+        for z in zones
+    ]
+    foes = [np.column_stack((zone.line, arc_lengths(zone.line))) for zone in zones]
+    counts = np.cumsum([len(foe) for foe in foes], dtype=np.int64)
     return Conflicts(
-        enter=np.array([zone.enter for zone in zones]),
-        leave=np.array([zone.leave for zone in zones]),
-        gate=np.array([zone.gate for zone in zones]),
-        exit=np.array([zone.exit for zone in zones]),
-        must_yield=np.array([zone.must_yield for zone in zones], dtype=np.int64),
-        signalised=np.array([zone.signalised for zone in zones], dtype=np.int64),
-        first=np.concatenate(([0], np.cumsum(counts, dtype=np.int64))).astype(np.int64),
-        line=np.concatenate(lines) if lines else np.empty((0, 2)),
-        arc=np.concatenate([arc_lengths(line) for line in lines]) if lines else np.empty(0),
-        foe_enter=np.array([zone.foe_enter for zone in zones]),
-        foe_leave=np.array([zone.foe_leave for zone in zones]),
+        zones=np.array(laid, dtype=np.float64).reshape(-1, 8),
+        first=np.concatenate((np.zeros(1, dtype=np.int64), counts)),
+        foes=np.concatenate(foes) if foes else np.empty((0, 3)),
     )

@@ -159,18 +159,15 @@ def gap_on_line(
 
 @compiled
 def must_wait(
-    zone: int,
     to_zone: float,
     to_end: float,
     v: float,
     wanted: float,
     yields: bool,
     waited: float,
-    first: IntArray,
     line: FloatArray,
-    arc: FloatArray,
-    foe_enter: FloatArray,
-    foe_leave: FloatArray,
+    foe_enter: float,
+    foe_leave: float,
     objects: FloatArray,
     sizes: FloatArray,
     kinds: IntArray,
@@ -179,14 +176,15 @@ def must_wait(
     """Says whether somebody on the foe's way makes us wait before a conflict zone.
 
     Args:
-        zone: Index of the zone.
         to_zone: Metres from our front bumper to its beginning.
         to_end: Metres from our rear bumper to its end.
         v: Our speed, m/s.
         wanted: The speed we would drive through it at, m/s.
         yields: Whether those who approach on that way go first; else only those in the zone do.
         waited: Seconds that we have stood: after some, others who stand as well are not waited for.
-        first, line, arc, foe_enter, foe_leave: As in ``Conflicts``.
+        line: (n, 3) x, y and arc length along the foe's way, metres.
+        foe_enter: Arc length on it where the zone begins.
+        foe_leave: Where it ends.
         objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
         kinds: (n,).
@@ -196,13 +194,12 @@ def must_wait(
     # Times to reach and to clear the zone, speeding up to what we would drive.
     t_reach = _travel_time(max(to_zone, 0.0), v, wanted, a)
     t_clear = _travel_time(max(to_end, 0.0), v, wanted, a)
-    lo, hi = first[zone], first[zone + 1]
     for j in range(count):
         if kinds[j] != 0:
             continue
         x, y = objects[j, 0], objects[j, 1]
         best, best_i, best_t = 9.0, -1, 0.0
-        for i in range(lo, hi - 1):
+        for i in range(line.shape[0] - 1):
             dx, dy = x - line[i, 0], y - line[i, 1]
             d2 = dx * dx + dy * dy
             if d2 < best:
@@ -219,16 +216,16 @@ def must_wait(
         heading = math.cos(objects[j, 2]) * ux + math.sin(objects[j, 2]) * uy
         if side > 1.9 or heading < 0.5:
             continue
-        at = arc[best_i] + best_t
+        at = line[best_i, 2] + best_t
         half = 0.5 * sizes[j, 0]
-        if at - half > foe_leave[zone] + 0.5:
+        if at - half > foe_leave + 0.5:
             continue
         speed = max(objects[j, 3] * ux + objects[j, 4] * uy, 0.0)
         if speed < 0.3 and waited > _PATIENCE:
             # Each waits for the other: whoever really stands in our way ends the corridor ahead.
             continue
-        front_gap = foe_enter[zone] - (at + half)
-        rear_gap = foe_leave[zone] + 0.5 - (at - half)
+        front_gap = foe_enter - (at + half)
+        rear_gap = foe_leave + 0.5 - (at - half)
         if front_gap <= 0.5:
             # In the zone, or about to enter it.
             t_out = rear_gap / max(speed, 0.8)
@@ -299,61 +296,49 @@ def lane_is_free(
 
 @compiled
 def decide(
-    x: float,
-    y: float,
-    yaw: float,
     v: float,
     cursor: int,
     waited: float,
     light_distance: float,
     light: int,
     protected: bool,
+    ego: FloatArray,
     objects: FloatArray,
     sizes: FloatArray,
     kinds: IntArray,
-    out: FloatArray,
-    dt: float,
-    half_length: float,
-    half_width: float,
-    wheelbase: float,
-    max_braking: float,
-    line: FloatArray,
-    arc: FloatArray,
-    profile: FloatArray,
+    car: FloatArray,
     wall: float,
-    enter: FloatArray,
-    leave: FloatArray,
-    gate: FloatArray,
-    exits: FloatArray,
-    must_yield: IntArray,
-    signalised: IntArray,
+    way: FloatArray,
+    zones: FloatArray,
     first: IntArray,
-    foe_line: FloatArray,
-    foe_arc: FloatArray,
-    foe_enter: FloatArray,
-    foe_leave: FloatArray,
+    foes: FloatArray,
+    out: FloatArray,
 ) -> int:
     """Decides on acceleration and steering.
 
     Args:
-        x, y, yaw, v: The ego's pose and speed.
-        half_length, half_width, wheelbase: Of the ego, metres.
-        max_braking: m/s², positive.
-        cursor: Segment of ``line`` found a step ago.
-        line, arc: (n, 2) and (n,) centre line of the lane run.
-        profile: (n,) speed to drive at each point, m/s.
-        wall: Arc length before which the lane must have been left; inf where there is none.
+        v: The ego's speed.
+        cursor: Segment of ``way`` found a step ago.
         waited: Seconds that the ego has stood; runs down again while it moves.
         light_distance, light, protected: The next signal, as in ``Observation``.
-        enter .. foe_leave: ``Conflicts`` of the run.
+        ego: (9,) the ego's state.
         objects, sizes, kinds: Perceived actors.
-        dt: Seconds a step.
+        car: (5,) half length, half width and wheelbase of the ego in metres, its hardest braking in
+            m/s², positive, and seconds a step.
+        wall: Arc length before which the lane must have been left; inf where there is none.
+        way: (n, 4) x, y and arc length of the centre line of the lane run, and the speed to drive
+            at each point, m/s.
+        zones, first, foes: ``Conflicts`` of the run.
         out: (8,) of the step before; filled: acceleration, steer, gap to what is ahead, its speed,
             index of it, metres to where we must halt, lateral offset, wanted speed.
 
     Returns:
         The segment found now.
     """
+    x, y, yaw = ego[0], ego[1], ego[2]
+    half_length, half_width, wheelbase = car[0], car[1], car[2]
+    max_braking, dt = car[3], car[4]
+    line, arc, profile = way[:, :2], way[:, 2], way[:, 3]
     count = objects.shape[0]
     cursor, s, lateral = track_line(line, arc, cursor, 5, 30, x, y)
     wanted = profile[cursor]
@@ -381,9 +366,11 @@ def decide(
             stop = max(light_distance - 0.5, 0.0)
     if wall < np.inf:
         stop = min(stop, max(wall - front, 0.0))
-    for z in range(enter.shape[0]):
-        to_zone = enter[z] - front
-        if leave[z] < s - half_length:
+    for z in range(zones.shape[0]):
+        zone = zones[z]
+        enter, leave, gate, leaves_junction = zone[0], zone[1], zone[2], zone[3]
+        to_zone = enter - front
+        if leave < s - half_length:
             continue
         if to_zone > 12.0 + 2.5 * v + v * v / 4.0:
             break
@@ -393,36 +380,33 @@ def decide(
         held = max(to_zone - 1.2, 0.0)
         if v * v / (2.0 * max(held, 0.05)) > _HARD_BRAKING and v > 1.0:
             continue
-        yields = must_yield[z] == 1
-        if signalised[z] == 1 and gate[z] - front > -1.0 and protected:
+        yields = zone[4] > 0.0
+        if zone[5] > 0.0 and gate - front > -1.0 and protected:
             yields = False
         if must_wait(
-            z,
             to_zone,
-            leave[z] - (s - half_length),
+            leave - (s - half_length),
             v,
             min(wanted, 9.0) if wanted > 3.0 else 3.0,
             yields,
             waited,
-            first,
-            foe_line,
-            foe_arc,
-            foe_enter,
-            foe_leave,
+            foes[first[z] : first[z + 1]],
+            zone[6],
+            zone[7],
             objects,
             sizes,
             kinds,
             count,
         ):
-            if front - gate[z] < 0.5 and enter[z] - 1.2 - 2.0 * half_length < gate[z]:
+            if front - gate < 0.5 and enter - 1.2 - 2.0 * half_length < gate:
                 # Too short a place to wait in: the tail would still stand on the stop line.
-                held = max(gate[z] - front - 0.5, 0.0)
+                held = max(gate - front - 0.5, 0.0)
             stop = min(stop, held)
-        elif gate[z] - front > -0.5 and index >= 0 and other < 1.5:
+        elif gate - front > -0.5 and index >= 0 and other < 1.5:
             # Do not stop in the junction behind somebody who stands beyond it.
             rear_of_other = front + gap
-            if exits[z] - 2.0 < rear_of_other < exits[z] + 2.0 * half_length + 1.5:
-                stop = min(stop, max(gate[z] - front - 0.5, 0.0))
+            if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
+                stop = min(stop, max(gate - front - 0.5, 0.0))
     if stop < np.inf:
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
