@@ -9,13 +9,15 @@ from drivora_service.errors import SearchError
 from drivora_service.parameters import read_parameters
 from drivora_service.plugin_table import PluginTable
 from drivora_service.search.components import Components
+from drivora_service.search.mutation import GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE
 from drivora_service.search.plugin import MutationPlugin, SelectionPlugin, TesterPlugin
+from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION
 from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.random_search import RANDOM
 
 BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM,)
-BUILT_IN_MUTATIONS: tuple[MutationPlugin, ...] = ()
-BUILT_IN_SELECTIONS: tuple[SelectionPlugin, ...] = ()
+BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
+BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
 
 
 class TesterCatalogue:

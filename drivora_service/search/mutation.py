@@ -1,0 +1,233 @@
+"""Mutations: a candidate made from one other.
+
+They change only genes that have an effect: those of an actor that is absent have none, except the
+gene that says so. What a mutation gives is therefore another scenario than its parent, unless the
+space leaves no choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import Block, BoolArray, FloatArray, GeneSpace
+from drivora_service.search.plugin import MutationPlugin
+
+
+def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
+    """Tells which genes (d,) can vary and would change the scenario if they did."""
+    effective = space.varies.copy()
+    for block in space.blocks:
+        if block.is_optional and values[block.start] == 0.0:
+            effective[block.start + 1 : block.stop] = False
+    return effective
+
+
+def redrawn(
+    values: FloatArray, space: GeneSpace, random: np.random.Generator, which: BoolArray
+) -> FloatArray:
+    """Gives a copy in which some genes are drawn anew; whole ones get another value than before.
+
+    Args:
+        values: (d,) genes of the parent.
+        space: Their bounds.
+        random: For every draw.
+        which: (d,) genes to be drawn; those that cannot vary are left.
+    """
+    cells = space.highs - space.lows + 1.0
+    drawn = random.random(len(space))
+    steps = 1.0 + np.floor(drawn * np.maximum(cells - 1.0, 1.0))
+    other = space.lows + (values - space.lows + steps) % cells
+    fresh = np.where(space.is_whole, other, space.from_unit(drawn))
+    return np.where(which & space.varies, fresh, values)
+
+
+def shifted(
+    values: FloatArray,
+    space: GeneSpace,
+    random: np.random.Generator,
+    which: BoolArray,
+    sigma: FloatArray | float,
+) -> FloatArray:
+    """Gives a copy in which some genes are moved by normal draws; whole ones by at least 1.
+
+    What would leave the bounds is reflected at them, so that the bounds do not fill up.
+
+    Args:
+        values: (d,) genes of the parent.
+        space: Their bounds.
+        random: For every draw.
+        which: (d,) genes to be moved; those that cannot vary are left.
+        sigma: Standard deviation in the genes' own units, (d,) or one for all.
+    """
+    draws = random.standard_normal(len(space)) * sigma
+    at_least_one = np.copysign(np.maximum(np.round(np.abs(draws)), 1.0), draws)
+    moves = np.where(space.is_whole, at_least_one, draws)
+    width = np.where(space.varies, space.highs - space.lows, 1.0)
+    way = (values + moves - space.lows) % (2.0 * width)
+    reflected = space.lows + np.minimum(way, 2.0 * width - way)
+    return np.where(which & space.varies, space.clip(reflected), values)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GaussianMutation:
+    """Moves magnitudes by normal draws and redraws some categories; changes at least one gene.
+
+    Attributes:
+        rate: Probability with which a magnitude moves.
+        sigma: Standard deviation as a share of the gene's range, at strength 1.
+        category_rate: Probability with which a category is drawn anew, at strength 1.
+    """
+
+    rate: float = 0.2
+    sigma: float = 0.1
+    category_rate: float = 0.1
+
+    def mutate(
+        self,
+        values: FloatArray,
+        space: GeneSpace,
+        random: np.random.Generator,
+        *,
+        strength: float = 1.0,
+    ) -> FloatArray:
+        """Gives a changed copy."""
+        effective = effective_genes(values, space)
+        rates = np.where(space.is_category, self.category_rate * strength, self.rate)
+        which = effective & (random.random(len(space)) < rates)
+        if effective.any() and not which.any():
+            which[random.choice(np.flatnonzero(effective))] = True
+        sigma = self.sigma * strength * (space.highs - space.lows)
+        moved = shifted(values, space, random, which & ~space.is_category, sigma)
+        return redrawn(moved, space, random, which & space.is_category)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RedrawGene:
+    """Redraws one gene; at strength s, s genes on average and at least one."""
+
+    def mutate(
+        self,
+        values: FloatArray,
+        space: GeneSpace,
+        random: np.random.Generator,
+        *,
+        strength: float = 1.0,
+    ) -> FloatArray:
+        """Gives a changed copy."""
+        choices = np.flatnonzero(effective_genes(values, space))
+        chosen = random.permutation(choices)[: _number(strength, random)]
+        return redrawn(values, space, random, _mask(chosen, space))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RedrawBlock:
+    """Redraws an actor as a whole; at strength s, s actors on average and at least one.
+
+    An absent actor appears; a present one that may be absent disappears half of the times.
+    """
+
+    def mutate(
+        self,
+        values: FloatArray,
+        space: GeneSpace,
+        random: np.random.Generator,
+        *,
+        strength: float = 1.0,
+    ) -> FloatArray:
+        """Gives a changed copy."""
+        blocks = varying_blocks(space)
+        fresh = space.sample(random)
+        changed = values.copy()
+        for index in random.permutation(len(blocks))[: _number(strength, random)]:
+            block = blocks[index]
+            changed[block.slice] = fresh[block.slice]
+            if block.is_optional and values[block.start] == 0.0:
+                changed[block.start] = 1.0
+            if np.array_equal(changed[block.slice], values[block.slice]):
+                all_of_it = _mask(range(block.start, block.stop), space)
+                changed = redrawn(changed, space, random, all_of_it)
+        return changed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RedrawSlice:
+    """Redraws one gene of one time slice of one actor; at strength s, s times on average.
+
+    The actor is drawn first, then the slice (the genes with the same number), then the gene; so
+    actors with many genes do not change more often than others. What an actor has besides its
+    slices (its path, its start) counts as one slice more.
+    """
+
+    def mutate(
+        self,
+        values: FloatArray,
+        space: GeneSpace,
+        random: np.random.Generator,
+        *,
+        strength: float = 1.0,
+    ) -> FloatArray:
+        """Gives a changed copy."""
+        changed = values
+        for _ in range(_number(strength, random)):
+            effective = effective_genes(changed, space)
+            blocks = [b for b in space.blocks if effective[b.slice].any()]
+            if not blocks:
+                break
+            slices = slices_of(blocks[random.integers(len(blocks))], effective)
+            chosen = random.choice(slices[random.integers(len(slices))])
+            changed = redrawn(changed, space, random, _mask([chosen], space))
+        return changed.copy()
+
+
+def varying_blocks(space: GeneSpace) -> tuple[Block, ...]:
+    """Gives the blocks in which anything can vary."""
+    return tuple(block for block in space.blocks if space.varies[block.slice].any())
+
+
+def slices_of(block: Block, which: BoolArray) -> tuple[IntArray, ...]:
+    """Groups the indices of a block's genes by time slice.
+
+    Args:
+        block: An actor.
+        which: (d,) genes that count.
+
+    Returns:
+        Indices in the vector; first those without a slice, then slice by slice. No group is empty.
+    """
+    groups: dict[int, list[int]] = {}
+    for index, gene in enumerate(block.genes, start=block.start):
+        if which[index]:
+            number = gene.name.rpartition("_")[2]
+            groups.setdefault(int(number) if number.isdecimal() else -1, []).append(index)
+    return tuple(np.array(groups[number], dtype=np.int64) for number in sorted(groups))
+
+
+def _number(strength: float, random: np.random.Generator) -> int:
+    """Draws a whole number whose mean is the strength, at least 1."""
+    return max(int(strength + random.random()), 1)
+
+
+def _mask(indices: Sequence[int] | range | IntArray, space: GeneSpace) -> BoolArray:
+    mask = np.zeros(len(space), dtype=np.bool_)
+    mask[list(indices)] = True
+    return mask
+
+
+GAUSSIAN = MutationPlugin(
+    name="gaussian",
+    description="moves magnitudes by normal draws and redraws some categories",
+    create=GaussianMutation,
+)
+REDRAW_GENE = MutationPlugin(name="redraw-gene", description="redraws one gene", create=RedrawGene)
+REDRAW_BLOCK = MutationPlugin(
+    name="redraw-block", description="redraws an actor as a whole", create=RedrawBlock
+)
+REDRAW_SLICE = MutationPlugin(
+    name="redraw-slice",
+    description="redraws one gene of one time slice of one actor",
+    create=RedrawSlice,
+)

@@ -1,0 +1,171 @@
+"""Selections: whom to go on with. Several objectives are compared as in NSGA-II.
+
+Objectives are minimised. What is not finite counts as not measurable, and as worse than all that
+is. A selection that is asked for more than there are repeats itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
+from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
+
+from drivora_service.errors import SearchError
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import FloatArray
+from drivora_service.search.plugin import SelectionPlugin
+
+
+def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
+    """Sorts candidates by non-domination; the first front is dominated by nobody.
+
+    Args:
+        objectives: (n, m), to be minimised.
+
+    Returns:
+        Indices of each front, in ascending order.
+    """
+    found = NonDominatedSorting().do(measurable(objectives))
+    return tuple(np.sort(np.asarray(front, dtype=np.int64)) for front in found)
+
+
+def crowding_distances(objectives: FloatArray) -> FloatArray:
+    """Gives how much room (n,) each candidate of one front has around it; inf at its ends.
+
+    Source: Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II" (2002).
+    """
+    return np.asarray(get_crowding_function("cd").do(measurable(objectives)), dtype=np.float64)
+
+
+def best_first(objectives: FloatArray) -> IntArray:
+    """Orders candidates (n,) from best to worst: by front, then by room around; equals by index.
+
+    Args:
+        objectives: (n, m), to be minimised. With m = 1 this is the order of the values.
+    """
+    if objectives.shape[1] == 1:
+        return np.argsort(measurable(objectives)[:, 0], kind="stable")
+    order: list[IntArray] = []
+    for front in fronts(objectives):
+        room = crowding_distances(objectives[front])
+        order.append(front[np.argsort(-room, kind="stable")])
+    return np.concatenate(order)
+
+
+def measurable(objectives: FloatArray) -> FloatArray:
+    """Gives a copy in which what is not finite is a number worse than all others of its column.
+
+    Raises:
+        SearchError: If there is no candidate or no objective.
+    """
+    if objectives.ndim != 2 or not objectives.size:
+        raise SearchError(
+            f"objectives have the shape {objectives.shape}; needed: (n, m) of at least 1 candidate "
+            "and 1 objective"
+        )
+    finite = np.isfinite(objectives)
+    least = np.min(objectives, axis=0, where=finite, initial=np.inf)
+    most = np.max(objectives, axis=0, where=finite, initial=-np.inf)
+    known = finite.any(axis=0)
+    worse = np.where(known, most + np.maximum(most - least, 1.0), 0.0)
+    return np.where(finite, objectives, worse)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Truncation:
+    """Chooses the best."""
+
+    def select(
+        self,
+        objectives: FloatArray,
+        count: int,
+        random: np.random.Generator,  # noqa: ARG002  # nothing is drawn
+    ) -> IntArray:
+        """Chooses from candidates."""
+        return np.resize(best_first(objectives), count)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tournament:
+    """Chooses the best of some that are drawn, again and again.
+
+    Attributes:
+        size: How many are drawn each time, where there are as many.
+    """
+
+    size: int = 2
+
+    def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
+        """Chooses from candidates."""
+        order = best_first(objectives)
+        places = np.empty(len(order), dtype=np.int64)
+        places[order] = np.arange(len(order))
+        size = min(self.size, len(order))
+        drawn = np.stack([random.permutation(len(order))[:size] for _ in range(count)])
+        chosen: IntArray = order[np.sort(places[drawn].min(axis=1))]
+        return chosen
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Roulette:
+    """Draws with a probability that grows with the fitness.
+
+    The fitness is the distance to the worst that is measurable, so it is never negative. Of several
+    objectives the place in the order counts instead. What is not measurable is drawn only if
+    nothing is.
+
+    Attributes:
+        floor: Fitness of the worst, as a share of the distance between the best and the worst.
+    """
+
+    floor: float = 0.1
+
+    def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
+        """Chooses from candidates."""
+        chances = self.chances(objectives)
+        drawn = random.choice(len(chances), size=count, p=chances)
+        return drawn[np.argsort(-chances[drawn], kind="stable")]
+
+    def chances(self, objectives: FloatArray) -> FloatArray:
+        """Gives the probability (n,) of each candidate to be drawn."""
+        known = np.isfinite(objectives).any(axis=1)
+        if not known.any():
+            return np.full(len(objectives), 1.0 / len(objectives))
+        if objectives.shape[1] == 1:
+            costs = measurable(objectives)[:, 0]
+        else:
+            costs = np.empty(len(objectives))
+            costs[best_first(objectives)] = np.arange(len(objectives))
+        worst = costs[known].max()
+        spread = worst - costs[known].min()
+        fitness = worst - costs + self.floor * spread if spread > 0.0 else np.ones(len(costs))
+        fitness = np.where(known, fitness, 0.0)
+        chances: FloatArray = fitness / fitness.sum()
+        return chances
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RandomSelection:
+    """Chooses without looking at the objectives; nobody twice before everybody once."""
+
+    def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
+        """Chooses from candidates."""
+        n = len(measurable(objectives))
+        rounds = [random.permutation(n) for _ in range(-(-count // n))]
+        return np.concatenate(rounds)[:count]
+
+
+TRUNCATION = SelectionPlugin(name="truncation", description="chooses the best", create=Truncation)
+TOURNAMENT = SelectionPlugin(
+    name="tournament", description="chooses the better of two that are drawn", create=Tournament
+)
+ROULETTE = SelectionPlugin(
+    name="roulette",
+    description="draws with a probability that grows with the fitness",
+    create=Roulette,
+)
+RANDOM_SELECTION = SelectionPlugin(
+    name="random", description="chooses without looking", create=RandomSelection
+)
