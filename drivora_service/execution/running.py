@@ -11,6 +11,51 @@ from drivora_service.runs.lifecycle import RetryPolicy, RunState
 from drivora_service.runs.report import RunReport, RunSpec
 
 
+class Runs:
+    """Runs under way on an executor, each until its final report.
+
+    Crashes are confirmed and lost workers made good, as the service does it.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
+    ) -> None:
+        """Begins with none.
+
+        Args:
+            executor: Used by nobody else meanwhile.
+            policy: How often a run may fail for reasons that are not its own.
+        """
+        self._executor, self._policy = executor, policy
+        self._running: dict[str, tuple[RunSpec, RunState]] = {}
+
+    def __len__(self) -> int:
+        """Counts the runs that are under way."""
+        return len(self._running)
+
+    def submit(self, spec: RunSpec) -> None:
+        """Begins with a run as soon as a slot is free; its id is its own."""
+        self._attempt(spec, RunState())
+
+    def wait(self, timeout: float | None = None) -> tuple[RunReport, ...]:
+        """Waits for the end of an attempt, and gives the reports of runs that are over with it."""
+        over: list[RunReport] = []
+        for end in self._executor.wait(timeout):
+            spec, state = self._running.pop(end.report.run_id)
+            transition = lifecycle.end(state, end.report, self._policy)
+            if transition.report is not None:
+                over.append(transition.report)
+            else:
+                self._attempt(spec, transition.state)
+        return tuple(over)
+
+    def _attempt(self, spec: RunSpec, state: RunState) -> None:
+        self._running[spec.run_id] = (spec, lifecycle.start(state))
+        self._executor.submit(spec)
+
+
 def run_all(
     executor: Executor,
     specs: Iterable[RunSpec],
@@ -18,8 +63,7 @@ def run_all(
 ) -> Iterator[RunReport]:
     """Runs every spec and gives the reports in the order in which the runs end.
 
-    Crashes are confirmed and lost workers made good, as the service does it. ``specs`` is read as
-    slots come free, so it may be long.
+    ``specs`` is read as slots come free, so it may be long.
 
     Args:
         executor: Used by nobody else meanwhile.
@@ -27,18 +71,10 @@ def run_all(
         policy: How often a run may fail for reasons that are not its own.
     """
     coming = iter(specs)
-    running: dict[str, tuple[RunSpec, RunState]] = {}
+    runs = Runs(executor, policy)
     while True:
-        for spec in islice(coming, 2 * executor.capacity - len(running)):
-            running[spec.run_id] = (spec, lifecycle.start(RunState()))
-            executor.submit(spec)
-        if not running:
+        for spec in islice(coming, 2 * executor.capacity - len(runs)):
+            runs.submit(spec)
+        if not len(runs):
             return
-        for end in executor.wait():
-            spec, state = running.pop(end.report.run_id)
-            transition = lifecycle.end(state, end.report, policy)
-            if transition.report is not None:
-                yield transition.report
-            else:
-                running[spec.run_id] = (spec, lifecycle.start(transition.state))
-                executor.submit(spec)
+        yield from runs.wait()

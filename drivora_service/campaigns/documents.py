@@ -1,0 +1,207 @@
+"""The campaign document: what a user writes."""
+
+from __future__ import annotations
+
+from dataclasses import fields as dataclass_fields
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, JsonValue
+from pydantic_core import PydanticCustomError
+
+from drivora_service.campaigns.campaign import (
+    DEFAULT_LOOKAHEAD,
+    DEFAULT_ORACLES,
+    Campaign,
+    FeedbackMode,
+    TesterChoice,
+)
+from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.scenario import fields
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.entities import AgentDocument, EntityDocument, FreeData
+from drivora_service.scenario.model import AgentChoice, NpcBehavior
+from drivora_service.search.space.options import SpaceOptions
+
+_DEFAULTS = SpaceOptions()
+MAX_ACTORS = 64
+MAX_BUDGET = 1_000_000
+MAX_LOOKAHEAD = 1024
+
+
+def _count(low: int, high: int) -> Any:
+    return Field(strict=True, ge=low, le=high, json_schema_extra={"x-unit": "1"})
+
+
+def _number(unit: str, low: float, high: float) -> Any:
+    return Field(
+        strict=True, allow_inf_nan=False, ge=low, le=high, json_schema_extra={"x-unit": unit}
+    )
+
+
+def _known_oracle(name: str) -> str:
+    known = [oracle.name for oracle in default_oracles()]
+    if name not in known:
+        raise PydanticCustomError(
+            "unknown_oracle",
+            "found oracle {name!r}; known: {known}",
+            {"name": name[:80], "known": ", ".join(known)},
+        )
+    return name
+
+
+def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise PydanticCustomError(
+                "repeated_oracle", "found {name!r} more than once; give it once", {"name": name}
+            )
+    return names
+
+
+PluginName = Annotated[str, Field(strict=True, pattern=fields.NAME_PATTERN)]
+OracleName = Annotated[
+    str, Field(strict=True, pattern=fields.NAME_PATTERN), AfterValidator(_known_oracle)
+]
+Actors = Annotated[int, _count(0, MAX_ACTORS)]
+Egos = Annotated[int, _count(1, fields.MAX_EGOS)]
+Slices = Annotated[int, _count(1, 50)]
+Paths = Annotated[int, _count(1, 1000)]
+Reach = Annotated[float, _number("m", 10.0, 2000.0)]
+SpeedFactor = Annotated[float, _number("1", 0.1, 3.0)]
+Delay = Annotated[float, _number("s", 0.0, 600.0)]
+Simulations = Annotated[int, _count(1, MAX_BUDGET)]
+Workers = Annotated[int, _count(1, 1024)]
+Lookahead = Annotated[int, _count(1, MAX_LOOKAHEAD)]
+
+
+class TesterDocument(EntityDocument):
+    """The testing method."""
+
+    name: PluginName = Field(description="A name of `drivora testers list`.")
+    parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
+        default_factory=dict, description="Those that differ from the tester's defaults."
+    )
+    mutation: PluginName | None = Field(
+        None, description="A mutation in place of the tester's own."
+    )
+    selection: PluginName | None = Field(
+        None, description="A selection in place of the tester's own."
+    )
+    feedback: FeedbackMode = Field(
+        FeedbackMode.OWN,
+        description="own: the tester is told what came of its candidates; shuffled: it is told the "
+        "results of others, drawn at random, so that only its operators work.",
+    )
+
+
+class SpaceDocument(EntityDocument):
+    """What varies besides the scenario as it is written."""
+
+    egos: Egos = Field(
+        _DEFAULTS.egos,
+        description="Egos in all. 1: the scenario's own, unchanged. More: routes, starts and start "
+        "times of up to this many vary, two at least.",
+    )
+    vehicles: Actors = Field(_DEFAULTS.vehicles, description="NPC vehicles.")
+    walkers: Actors = Field(_DEFAULTS.walkers, description="Walkers that cross an ego's way.")
+    obstacles: Actors = Field(
+        _DEFAULTS.obstacles, description="Static objects beside or partly on an ego's way."
+    )
+    optional: bool = Field(
+        _DEFAULTS.optional, strict=True, description="Whether each of these may be absent."
+    )
+    slices: Slices = Field(
+        _DEFAULTS.slices, description="Waypoints that are set along an NPC vehicle's way."
+    )
+    behavior: NpcBehavior = Field(_DEFAULTS.behavior, description="Of the NPC vehicles.")
+    weather: bool = Field(_DEFAULTS.weather, strict=True, description="Whether the weather varies.")
+    lights: bool = Field(
+        _DEFAULTS.lights, strict=True, description="Whether the times of the lights vary."
+    )
+    reach: Reach = Field(
+        _DEFAULTS.reach, description="NPC vehicles start at most this far from the egos' routes."
+    )
+    paths: Paths = Field(
+        _DEFAULTS.paths, description="Ways that NPC vehicles choose from, at most."
+    )
+    max_speed_factor: SpeedFactor = Field(
+        _DEFAULTS.max_speed_factor,
+        description="Greatest wanted speed of an NPC vehicle over the speed limit of its lane.",
+    )
+    max_walker_delay: Delay = Field(
+        _DEFAULTS.max_walker_delay, description="Walkers start at this time at the latest."
+    )
+    max_ego_delay: Delay = Field(
+        _DEFAULTS.max_ego_delay,
+        description="Egos start at this time at the latest, where egos vary.",
+    )
+
+
+class BudgetDocument(EntityDocument):
+    """When the campaign ends."""
+
+    simulations: Simulations = Field(
+        description="Runs; candidates that are no valid scenario do not count."
+    )
+
+
+class CampaignDocument(EntityDocument):
+    """A search for scenarios in which an ADS fails."""
+
+    version: Literal["1.0"] = Field("1.0", description="Version of this format.")
+    name: Annotated[str, Field(strict=True, min_length=1, max_length=200)] = Field(
+        description="For people."
+    )
+    tester: TesterDocument = Field(description="Who searches.")
+    agent: AgentDocument | None = Field(
+        None, description="The ADS that drives every ego; without it, as the scenario says."
+    )
+    scenario: ScenarioDocument = Field(description="The scenario to begin with.")
+    space: SpaceDocument = Field(
+        default_factory=SpaceDocument, description="What varies, and how far."
+    )
+    budget: BudgetDocument = Field(description="When the campaign ends.")
+    oracles: Annotated[
+        tuple[OracleName, ...], Field(min_length=1), AfterValidator(_no_repetition)
+    ] = Field(DEFAULT_ORACLES, description="Rules whose violations are failures.")
+    seed: fields.Seed = Field(0, description="Seeds every random draw of the search.")
+    workers: Workers | None = Field(
+        None, description="Worker processes; without it, as many as the installation has."
+    )
+    lookahead: Lookahead = Field(
+        DEFAULT_LOOKAHEAD,
+        description="Candidates that may wait for their results. Part of the search, so that the "
+        "number of workers is not; it should be a few times as large.",
+    )
+
+
+def to_campaign(document: CampaignDocument) -> Campaign:
+    """Gives the campaign that a document stands for."""
+    tester, agent = document.tester, document.agent
+    space = {
+        option.name: getattr(document.space, option.name)
+        for option in dataclass_fields(SpaceOptions)
+    }
+    return Campaign(
+        name=document.name,
+        tester=TesterChoice(
+            name=tester.name,
+            parameters=tester.parameters,
+            mutation=tester.mutation or "",
+            selection=tester.selection or "",
+            feedback=tester.feedback,
+        ),
+        agent=None if agent is None else AgentChoice(name=agent.name, parameters=agent.parameters),
+        scenario=document.scenario,
+        space=SpaceOptions(**space),
+        budget=document.budget.simulations,
+        oracles=document.oracles,
+        seed=document.seed,
+        workers=document.workers,
+        lookahead=document.lookahead,
+    )
+
+
+def campaign_text(document: CampaignDocument) -> str:
+    """Writes a document as JSON that reads back to an equal one."""
+    return document.model_dump_json(exclude_none=True)

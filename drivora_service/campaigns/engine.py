@@ -1,0 +1,268 @@
+"""The loop of a campaign: ask for candidates, have them evaluated, tell what came of them.
+
+Candidates are numbered as they are proposed and told strictly in that order, one at a time, with a
+fixed number of them waiting. So the sequence is a function of the campaign alone: it depends
+neither on how long runs take nor on the number of workers. Resuming is the same loop with stored
+evaluations in place of runs.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from drivora_service.campaigns.candidates import Candidate, Candidates
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.journal import Journal
+from drivora_service.campaigns.judging import evaluation_of, status_of, violations_of
+from drivora_service.errors import CampaignError
+from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.encoding import report_from_json, report_to_json
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.search.tester import EvaluationStatus, Proposal, Tester
+from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
+
+_POLL_S = 0.5
+"""Seconds after which a request to stop is seen while runs go on."""
+
+_SPARE_INVALID = 100
+"""Invalid candidates that a campaign may propose beyond as many as its budget."""
+
+_HOPELESS = 20
+"""Failed runs after which a campaign of which no run has been judged is given up."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """A campaign, ready to go.
+
+    Attributes:
+        run_prefix: Begins the ids of the runs; the number follows.
+        feedback: What the tester wants measured.
+        key_of: Gives the kind of failure of a violation.
+    """
+
+    run_prefix: str
+    tester: Tester
+    candidates: Candidates
+    feedback: FeedbackChoice
+    oracles: frozenset[str]
+    budget: int
+    lookahead: int
+    key_of: Callable[[Verdict], str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Told:
+    """What the engine shows of its work: an evaluation that the tester has just been told.
+
+    Attributes:
+        replayed: Whether it was known before, from the journal.
+    """
+
+    record: EvaluationRecord
+    replayed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Waiting:
+    """A candidate that has not been told yet, and its stored evaluation if there is one."""
+
+    number: int
+    proposal: Proposal
+    candidate: Candidate
+    stored: EvaluationRecord | None
+    prepare_s: float
+
+
+class Engine:
+    """Runs one campaign, once."""
+
+    def __init__(
+        self,
+        search: Search,
+        evaluator: Evaluator,
+        journal: Journal,
+        *,
+        requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
+        on_told: Callable[[Told], None] = lambda _told: None,
+    ) -> None:
+        """Prepares the loop.
+
+        Args:
+            search: The campaign.
+            evaluator: Used by nobody else meanwhile.
+            journal: What it holds is told again first.
+            requested: Says whether somebody wants the campaign to stop.
+            on_told: Called after each telling.
+        """
+        self._search, self._evaluator, self._journal = search, evaluator, journal
+        self._requested, self._on_told = requested, on_told
+        self._stored = journal.evaluations()
+        self._waiting: deque[_Waiting] = deque()
+        self._reports: dict[int, RunReport] = {}
+        self._next = 0
+        self._valid = self._invalid = self._judged = self._failed = 0
+        self._search_s = 0.0
+
+    def run(self) -> CampaignRequest:
+        """Goes on until the budget is spent, the tester has ended, or somebody wants a stop.
+
+        Returns:
+            The request that ended it, or none.
+
+        Raises:
+            CampaignError: It cannot go on, or does not fit what the journal holds.
+            SearchError: The tester is broken.
+        """
+        self._ask()
+        while self._waiting:
+            request = self._await(self._waiting[0])
+            if request is not CampaignRequest.NONE:
+                return request
+            self._tell(self._waiting.popleft())
+            self._ask()
+        return CampaignRequest.NONE
+
+    def _ask(self) -> None:
+        search = self._search
+        room = min(search.lookahead - len(self._waiting), search.budget - self._valid)
+        if room < 1:
+            return
+        for proposal in self._timed(lambda: search.tester.ask(room)):
+            begun = time.perf_counter()
+            candidate = search.candidates.prepare(proposal.values)
+            waiting = _Waiting(
+                number=self._next,
+                proposal=replace(proposal, values=candidate.values),
+                candidate=candidate,
+                stored=next(self._stored, None),
+                prepare_s=time.perf_counter() - begun,
+            )
+            self._next += 1
+            self._take(waiting)
+            self._waiting.append(waiting)
+
+    def _take(self, waiting: _Waiting) -> None:
+        """Counts a new candidate, and has it evaluated if that is still to be done."""
+        if waiting.stored is not None:
+            _compare(waiting, waiting.stored)
+        if waiting.candidate.problem:
+            self._invalid += 1
+            if self._invalid > self._search.budget + _SPARE_INVALID:
+                raise CampaignError(
+                    f"{self._invalid} of {self._next} candidates were no valid scenarios, the last "
+                    f"one because: {waiting.candidate.problem}. Let less vary, or begin with "
+                    "another scenario"
+                )
+            return
+        self._valid += 1
+        if waiting.stored is None:
+            spec = RunSpec(
+                run_id=f"{self._search.run_prefix}-{waiting.number}",
+                document=waiting.candidate.document,
+                feedback=self._search.feedback,
+            )
+            self._evaluator.submit(waiting.number, spec)
+
+    def _await(self, waiting: _Waiting) -> CampaignRequest:
+        """Waits until it is known what came of a candidate, or somebody wants a stop."""
+        if waiting.stored is not None:
+            return CampaignRequest.NONE
+        while True:
+            request = self._requested()
+            known = waiting.candidate.problem or waiting.number in self._reports
+            if known or request is not CampaignRequest.NONE:
+                return request
+            for answer in self._evaluator.wait(_POLL_S):
+                self._reports[answer.number] = answer.report
+
+    def _tell(self, waiting: _Waiting) -> None:
+        record = waiting.stored
+        if record is None:
+            record = self._record(waiting)
+            self._journal.append(record, waiting.candidate.document)
+            self._search_s = 0.0
+        self._timed(lambda: self._search.tester.tell(evaluation_of(record)))
+        self._judged += record.status is EvaluationStatus.JUDGED
+        self._failed += record.status is EvaluationStatus.FAILED
+        self._on_told(Told(record=record, replayed=waiting.stored is not None))
+        if self._failed >= _HOPELESS and not self._judged and record.report.failure is not None:
+            raise CampaignError(
+                f"none of the first {self._failed} runs could be judged, the last one because: "
+                f"{record.report.failure.message}"
+            )
+
+    def _record(self, waiting: _Waiting) -> EvaluationRecord:
+        if waiting.candidate.problem:
+            failure = RunFailure(cause="invalid_document", message=waiting.candidate.problem)
+            run_id = f"{self._search.run_prefix}-{waiting.number}"
+            report = RunReport(run_id=run_id, status=RunStatus.INVALID, failure=failure)
+            status = EvaluationStatus.INVALID
+        else:
+            report = self._reports.pop(waiting.number)
+            if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
+                # What has nothing to do with the candidate must not become part of the search.
+                why = "" if report.failure is None else f": {report.failure.message}"
+                raise CampaignError(
+                    f"evaluation {waiting.number} was lost ({report.status}){why}. Resume the "
+                    "campaign to try it again"
+                )
+            # As it will be read from the journal: telling must not depend on where it comes from.
+            report = report_from_json(report_to_json(report))
+            status = status_of(report)
+        violations = violations_of(report, self._search.oracles)
+        document = waiting.candidate.document
+        return EvaluationRecord(
+            number=waiting.number,
+            proposal=waiting.proposal,
+            status=status,
+            document_sha256=_sha256(document),
+            report=report,
+            violations=violations,
+            failure_keys=tuple(self._search.key_of(verdict) for verdict in violations),
+            search_s=self._search_s,
+            prepare_s=waiting.prepare_s,
+        )
+
+    def _timed(self, work: Callable[[], T]) -> T:
+        begun = time.perf_counter()
+        try:
+            return work()
+        finally:
+            self._search_s += time.perf_counter() - begun
+
+
+def _compare(waiting: _Waiting, stored: EvaluationRecord) -> None:
+    """Checks that a candidate is the one that was evaluated before.
+
+    Raises:
+        CampaignError: It is not.
+    """
+    new, old = waiting.proposal, stored.proposal
+    if not np.array_equal(new.values, old.values):
+        what = "other values"
+    elif (new.origin, new.generation, new.parents) != (old.origin, old.generation, old.parents):
+        what = "another origin"
+    elif _sha256(waiting.candidate.document) != stored.document_sha256:
+        what = "another scenario"
+    else:
+        return
+    raise CampaignError(
+        f"evaluation {waiting.number} has {what} than when it was first made: the program, a "
+        "plug-in or the road network has changed since. Resume the campaign with what it was begun "
+        "with, or begin a new one"
+    )
+
+
+def _sha256(document: str) -> str:
+    return hashlib.sha256(document.encode()).hexdigest() if document else ""

@@ -1,0 +1,99 @@
+"""Where a campaign is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
+
+
+class Journal(Protocol):
+    """The record of a campaign, from which it can be resumed."""
+
+    def evaluations(self) -> Iterator[EvaluationRecord]:
+        """Gives what was appended, in order; may be read while more is appended behind it."""
+        ...
+
+    def append(self, record: EvaluationRecord, document: str) -> None:
+        """Writes the next evaluation down, for good when the call returns.
+
+        Args:
+            record: Its number is that of the evaluation before it plus 1.
+            document: Canonical JSON text of the scenario; "" where there is none.
+        """
+        ...
+
+    def document(self, number: int) -> str:
+        """Gives the canonical JSON text of an evaluation's scenario."""
+        ...
+
+    def failures(self) -> tuple[FailureRecord, ...]:
+        """Gives every violation of every evaluation, in order."""
+        ...
+
+    def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
+        """Writes down whether the failures of an evaluation happened again."""
+        ...
+
+    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+        """Writes down the groups of failures, by number of the evaluation and place."""
+        ...
+
+
+def failures_of(record: EvaluationRecord) -> tuple[FailureRecord, ...]:
+    """Gives the failures that an evaluation found."""
+    return tuple(
+        FailureRecord(number=record.number, place=place, key=key, verdict=verdict)
+        for place, (verdict, key) in enumerate(
+            zip(record.violations, record.failure_keys, strict=True)
+        )
+    )
+
+
+class MemoryJournal:
+    """A journal that is gone with its process: for studies and tests."""
+
+    def __init__(self, evaluations: Sequence[EvaluationRecord] = ()) -> None:
+        """Begins with evaluations that are known already, without their documents."""
+        self._evaluations = list(evaluations)
+        self._documents: dict[int, str] = {}
+        self._failures = [failure for record in evaluations for failure in failures_of(record)]
+
+    def evaluations(self) -> Iterator[EvaluationRecord]:
+        """Gives what was appended, in order."""
+        return iter(tuple(self._evaluations))
+
+    def append(self, record: EvaluationRecord, document: str) -> None:
+        """Keeps the next evaluation; documents only of those that violate a rule."""
+        if record.number != len(self._evaluations):
+            raise ValueError(f"evaluation {record.number} follows {len(self._evaluations) - 1}")
+        self._evaluations.append(record)
+        if record.violations:
+            self._documents[record.number] = document
+            self._failures += failures_of(record)
+
+    def document(self, number: int) -> str:
+        """Gives the scenario of an evaluation that violates a rule."""
+        return self._documents[number]
+
+    def failures(self) -> tuple[FailureRecord, ...]:
+        """Gives every violation of every evaluation, in order."""
+        return tuple(self._failures)
+
+    def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
+        """Keeps whether the failures of an evaluation happened again."""
+        self._failures = [
+            replace(failure, confirmation=confirmation, trace=trace)
+            if failure.number == number
+            else failure
+            for failure in self._failures
+        ]
+
+    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+        """Keeps the groups of failures."""
+        self._failures = [
+            replace(failure, cluster=clusters.get((failure.number, failure.place)))
+            for failure in self._failures
+        ]

@@ -1,0 +1,47 @@
+"""From the report of a run to what a tester is told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.search.tester import Evaluation, EvaluationStatus
+from drivora_service.store.campaign_records import EvaluationRecord
+
+
+def status_of(report: RunReport) -> EvaluationStatus:
+    """Says whether a run that was simulated was judged."""
+    if report.status is RunStatus.FINISHED:
+        return EvaluationStatus.JUDGED
+    return EvaluationStatus.FAILED
+
+
+def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:
+    """Gives the verdicts that count as failures, in the order of their times.
+
+    Those are of a campaign's oracles and say that a rule was violated, and not by somebody else's
+    fault.
+    """
+    found = [
+        verdict
+        for verdict in report.verdicts
+        if verdict.oracle in oracles
+        and verdict.outcome is Outcome.VIOLATED
+        and verdict.at_fault is not False
+    ]
+    return tuple(sorted(found, key=lambda v: math.inf if v.time is None else v.time))
+
+
+def evaluation_of(record: EvaluationRecord) -> Evaluation:
+    """Gives what a tester is told of a candidate."""
+    judged = record.status is EvaluationStatus.JUDGED
+    return Evaluation(
+        number=record.number,
+        proposal=record.proposal,
+        status=record.status,
+        violations=record.violations,
+        scores=record.report.scores if judged else {},
+        measurement=record.report.measurement if judged else None,
+    )

@@ -1,0 +1,62 @@
+"""Evaluating on worker processes of this machine."""
+
+from __future__ import annotations
+
+import time
+
+from drivora_service.campaigns.evaluator import Answer, EvaluatorContext, EvaluatorPlugin
+from drivora_service.execution.executor import Executor
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.running import Runs
+from drivora_service.runs.report import RunSpec
+
+
+class LocalEvaluator:
+    """Runs on an executor that it owns."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._runs = Runs(executor)
+        self._numbers: dict[str, int] = {}
+
+    def submit(self, number: int, spec: RunSpec) -> None:
+        """Begins with a run as soon as a slot is free; earlier ones first."""
+        self._numbers[spec.run_id] = number
+        self._runs.submit(spec)
+
+    def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
+        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most."""
+        until = None if timeout is None else time.monotonic() + timeout
+        while len(self._runs):
+            left = None if until is None else until - time.monotonic()
+            if left is not None and left <= 0.0:
+                break
+            reports = self._runs.wait(left)
+            if reports:
+                return tuple(
+                    Answer(number=self._numbers.pop(report.run_id), report=report)
+                    for report in reports
+                )
+        return ()
+
+    def close(self) -> None:
+        """Ends every run and every worker process."""
+        self._executor.close()
+
+
+def _create(context: EvaluatorContext) -> LocalEvaluator:
+    return LocalEvaluator(
+        LocalExecutor(
+            slots=context.workers,
+            setup=context.setup,
+            folder=context.folder,
+            limits=context.limits,
+        )
+    )
+
+
+LOCAL = EvaluatorPlugin(
+    name="local",
+    description="worker processes of this machine",
+    create=_create,
+)

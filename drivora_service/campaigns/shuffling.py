@@ -1,0 +1,38 @@
+"""A method without its feedback: its operators work, but what it is told means nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, Tester
+
+
+class ShuffledFeedback:
+    """Tells a tester, of each candidate, the results of one that was judged so far.
+
+    Which one is drawn evenly, the candidate itself among them, so that the tester sees results that
+    are distributed as its own are. Whether a candidate is valid is told as it is.
+    """
+
+    def __init__(self, tester: Tester, random: np.random.Generator) -> None:
+        self._tester, self._random = tester, random
+        self._judged: list[Evaluation] = []
+
+    def ask(self, room: int) -> tuple[Proposal, ...]:
+        """Asks the tester."""
+        return self._tester.ask(room)
+
+    def tell(self, evaluation: Evaluation) -> None:
+        """Tells the tester the results of another candidate."""
+        if evaluation.status is EvaluationStatus.JUDGED:
+            self._judged.append(evaluation)
+            other = self._judged[int(self._random.integers(len(self._judged)))]
+            evaluation = replace(
+                evaluation,
+                violations=other.violations,
+                scores=other.scores,
+                measurement=other.measurement,
+            )
+        self._tester.tell(evaluation)

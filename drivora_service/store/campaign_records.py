@@ -1,0 +1,187 @@
+"""What the store gives and takes of campaigns: plain values, never rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.report import RunReport
+from drivora_service.search.tester import EvaluationStatus, Proposal
+
+
+class CampaignState(StrEnum):
+    """Where a campaign is in its life."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    PAUSED = "paused"
+    FINISHED = "finished"
+    FAILED = "failed"
+    """It cannot go on as it is; the message says why. It may be resumed."""
+    CANCELLED = "cancelled"
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it will not go on."""
+        return self in (CampaignState.FINISHED, CampaignState.CANCELLED)
+
+
+class CampaignRequest(StrEnum):
+    """What somebody wants of a campaign that runs."""
+
+    NONE = ""
+    PAUSE = "pause"
+    CANCEL = "cancel"
+
+
+class Confirmation(StrEnum):
+    """Whether a failure happened again in an identical run."""
+
+    OPEN = "open"
+    """Not tried yet."""
+    CONFIRMED = "confirmed"
+    """The same trace, step by step."""
+    FLAKY = "flaky"
+    """Another trace, or none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewCampaign:
+    """A campaign to be stored.
+
+    Attributes:
+        document: The campaign as JSON text; see ``campaigns.documents``.
+        tester: Name of the tester, for lists.
+        agent: Name of the ADS, for lists.
+        town: Name of the road network, for lists.
+        network_sha256: Hash of the network's file.
+        budget: Simulations.
+        versions: Versions of what takes part in the search, by name.
+    """
+
+    name: str
+    document: str
+    tester: str
+    agent: str
+    town: str
+    network_sha256: str
+    budget: int
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignCounts:
+    """What has been told so far.
+
+    Attributes:
+        evaluations: Candidates, simulated or not.
+        judged: Candidates that were simulated and judged.
+        invalid: Candidates that were no valid scenario.
+        failed: Candidates whose run had no result.
+        violating: Candidates with at least one violation.
+        at_fault: Candidates with at least one violation for which an ego is known to be at fault.
+    """
+
+    evaluations: int = 0
+    judged: int = 0
+    invalid: int = 0
+    failed: int = 0
+    violating: int = 0
+    at_fault: int = 0
+
+    @property
+    def simulations(self) -> int:
+        """Candidates that count against the budget."""
+        return self.judged + self.failed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignRecord:
+    """A campaign and how far it is.
+
+    Attributes:
+        seq: Its place among all campaigns, for page tokens.
+        message: Why it failed, or "".
+        request: What somebody wants of it while it runs.
+        active_s: Seconds for which it has searched, pauses left out.
+        updated_at: When it last told its tester something, or changed its state.
+    """
+
+    seq: int
+    id: str
+    name: str
+    document: str
+    tester: str
+    agent: str
+    town: str
+    network_sha256: str
+    budget: int
+    versions: Mapping[str, str]
+    state: CampaignState
+    message: str
+    request: CampaignRequest
+    created_at: datetime
+    started_at: datetime | None
+    ended_at: datetime | None
+    updated_at: datetime
+    active_s: float
+    counts: CampaignCounts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EvaluationRecord:
+    """A candidate and what came of it.
+
+    Attributes:
+        number: In the order of asking, from 0.
+        proposal: Its values as repaired.
+        status: See ``search.tester``.
+        document_sha256: Hash of the canonical scenario; "" where the candidate is none.
+        report: Of its run; of an invalid candidate, what is wrong with it.
+        violations: Those that count as failures, in the order of their times.
+        failure_keys: One a violation: kinds of failure, see ``campaigns.failures``.
+        search_s: Seconds that the tester has worked since the evaluation before.
+        prepare_s: Seconds that repairing, decoding and checking took.
+    """
+
+    number: int
+    proposal: Proposal
+    status: EvaluationStatus
+    document_sha256: str
+    report: RunReport
+    violations: tuple[Verdict, ...] = ()
+    failure_keys: tuple[str, ...] = ()
+    search_s: float = 0.0
+    prepare_s: float = 0.0
+
+    @property
+    def at_fault(self) -> bool:
+        """Whether an ego is known to be responsible for any violation."""
+        return any(verdict.at_fault for verdict in self.violations)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureRecord:
+    """A violation that a campaign found.
+
+    Attributes:
+        number: Of the evaluation.
+        place: Among the violations of that evaluation, from 0.
+        key: Its kind; see ``campaigns.failures``.
+        verdict: What the oracle said.
+        confirmation: Whether it happened again.
+        cluster: Number of the group of similar failures, within its oracle's; ``None`` until the
+            campaign has grouped them.
+        trace: Path of the trace of the identical run, or "".
+    """
+
+    number: int
+    place: int
+    key: str
+    verdict: Verdict
+    confirmation: Confirmation = Confirmation.OPEN
+    cluster: int | None = None
+    trace: str = ""

@@ -1,0 +1,207 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivora_service.campaigns.engine import Told
+from drivora_service.campaigns.journal import MemoryJournal
+from drivora_service.errors import CampaignError
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
+from tests.campaigns.analytic import NO_REQUEST, Computed, Values, climber, perform, run, sequence
+
+
+@pytest.fixture(scope="module")
+def whole() -> list[EvaluationRecord]:
+    """An uninterrupted campaign on one worker."""
+    journal = MemoryJournal()
+    assert run(journal) is NO_REQUEST
+    return list(journal.evaluations())
+
+
+def test_the_budget_counts_simulations_and_not_invalid_candidates(
+    whole: list[EvaluationRecord],
+) -> None:
+    statuses = [record.status for record in whole]
+    assert statuses.count(EvaluationStatus.INVALID) > 0
+    assert statuses.count(EvaluationStatus.FAILED) > 0
+    assert len(statuses) - statuses.count(EvaluationStatus.INVALID) == 60
+    assert [record.number for record in whole] == list(range(len(whole)))
+
+
+def test_the_world_of_these_tests_has_violations_and_lineages(
+    whole: list[EvaluationRecord],
+) -> None:
+    assert any(record.violations for record in whole)
+    assert any(record.proposal.parents for record in whole)
+
+
+@pytest.mark.parametrize("slots", [1, 2, 3, 8])
+@pytest.mark.parametrize("order", range(3))
+def test_workers_and_the_order_of_endings_change_nothing(
+    whole: list[EvaluationRecord], slots: int, order: int
+) -> None:
+    journal = MemoryJournal()
+    run(journal, evaluator=Computed(slots=slots, seed=order))
+    assert sequence(list(journal.evaluations())) == sequence(whole)
+
+
+def test_the_lookahead_is_part_of_the_search(whole: list[EvaluationRecord]) -> None:
+    journal = MemoryJournal()
+    run(journal, lookahead=1)
+    assert sequence(list(journal.evaluations())) != sequence(whole)
+
+
+def test_as_many_runs_are_under_way_as_may_wait() -> None:
+    evaluator = Computed(slots=2)
+    run(MemoryJournal(), evaluator=evaluator, candidates=Values())
+    assert evaluator.most_under_way == 8
+
+
+def test_resuming_after_any_evaluation_gives_the_same_campaign(
+    whole: list[EvaluationRecord],
+) -> None:
+    for known in range(len(whole) + 1):
+        journal = MemoryJournal(whole[:known])
+        evaluator = Computed(slots=3, seed=known)
+        assert run(journal, evaluator=evaluator) is NO_REQUEST
+        assert sequence(list(journal.evaluations())) == sequence(whole)
+        assert all(number >= known for number in evaluator.submitted)
+
+
+def test_what_is_told_is_the_same_from_a_run_and_from_the_journal(
+    whole: list[EvaluationRecord],
+) -> None:
+    live, resumed = climber(), climber()
+    run(MemoryJournal(), tester=live)
+    run(MemoryJournal(whole), tester=resumed)
+    assert [(e.violations, e.scores, e.measurement) for e in live.told] == [
+        (e.violations, e.scores, e.measurement) for e in resumed.told
+    ]
+
+
+def test_only_the_campaigns_oracles_and_the_egos_own_faults_count(
+    whole: list[EvaluationRecord],
+) -> None:
+    reports = [r.report for r in whole if r.status is EvaluationStatus.JUDGED]
+    not_at_fault = [r for r in reports if any(v.at_fault is False for v in r.verdicts)]
+    assert not_at_fault
+    for record in whole:
+        assert all(v.oracle == "collision" and v.at_fault for v in record.violations)
+
+
+def test_a_tester_is_told_only_of_judged_runs_what_came_of_them() -> None:
+    tester = climber()
+    run(MemoryJournal(), tester=tester)
+    for evaluation in tester.told:
+        judged = evaluation.status is EvaluationStatus.JUDGED
+        assert bool(evaluation.scores) == judged
+        assert (evaluation.measurement is not None) == judged
+
+
+def test_values_are_told_as_they_were_repaired() -> None:
+    tester = climber()
+    run(MemoryJournal(), tester=tester, candidates=Values())
+    assert all(
+        np.array_equal(e.proposal.values, Values().prepare(e.proposal.values).values)
+        for e in tester.told
+    )
+
+
+@pytest.mark.parametrize("request_", [CampaignRequest.PAUSE, CampaignRequest.CANCEL])
+def test_a_request_stops_between_evaluations_and_the_campaign_can_be_resumed(
+    whole: list[EvaluationRecord], request_: CampaignRequest
+) -> None:
+    told: list[Told] = []
+    journal = MemoryJournal()
+    ended = run(
+        journal,
+        requested=lambda: request_ if len(told) >= 11 else NO_REQUEST,
+        on_told=told.append,
+    )
+    assert ended is request_
+    assert len(list(journal.evaluations())) == 11
+    run(journal)
+    assert sequence(list(journal.evaluations())) == sequence(whole)
+
+
+def test_observers_see_what_was_replayed(whole: list[EvaluationRecord]) -> None:
+    told: list[Told] = []
+    run(MemoryJournal(whole[:20]), on_told=told.append)
+    assert [t.replayed for t in told] == [True] * 20 + [False] * (len(whole) - 20)
+
+
+def test_a_campaign_ends_with_its_tester() -> None:
+    tester = climber()
+    tester.ends_after = 15
+    journal = MemoryJournal()
+    assert run(journal, tester=tester) is NO_REQUEST
+    assert 15 <= len(list(journal.evaluations())) <= 15 + 8
+
+
+def test_too_many_invalid_candidates_end_the_campaign() -> None:
+    journal = MemoryJournal()
+    with pytest.raises(CampaignError, match=r"were no valid scenarios.*too near"):
+        run(journal, candidates=Values(invalid_below=1.0), budget=10)
+    assert 100 < len(list(journal.evaluations())) <= 111
+
+
+def test_a_campaign_none_of_whose_runs_can_be_judged_is_given_up() -> None:
+    def broken(spec: RunSpec) -> RunReport:
+        failure = RunFailure(cause="agent_raised", message="no such parameter")
+        return RunReport(run_id=spec.run_id, status=RunStatus.AGENT_FAILED, failure=failure)
+
+    journal = MemoryJournal()
+    with pytest.raises(CampaignError, match="no such parameter"):
+        run(journal, evaluator=Computed(work=broken))
+    assert [r.status for r in journal.evaluations()].count(EvaluationStatus.FAILED) == 20
+
+
+@pytest.mark.parametrize("status", [RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED])
+def test_a_lost_run_does_not_become_part_of_the_search(
+    whole: list[EvaluationRecord], status: RunStatus
+) -> None:
+    def lost(spec: RunSpec) -> RunReport:
+        if spec.run_id.endswith("-23"):
+            failure = RunFailure(cause="worker_lost", message="gone")
+            return RunReport(run_id=spec.run_id, status=status, failure=failure)
+        return perform(spec)
+
+    journal = MemoryJournal()
+    assert whole[23].status is not EvaluationStatus.INVALID
+    with pytest.raises(CampaignError, match=r"evaluation 23 was lost.*gone"):
+        run(journal, evaluator=Computed(work=lost))
+    run(journal)
+    assert sequence(list(journal.evaluations())) == sequence(whole)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda p: replace(p, values=np.roll(p.values, 1)), "other values"),
+        (lambda p: replace(p, origin="crossover"), "another origin"),
+        (lambda p: replace(p, parents=(0, 1)), "another origin"),
+    ],
+)
+def test_a_journal_of_another_program_is_refused(
+    whole: list[EvaluationRecord], change: object, said: str
+) -> None:
+    assert callable(change)
+    stored = list(whole[:20])
+    stored[9] = replace(stored[9], proposal=change(stored[9].proposal))
+    with pytest.raises(CampaignError, match=f"evaluation 9 has {said}"):
+        run(MemoryJournal(stored))
+
+
+def test_a_journal_with_another_scenario_is_refused(whole: list[EvaluationRecord]) -> None:
+    stored = list(whole[:20])
+    stored[9] = replace(stored[9], document_sha256="0" * 64)
+    with pytest.raises(CampaignError, match="evaluation 9 has another scenario"):
+        run(MemoryJournal(stored))
+
+
+def test_the_time_of_the_tester_is_measured(whole: list[EvaluationRecord]) -> None:
+    assert all(record.search_s > 0.0 and record.prepare_s > 0.0 for record in whole)
