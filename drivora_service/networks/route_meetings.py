@@ -1,0 +1,144 @@
+"""Where two routes meet inside a junction: they come from different sides and cross or merge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from drivora_service.geometry import arc_lengths
+from drivora_service.networks.road_network import FloatArray, RoadNetwork
+
+BoolArray = NDArray[np.bool_]
+
+SAME_LINE = 1.5
+"""Metres: lines with points at most 1 m apart are on the same lane or cross where they are nearer;
+lanes beside one another are further apart."""
+
+CLEAR_WIDTH = 2.6
+"""Metres: lines nearer than this cannot be driven side by side: a car's width and room."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meeting:
+    """Two routes that meet.
+
+    Attributes:
+        first: Which of the routes is one.
+        second: Which is the other; greater than ``first``.
+        zones: For each of the two, (enter, leave) arc lengths on its line in metres between which
+            the other one's line is nearer than ``CLEAR_WIDTH``.
+    """
+
+    first: int
+    second: int
+    zones: tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Passage:
+    """A way of a route through a junction: (n, 2) points with their (n,) arc lengths, metres."""
+
+    junction: int
+    points: FloatArray
+    arc: FloatArray
+
+
+def find_meetings(network: RoadNetwork, lines: Sequence[FloatArray]) -> tuple[Meeting, ...]:
+    """Finds where routes meet: each way of one through a junction with each way of another.
+
+    Routes that enter a junction on the same lane do not meet in it: the one follows the other.
+    Junctions are looked at from above, so a route on a bridge over a junction passes it too.
+
+    Args:
+        network: The road network.
+        lines: Of each route the (n, 2) reference line, metres, points at most 1 m apart.
+
+    Returns:
+        In the order of the routes, then along the first.
+    """
+    passages = _passages(network, lines)
+    return tuple(
+        Meeting(first=first, second=second, zones=zones)
+        for first, second in combinations(range(len(lines)), 2)
+        for one in passages[first]
+        for other in passages[second]
+        if one.junction == other.junction and (zones := _zones(one, other)) is not None
+    )
+
+
+def meeting_matrix(network: RoadNetwork, lines: Sequence[FloatArray]) -> BoolArray:
+    """Tells which of n routes meet: (n, n), symmetric; no route meets itself.
+
+    Args:
+        network: The road network.
+        lines: As for :func:`find_meetings`.
+    """
+    meet = np.zeros((len(lines), len(lines)), dtype=np.bool_)
+    for meeting in find_meetings(network, lines):
+        meet[meeting.first, meeting.second] = meet[meeting.second, meeting.first] = True
+    return meet
+
+
+@lru_cache(maxsize=128)
+def _junctions(network: RoadNetwork) -> shapely.STRtree:
+    """Gives the outlines of the junctions; those that enclose nothing are left out."""
+    outlines = [
+        shapely.make_valid(shapely.Polygon(shape))
+        for shape in network.junction_shapes.values()
+        if len(shape) >= 3
+    ]
+    kept = [outline for outline in outlines if outline.area > 0.0]
+    shapely.prepare(kept)
+    return shapely.STRtree(kept)
+
+
+def _passages(network: RoadNetwork, lines: Sequence[FloatArray]) -> list[list[_Passage]]:
+    """Gives each route's ways through junctions, in order along it."""
+    counts = [len(line) for line in lines]
+    owner = np.repeat(np.arange(len(lines)), counts)
+    place = np.concatenate([np.arange(count) for count in counts]) if counts else np.empty(0)
+    passages: list[list[_Passage]] = [[] for _ in lines]
+    if not len(owner):
+        return passages
+    arcs = [arc_lengths(line) for line in lines]
+    points = shapely.points(np.concatenate(lines))
+    point, junction = _junctions(network).query(points, predicate="intersects")
+    order = np.lexsort((point, junction))
+    point, junction = point[order], junction[order]
+    begins = np.ones(len(point), dtype=np.bool_)
+    # A way ends where the junction, the route, or the run of points ends.
+    begins[1:] = (np.diff(junction) != 0) | (np.diff(point) != 1) | (np.diff(owner[point]) != 0)
+    for part in np.split(np.arange(len(point)), np.flatnonzero(begins)[1:]):
+        if len(part) < 2:
+            continue
+        route = int(owner[point[part[0]]])
+        rows = place[point[part]].astype(np.intp)
+        passages[route].append(
+            _Passage(
+                junction=int(junction[part[0]]),
+                points=lines[route][rows],
+                arc=arcs[route][rows],
+            )
+        )
+    return [sorted(ways, key=lambda way: float(way.arc[0])) for ways in passages]
+
+
+def _zones(
+    one: _Passage, other: _Passage
+) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Gives where two ways through a junction are too near for both, ``None`` if they are not."""
+    gaps = np.hypot(*(one.points[:, None] - other.points[None]).transpose(2, 0, 1))
+    if gaps[0, 0] < SAME_LINE or gaps.min() >= SAME_LINE:
+        return None
+    near = gaps < CLEAR_WIDTH
+    mine, theirs = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+    return (
+        (float(one.arc[mine[0]]), float(one.arc[mine[-1]])),
+        (float(other.arc[theirs[0]]), float(other.arc[theirs[-1]])),
+    )
