@@ -18,11 +18,17 @@ from drivora_service.search.plugin import MutationPlugin
 
 
 def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
-    """Tells which genes (d,) can vary and would change the scenario if they did."""
-    effective = space.varies.copy()
+    """Tells which genes (..., d) can vary and would change the scenario if they did.
+
+    Args:
+        values: (..., d) genes.
+        space: Their bounds.
+    """
+    effective = np.broadcast_to(space.varies, values.shape).copy()
     for block in space.blocks:
-        if block.is_optional and values[block.start] == 0.0:
-            effective[block.start + 1 : block.stop] = False
+        if block.is_optional:
+            is_there = values[..., block.start] != 0.0
+            effective[..., block.start + 1 : block.stop] &= is_there[..., None]
     return effective
 
 

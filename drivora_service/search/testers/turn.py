@@ -51,8 +51,9 @@ class Turn:
         """
         if not self._open:
             raise SearchError(f"evaluation {evaluation.number} was told, but none is expected")
-        number, _ = self._open.popleft()
+        number, _ = self._open[0]
         if evaluation.number != number:
             raise SearchError(
                 f"evaluation {evaluation.number} was told, but it is the turn of {number}"
             )
+        self._open.popleft()
