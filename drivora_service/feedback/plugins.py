@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from drivora_service.errors import SearchError
+from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL,)
+BUILT_IN = (GENERAL, DOPPELTEST)
 
 
 class FeedbackCatalogue:

@@ -58,7 +58,7 @@ def test_merging_routes_meet_as_far_as_the_junction_goes() -> None:
         pytest.param(EAST, WEST_TO_NORTH, id="from the same lane"),
         pytest.param(EAST, EAST[30:], id="one behind the other"),
         pytest.param(EAST, NORTH[:45], id="one ends before the junction"),
-        pytest.param(EAST, NORTH + (30.0, 0.0), id="crossing outside a junction"),
+        pytest.param(EAST, NORTH + np.array([30.0, 0.0]), id="crossing outside a junction"),
     ],
 )
 def test_who_does_not_come_together_in_a_junction_does_not_meet(one: Line, other: Line) -> None:

@@ -1,0 +1,214 @@
+"""What egos decided, told from what they did.
+
+DoppelTest reads the decisions from the messages of the planner under test. An ADS that shows only
+its controls is asked through the trace instead: a decision is what a stretch of driving looks like.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from drivora_service.networks.route_meetings import Meeting
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, FloatArray, Light, Role
+from drivora_service.oracles.blocked import STANDING_SPEED
+from drivora_service.oracles.stretches import stretches
+
+_SAMPLE_TIME = 0.5
+_WALKER_ROOM = 4.0
+_SIDE_ROOM = 0.5
+_VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
+
+
+class Decision(IntEnum):
+    """What an ego did about others, about a signal, or about its lane."""
+
+    STOP_AT_SIGNAL = 1
+    """Stopped before a stop line whose signal was not green, with nobody before it."""
+    STOP_BEHIND_VEHICLE = 2
+    """Stopped with a vehicle or an obstacle before it."""
+    STOP_FOR_WALKER = 3
+    """Stopped with a walker before it, or beside its way."""
+    STOP_ELSEWHERE = 4
+    """Stopped for none of these, as at a junction without lights."""
+    YIELD = 5
+    """Slowed down or stood before a place where its route meets that of an ego that went first."""
+    GO_FIRST = 6
+    """Passed such a place while the other was near it and free to go."""
+    OVERTAKE = 7
+    """Drove past a vehicle that had been before it in its lane."""
+    CHANGE_LEFT = 8
+    """Changed to the lane on its left."""
+    CHANGE_RIGHT = 9
+    """Changed to the lane on its right."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionRules:
+    """Where the rules draw their lines.
+
+    Attributes:
+        stop_time: Seconds for which an ego must stand for a stop.
+        stop_reach: Metres before its bumper within which the reason of a stop is looked for.
+        speed_loss: m/s that an ego must lose to have slowed down for another.
+        look_back: Seconds before the other's passage from which on the loss counts.
+        approach: Metres before the meeting place within which an ego is near it; metres before and
+            behind itself within which an ego sees the vehicle that it overtakes.
+        lane_half_width: Metres to either side within which a vehicle is in the ego's lane.
+        beside: Metres to either side within which a vehicle has been overtaken, not left.
+        same_heading: Radians up to which two headings are alike.
+    """
+
+    stop_time: float = 1.0
+    stop_reach: float = 10.0
+    speed_loss: float = 2.0
+    look_back: float = 5.0
+    approach: float = 30.0
+    lane_half_width: float = 1.6
+    beside: float = 6.0
+    same_heading: float = math.radians(30.0)
+
+
+def find_decisions(
+    run: RunView, meetings: Sequence[Meeting], rules: DecisionRules
+) -> tuple[tuple[int, Decision], ...]:
+    """Finds what every ego decided.
+
+    Args:
+        run: The run.
+        meetings: Where the egos' routes meet; routes are numbered as the egos.
+        rules: The lines to draw.
+
+    Returns:
+        (row of the ego, decision), each once, sorted.
+    """
+    found: set[tuple[int, Decision]] = set()
+    for ego in run.egos:
+        if ego.count:
+            found.update((ego.row, decision) for decision in _stops(ego, rules))
+            found.update((ego.row, decision) for decision in _lane_changes(ego))
+            if _overtakes(ego, rules):
+                found.add((ego.row, Decision.OVERTAKE))
+    for meeting in meetings:
+        found.update(_precedence(run, meeting, rules))
+    return tuple(sorted(found))
+
+
+def _stops(ego: EgoView, rules: DecisionRules) -> Iterator[Decision]:
+    """Gives a decision for every time that the ego came to a stand."""
+    for first, stop in stretches(ego.speed < STANDING_SPEED):
+        # An ego stands where it starts: that is no decision.
+        if first > 0 and (stop - first) * ego.step_length >= rules.stop_time:
+            yield _reason(ego, first, rules)
+
+
+def _reason(ego: EgoView, k: int, rules: DecisionRules) -> Decision:
+    """Gives why an ego stopped at its row ``k``: the nearest who is before it, else the signal."""
+    trace = ego.trace
+    step = ego.first + k
+    nearest, decision = math.inf, Decision.STOP_ELSEWHERE
+    x, y, yaw = ego.states[k, [Col.X, Col.Y, Col.YAW]]
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    for other in trace.actors:
+        if other.row == ego.row or not trace.present[step, other.row]:
+            continue
+        state = trace.states[step, other.row]
+        if abs(state[Col.Z] - ego.states[k, Col.Z]) > LEVEL_GAP:
+            continue
+        dx, dy = state[Col.X] - x, state[Col.Y] - y
+        ahead, across = dx * cos + dy * sin, abs(dy * cos - dx * sin)
+        c, s = abs(math.cos(state[Col.YAW] - yaw)), abs(math.sin(state[Col.YAW] - yaw))
+        gap = ahead - 0.5 * (ego.actor.length + other.length * c + other.width * s)
+        aside = across - 0.5 * (ego.actor.width + other.length * s + other.width * c)
+        is_walker = other.role is Role.NPC_WALKER
+        near = ahead > 0.0 and gap <= min(rules.stop_reach, nearest)
+        if near and aside <= (_WALKER_ROOM if is_walker else _SIDE_ROOM):
+            nearest = gap
+            decision = Decision.STOP_FOR_WALKER if is_walker else Decision.STOP_BEHIND_VEHICLE
+    if decision is Decision.STOP_ELSEWHERE and _is_held(ego, k, rules.stop_reach):
+        return Decision.STOP_AT_SIGNAL
+    return decision
+
+
+def _is_held(ego: EgoView, k: int, reach: float) -> bool:
+    """Says whether a signal within reach of an ego's bumper at its row ``k`` is not green."""
+    distance = float(ego.value(EgoCol.LIGHT_DISTANCE)[k])
+    return bool(0.0 <= distance <= reach and ego.lights[k] >= Light.YELLOW)
+
+
+def _lane_changes(ego: EgoView) -> Iterator[Decision]:
+    lanes = ego.network.lanes
+    for k in np.flatnonzero(np.diff(ego.lanes)):
+        before, behind = int(ego.lanes[k]), int(ego.lanes[k + 1])
+        if before < 0 or behind < 0:
+            continue
+        if lanes[before].left == behind:
+            yield Decision.CHANGE_LEFT
+        elif lanes[before].right == behind:
+            yield Decision.CHANGE_RIGHT
+
+
+def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
+    """Says whether any vehicle was before the ego in its lane and later behind it."""
+    trace = ego.trace
+    rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
+    every = max(round(_SAMPLE_TIME / trace.step_length), 1)
+    own = ego.states[::every, None]
+    others = trace.states[ego.first : ego.first + ego.count : every, rows]
+    offsets = others - own
+    cos, sin = np.cos(own[..., Col.YAW]), np.sin(own[..., Col.YAW])
+    ahead = offsets[..., Col.X] * cos + offsets[..., Col.Y] * sin
+    across = np.abs(offsets[..., Col.Y] * cos - offsets[..., Col.X] * sin)
+    lengths = 0.5 * (ego.actor.length + np.array([trace.actors[row].length for row in rows]))
+    # Comparisons with NaN, where an actor is absent, are false.
+    along = np.cos(offsets[..., Col.YAW]) >= math.cos(rules.same_heading)
+    along &= (np.abs(ahead) <= rules.approach) & (np.abs(offsets[..., Col.Z]) <= LEVEL_GAP)
+    before = along & (ahead > 0.0) & (across <= rules.lane_half_width)
+    behind = along & (ahead < -lengths) & (across <= rules.beside)
+    was_before = np.logical_or.accumulate(before, axis=0)
+    return bool((was_before & behind).any())
+
+
+def _precedence(
+    run: RunView, meeting: Meeting, rules: DecisionRules
+) -> Iterator[tuple[int, Decision]]:
+    """Gives who went first and who yielded, where one passed and the other was near."""
+    pair = [run.egos[meeting.first], run.egos[meeting.second]]
+    entries = [
+        _step_at(ego, zone[0] - 0.5 * ego.actor.length)
+        for ego, zone in zip(pair, meeting.zones, strict=True)
+    ]
+    if entries[0] == entries[1]:
+        return
+    who = 0 if entries[0] < entries[1] else 1
+    first, second = pair[who], pair[1 - who]
+    place = meeting.zones[1 - who][0] - 0.5 * second.actor.length
+    begin = int(entries[who])
+    left = _step_at(first, meeting.zones[who][1] + 0.5 * first.actor.length)
+    end = int(min(left, entries[1 - who], first.first + first.count - 1))
+    end = min(end, second.first + second.count - 1)
+    if begin < second.first or end < begin:
+        return
+    passing = slice(begin - second.first, end - second.first + 1)
+    way = place - second.value(EgoCol.ROUTE_S)[passing]
+    if not way[-1] <= rules.approach or _is_held(second, passing.start, rules.approach):
+        return
+    yield first.row, Decision.GO_FIRST
+    slowest = passing.start + int(np.argmin(second.speed[passing]))
+    since = max(passing.start - round(rules.look_back / second.step_length), 0)
+    loss = float(second.speed[since : slowest + 1].max() - second.speed[slowest])
+    stood = second.speed[slowest] < STANDING_SPEED and bool(second.moved[: slowest + 1].any())
+    if stood or loss >= rules.speed_loss:
+        yield second.row, Decision.YIELD
+
+
+def _step_at(ego: EgoView, route_s: float) -> float:
+    """Gives the row of the trace at which an ego's centre had come so far, inf if it never had."""
+    driven: FloatArray = ego.value(EgoCol.ROUTE_S)
+    come = driven >= route_s
+    return float(ego.first + int(np.argmax(come))) if come.any() else math.inf
