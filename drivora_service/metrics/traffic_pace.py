@@ -30,11 +30,11 @@ def pace_ratios(ego: EgoView) -> FloatArray:
     rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
     if not rows or not ego.count:
         return np.empty(0)
-    others = trace.states[ego.first : ego.first + ego.count][:, rows]
-    dx = others[:, :, Col.X] - ego.states[:, None, Col.X]
-    dy = others[:, :, Col.Y] - ego.states[:, None, Col.Y]
+    part = slice(ego.first, ego.first + ego.count)
+    x, y, vx, vy = (trace.states[part, rows, col] for col in (Col.X, Col.Y, Col.VX, Col.VY))
+    dx, dy = x - ego.states[:, None, Col.X], y - ego.states[:, None, Col.Y]
     near = dx * dx + dy * dy <= RADIUS * RADIUS
-    squares = others[:, :, Col.VX] ** 2 + others[:, :, Col.VY] ** 2
+    squares = vx**2 + vy**2
     speeds = np.where(near, np.sqrt(squares), 0.0)
     vehicles = near.sum(axis=1)
     share = np.nan_to_num(ego.value(EgoCol.ROUTE_S) / ego.route.length, nan=-1.0)

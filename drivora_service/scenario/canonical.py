@@ -12,6 +12,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import lru_cache
 from typing import Any
 
 from drivora_service.scenario import model
@@ -93,9 +94,19 @@ def _route(places: list[dict[str, float | None]]) -> tuple[model.Waypoint, ...]:
     return tuple(model.Waypoint(**place) for place in places)  # type: ignore[arg-type]  # x and y are never null
 
 
+@lru_cache(maxsize=64)
+def _field_names(kind: type) -> tuple[str, ...]:
+    """Gives the names of the fields of a dataclass; none for any other class."""
+    return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
+
+
 def _plain(value: Any) -> Any:
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    kind: Any = type(value)
+    # Nearly all values are numbers of waypoints: they need no further look.
+    if kind is float or value is None:
+        return value
+    if names := _field_names(kind):
+        return {name: _plain(getattr(value, name)) for name in names}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     if isinstance(value, Mapping):

@@ -6,6 +6,7 @@ stay, since they keep a junction free of conflicts. So what a signal shows at a 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -56,11 +57,12 @@ class RunningProgram:
         shown: NDArray[np.int64] = np.minimum(phases, len(self.phases) - 1).astype(np.int64)
         return shown
 
-    def time_left(self, time: float) -> float:
-        """Gives the seconds from ``time`` to the end of the stage shown then."""
-        in_cycle = (time - self.offset + 1e-9) % float(self.ends[-1])
-        phase = int(self.phase_at(np.array([time]))[0])
-        return max(float(self.ends[phase]) - in_cycle, 1e-3)
+    def stage_at(self, time: float) -> tuple[int, float]:
+        """Gives the index of the stage shown at ``time``, and the seconds to its end."""
+        ends: list[float] = self.ends.tolist()
+        in_cycle = (time - self.offset + 1e-9) % ends[-1]
+        phase = min(bisect_right(ends, in_cycle), len(self.phases) - 1)
+        return phase, max(ends[phase] - in_cycle, 1e-3)
 
 
 def _is_yellow(phase: SignalPhase) -> bool:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import libsumo
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import SimulatorError
+from drivora_service.networks.road_network import SignalPhase
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.lights import RunningProgram
 
@@ -34,6 +36,8 @@ _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
 _RETRY_AFTER = 40
 """Steps after which a vehicle that was off its route is tried on it again."""
+_PROGRAM = "drivora"
+"""Name of the programmes that the service gives to traffic lights."""
 _OBEYS_ALL = 31
 _IMPATIENT_AFTER = "30"
 _CHANGES_LANES = 0b011001010101
@@ -89,13 +93,11 @@ class SumoWorld:
     def set_programs(self, programs: Sequence[RunningProgram], time: float) -> None:
         """Makes every traffic light run its fixed-time programme as from ``time`` seconds."""
         for program in programs:
-            phases = [libsumo.trafficlight.Phase(p.duration, p.state) for p in program.phases]
-            logic = libsumo.trafficlight.Logic("drivora", 0, 0, phases)
-            libsumo.trafficlight.setProgramLogic(program.id, logic)
-            libsumo.trafficlight.setProgram(program.id, "drivora")
-            phase = int(program.phase_at(np.array([time]))[0])
+            libsumo.trafficlight.setProgramLogic(program.id, _logic(program.phases))
+            libsumo.trafficlight.setProgram(program.id, _PROGRAM)
+            phase, left = program.stage_at(time)
             libsumo.trafficlight.setPhase(program.id, phase)
-            libsumo.trafficlight.setPhaseDuration(program.id, program.time_left(time))
+            libsumo.trafficlight.setPhaseDuration(program.id, left)
 
     def light_state(self, light_id: str) -> str:
         """Gives the signals that SUMO shows now, one letter a link."""
@@ -305,6 +307,14 @@ class SumoWorld:
         except libsumo.TraCIException:
             # It left the road by itself in this very step.
             return
+
+
+@lru_cache(maxsize=256)
+def _logic(phases: tuple[SignalPhase, ...]) -> libsumo.trafficlight.Logic:
+    """Gives a programme as SUMO takes it, which is slow to make; the same in every run."""
+    return libsumo.trafficlight.Logic(
+        _PROGRAM, 0, 0, [libsumo.trafficlight.Phase(p.duration, p.state) for p in phases]
+    )
 
 
 class _Process:
