@@ -10,8 +10,7 @@ from typing import Any, Literal
 from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.documents import parse_document
-from drivora_service.scenario.validation import ValidScenario, validate_document
+from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.store.records import NewRun
 
 
@@ -51,12 +50,9 @@ def validated(
     Raises:
         InvalidDocument: It cannot be run; every problem is named.
     """
-    document = parse_document(data, form)
-    agents = set(context.agents.names())
-    if overrides.agent:
-        # Nobody will drive as documented, so those names need not exist here.
-        agents.update(ego.agent_name for ego in document.ego_vehicles if ego.agent_name)
-    return validate_document(document, context.networks, agents)
+    # With an override nobody will drive as documented, so those names need not exist here.
+    agents = None if overrides.agent else context.agents.names()
+    return validate_data(data, context.networks, agents, form)
 
 
 def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import httpx
 
@@ -62,14 +62,21 @@ class ServiceClient:
         """
         return self._send("GET", path, headers={"Accept": accept}).content
 
-    def validate(self, document: str, *, agent: str = "") -> Any:
+    def validate(
+        self, document: str | bytes, *, form: Literal["json", "yaml"] = "json", agent: str = ""
+    ) -> Any:
         """Has a scenario checked.
+
+        Args:
+            document: The scenario.
+            form: Its language.
+            agent: Drives every ego; "": as documented.
 
         Raises:
             InvalidDocument: It cannot be run.
             ServiceError: The service refused or did not answer.
         """
-        return self._post_json("/scenarios:validate", document, agent=agent)
+        return self._post("/scenarios:validate", document, form, agent=agent)
 
     def post_batch(
         self,
@@ -87,8 +94,8 @@ class ServiceClient:
             ServiceError: The service refused or did not answer.
         """
         body = f"[{','.join(documents)}]"
-        return self._post_json(
-            "/batches", body, name=name, agent=agent, seed=seed, priority=priority
+        return self._post(
+            "/batches", body, "json", name=name, agent=agent, seed=seed, priority=priority
         )
 
     def jobs(self, batch_id: str) -> Iterator[Any]:
@@ -101,12 +108,12 @@ class ServiceClient:
             if not token:
                 return
 
-    def _post_json(self, path: str, body: str, **parameters: object) -> Any:
+    def _post(self, path: str, body: str | bytes, form: str, **parameters: object) -> Any:
         response = self._send(
             "POST",
             path,
-            content=body.encode(),
-            headers={"Content-Type": "application/json"},
+            content=body,
+            headers={"Content-Type": f"application/{form}"},
             params=_given(parameters),
         )
         return response.json()

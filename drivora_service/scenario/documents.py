@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
@@ -89,19 +90,35 @@ class ScenarioDocument(EntityDocument):
     )
 
 
-def parse_document(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadDocument:
+    """What a text holds.
+
+    Attributes:
+        content: The plain data.
+        document: ``None`` where that is no scenario.
+        malformed: Mistakes in its shape, and odd values.
+        duplicates: Actors whose id another one has.
+    """
+
+    content: Mapping[str, Any]
+    document: ScenarioDocument | None
+    malformed: tuple[Problem, ...]
+    duplicates: tuple[Problem, ...]
+
+
+def read_document(
     data: str | bytes | Mapping[str, Any],
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
-) -> ScenarioDocument:
-    """Reads a document and checks all that can be checked without a road network.
+) -> ReadDocument:
+    """Reads a document and finds all that is wrong with it by itself.
 
     Args:
         data: Text, or what a JSON parser made of it.
         format: Language of the text; YAML without aliases and tags.
 
     Raises:
-        InvalidDocument: The text cannot be read, or its content is no scenario; every problem is
-            named, in document order.
+        InvalidDocument: The text cannot be read at all.
     """
     content, problems = plain_data(data, format)
     document: ScenarioDocument | None = None
@@ -111,10 +128,35 @@ def parse_document(
         odd = {problem.pointer for problem in problems}
         structural = structural_problems(error, ScenarioDocument)
         problems += [problem for problem in structural if problem.pointer not in odd]
-    problems += duplicate_ids(content)
-    if document is None or problems:
-        raise InvalidDocument(in_document_order(problems, content))
-    return document
+    return ReadDocument(
+        content=content,
+        document=document,
+        malformed=tuple(problems),
+        duplicates=tuple(duplicate_ids(content)),
+    )
+
+
+def parse_document(
+    data: str | bytes | Mapping[str, Any],
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> ScenarioDocument:
+    """Reads a document and checks all that can be checked without a road network.
+
+    ``scenario.validation.validate_data`` reads and checks against the network in one go.
+
+    Args:
+        data: Text, or what a JSON parser made of it.
+        format: Language of the text; YAML without aliases and tags.
+
+    Raises:
+        InvalidDocument: The text cannot be read, or its content is no scenario; every problem is
+            named, in document order.
+    """
+    read = read_document(data, format)
+    problems = (*read.malformed, *read.duplicates)
+    if read.document is None or problems:
+        raise InvalidDocument(in_document_order(problems, read.content))
+    return read.document
 
 
 def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:

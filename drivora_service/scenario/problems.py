@@ -71,6 +71,37 @@ def in_document_order(
     return (*ordered[:MAX_PROBLEMS], Problem(pointer="", code="more_problems", message=message))
 
 
+def tokens(place: str, content: Any) -> tuple[str | int, ...]:
+    """Splits a JSON pointer into keys and, where ``content`` has a list, indices."""
+    result: list[str | int] = []
+    for token in place.split("/")[1:]:
+        key: str | int = token.replace("~1", "/").replace("~0", "~")
+        if isinstance(content, list | tuple):
+            key = int(token)
+            content = content[key] if key < len(content) else None
+        else:
+            content = content.get(key) if isinstance(content, Mapping) else None
+        result.append(key)
+    return tuple(result)
+
+
+def close_keys(key: str, known: Iterable[str], *, similar: float = 0.6) -> list[str]:
+    """Gives the one of some keys, if any, that another was probably meant to be."""
+    return difflib.get_close_matches(key, list(known), n=1, cutoff=similar)
+
+
+def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
+    """Gives the model that describes the object at a place of a document of type ``model``.
+
+    Indices of lists and keys of free data are passed.
+    """
+    for token in place:
+        field = model.model_fields.get(str(token))
+        if field is not None:
+            model = _inner_model(field.annotation) or model
+    return model
+
+
 def _is_echo(details: ErrorDetails) -> bool:
     """True where pydantic calls a list too short because its items are wrong."""
     return details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]
@@ -78,15 +109,14 @@ def _is_echo(details: ErrorDetails) -> bool:
 
 def _rank(place: str, content: Any) -> tuple[int, ...]:
     rank: list[int] = []
-    for token in place.split("/")[1:]:
-        if isinstance(content, Mapping):
-            key = token.replace("~1", "/").replace("~0", "~")
+    for key in tokens(place, content):
+        if isinstance(key, int):
+            rank.append(key)
+            content = content[key] if key < len(content) else None
+        elif isinstance(content, Mapping):
             keys = list(content)
             rank.append(keys.index(key) if key in content else len(keys))
             content = content.get(key)
-        elif isinstance(content, list | tuple) and token.isdigit():
-            rank.append(int(token))
-            content = content[int(token)] if int(token) < len(content) else None
     return tuple(rank)
 
 
@@ -131,22 +161,13 @@ def _shown(value: object) -> str:
 
 
 def _unknown_key(place: Sequence[str | int], model: type[BaseModel]) -> str:
-    known = tuple(_model_at(model, place[:-1]).model_fields)
+    known = tuple(model_at(model, place[:-1]).model_fields)
     key = str(place[-1])
-    close = difflib.get_close_matches(key, known, n=1)
+    close = close_keys(key, known)
     guess = f"; did you mean {close[0]!r}?" if close else ""
     return f"{key[:80]!r} is unknown here{guess} Allowed: {', '.join(known)}".replace(
         "here Allowed", "here; allowed"
     )
-
-
-def _model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
-    """The model that describes the object at ``place``; list indices and free keys are passed."""
-    for token in place:
-        field = model.model_fields.get(str(token))
-        if field is not None:
-            model = _inner_model(field.annotation) or model
-    return model
 
 
 def _inner_model(annotation: Any) -> type[BaseModel] | None:

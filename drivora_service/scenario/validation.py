@@ -6,8 +6,9 @@ Nothing that passes may fail later for a reason that the document shows.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from drivora_service.errors import InvalidDocument, Problem, UnknownName
 from drivora_service.networks.catalogue import NetworkCatalogue
@@ -21,9 +22,10 @@ from drivora_service.scenario.conversion import (
     region,
     to_scenario,
 )
-from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.documents import ScenarioDocument, read_document
+from drivora_service.scenario.drafts import Doubts, make_whole
 from drivora_service.scenario.frames import FrameTransform
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.model import Region, Scenario
 from drivora_service.scenario.place_checks import OffLanePlace, check_places
 from drivora_service.scenario.placed_actors import PlacedActor, place_actors
 from drivora_service.scenario.plain_data import pointer
@@ -46,56 +48,131 @@ class ValidScenario:
     notes: tuple[str, ...]
 
 
-def validate_document(
-    document: ScenarioDocument, networks: NetworkCatalogue, agents: Collection[str]
+def validate_data(
+    data: str | bytes | Mapping[str, Any],
+    networks: NetworkCatalogue,
+    agents: Collection[str] | None,
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
 ) -> ValidScenario:
-    """Checks a document and converts it.
+    """Reads a document, checks it and converts it.
+
+    What is well-formed is checked against the road network even where other parts are not. What
+    depends on a malformed part is not: the route of an actor with a mistake in it, the starts of
+    others against a malformed actor, places where the frame is not known.
 
     Args:
-        document: What ``parse_document`` gave.
+        data: Text, or what a JSON parser made of it.
         networks: Where towns are looked up.
-        agents: Names of the agents that exist.
+        agents: Names of the agents that exist; ``None``: any name will do.
+        format: Language of the text; YAML without aliases and tags.
 
     Raises:
         InvalidDocument: With every problem, in document order. Where the town is unknown, what
             depends on the road network is not checked.
         NetworkError: The town's network file cannot be read.
     """
-    problems = duplicate_ids(document.model_dump())
-    problems += _check_agents(document, agents)
-    notes = _agent_notes(document)
+    read = read_document(data, format)
+    if read.document is not None and not read.malformed:
+        return _validated(read.document, read.duplicates, read.content, networks, agents)
+    draft = make_whole(read.content, read.malformed)
+    problems = read.malformed
+    if draft is not None:
+        checked = _check(draft.document, networks, agents, draft.doubts)
+        problems = (*draft.problems, *checked.problems)
+    raise InvalidDocument(in_document_order((*problems, *read.duplicates), read.content))
+
+
+def validate_document(
+    document: ScenarioDocument, networks: NetworkCatalogue, agents: Collection[str] | None
+) -> ValidScenario:
+    """Checks a document and converts it.
+
+    Args:
+        document: What ``parse_document`` gave.
+        networks: Where towns are looked up.
+        agents: Names of the agents that exist; ``None``: any name will do.
+
+    Raises:
+        InvalidDocument: With every problem, in document order. Where the town is unknown, what
+            depends on the road network is not checked.
+        NetworkError: The town's network file cannot be read.
+    """
+    content = document.model_dump()
+    return _validated(document, duplicate_ids(content), content, networks, agents)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Checked:
+    """What the checks of a document found.
+
+    Attributes:
+        network: ``None`` where the town is not known.
+        snapped: Waypoints of egos beside the lanes.
+    """
+
+    problems: tuple[Problem, ...]
+    network: RoadNetwork | None
+    actors: tuple[PlacedActor, ...]
+    snapped: tuple[OffLanePlace, ...]
+
+
+def _validated(
+    document: ScenarioDocument,
+    duplicates: Sequence[Problem],
+    content: Mapping[str, Any],
+    networks: NetworkCatalogue,
+    agents: Collection[str] | None,
+) -> ValidScenario:
+    checked = _check(document, networks, agents, Doubts())
+    problems, network = (*duplicates, *checked.problems), checked.network
+    if problems or network is None:
+        raise InvalidDocument(in_document_order(problems, content))
+    scenario = to_scenario(document, network)
+    egos = tuple(
+        replace(ego, route=_snap_start(actor, checked.snapped, network).places)
+        for ego, actor in zip(scenario.ego_vehicles, checked.actors, strict=False)
+    )
+    scenario = replace(scenario, ego_vehicles=egos)
+    notes = [*_agent_notes(document), *(_snap_note(place) for place in checked.snapped)]
+    return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
+
+
+def _check(
+    document: ScenarioDocument,
+    networks: NetworkCatalogue,
+    agents: Collection[str] | None,
+    doubts: Doubts,
+) -> _Checked:
+    problems = [] if agents is None else _check_agents(document, agents)
     network: RoadNetwork | None = None
-    try:
-        network = networks.get(document.map_region.town)
-    except UnknownName as error:
-        problems.append(_unknown_town(document.map_region.town, error))
+    if not doubts.cover("/map_region/town"):
+        try:
+            network = networks.get(document.map_region.town)
+        except UnknownName as error:
+            problems.append(_unknown_town(document.map_region.town, error))
     frame = FrameTransform() if network is None else frame_of(document, network)
     actors, model_problems = place_actors(document, frame)
     problems += model_problems
     problems += _check_speeds(document, actors)
     snapped: list[OffLanePlace] = []
     if network is not None:
-        network_problems, snapped = _check_on_network(document, actors, network, frame)
-        problems += network_problems
-    if problems or network is None:
-        raise InvalidDocument(in_document_order(problems, document.model_dump()))
-    scenario = to_scenario(document, network)
-    egos = tuple(
-        replace(ego, route=_snap_start(actor, snapped, network).places)
-        for ego, actor in zip(scenario.ego_vehicles, actors, strict=False)
+        if not doubts.cover("/frame"):
+            segment = region(document.map_region.region_segment, frame)
+            place_problems, snapped = _check_on_network(actors, network, segment, doubts)
+            problems += place_problems
+        problems += _check_lights(document, network)
+        problems += _check_background(document, network)
+    return _Checked(
+        problems=tuple(problem for problem in problems if not doubts.cover(problem.pointer)),
+        network=network,
+        actors=actors,
+        snapped=tuple(snapped),
     )
-    scenario = replace(scenario, ego_vehicles=egos)
-    notes += [_snap_note(place) for place in snapped]
-    return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
 
 
 def _check_on_network(
-    document: ScenarioDocument,
-    actors: Sequence[PlacedActor],
-    network: RoadNetwork,
-    frame: FrameTransform,
+    actors: Sequence[PlacedActor], network: RoadNetwork, segment: Region | None, doubts: Doubts
 ) -> tuple[list[Problem], list[OffLanePlace]]:
-    segment = region(document.map_region.region_segment, frame)
     problems, snapped = check_places(actors, network, segment)
     lost = {problem.pointer for problem in problems if problem.code == "off_network"}
     poses: list[StartPose] = []
@@ -104,11 +181,9 @@ def _check_on_network(
             continue
         route_problems, pose = check_route(_snap_start(actor, snapped, network), network)
         problems += route_problems
-        if pose is not None:
+        if pose is not None and not doubts.touch(actor.pointer):
             poses.append(pose)
     problems += check_overlaps(poses)
-    problems += _check_lights(document, network)
-    problems += _check_background(document, network)
     return problems, snapped
 
 

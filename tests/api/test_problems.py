@@ -67,6 +67,21 @@ def test_broken_scenarios_are_refused_with_the_place(
     assert pointer in {problem["pointer"] for problem in body["problems"]}
 
 
+def test_mistakes_of_shape_and_place_are_named_together(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    scenario["seed"] = "one"
+    scenario["ego_vehicles"][0]["agent"] = {"name": "nobody"}
+    for parameters, expected in (
+        ({}, {"/seed", "/ego_vehicles/0/agent/name"}),
+        ({"agent": "idm"}, {"/seed"}),
+    ):
+        body = is_problem(
+            offline.client.post("/api/v1/jobs", json=scenario, params=parameters), 422
+        )
+        assert {problem["pointer"] for problem in body["problems"]} == expected
+
+
 @pytest.mark.parametrize(
     "content",
     [

@@ -72,6 +72,22 @@ def test_a_service_validates_too(drivora: Drivora, tmp_path: Path, service_url: 
     assert ended.json()["results"][0]["problems"][0]["pointer"] == "/map_region/town"
 
 
+@pytest.mark.parametrize("suffix", [".json", ".yaml"])
+@pytest.mark.parametrize("served", [False, True])
+def test_validate_names_mistakes_of_shape_and_place_together(
+    drivora: Drivora, tmp_path: Path, service_url: str, suffix: str, served: bool
+) -> None:
+    lost = tmp_path / f"lost{suffix}"
+    walker = {"id": "w", "model": "0001", "route": [{"x": 9e5, "y": 0.0}]}
+    # JSON is YAML as well; with a comment it is nothing else.
+    lost.write_text(f"# {suffix}\n" if suffix == ".yaml" else "")
+    with lost.open("a") as file:
+        file.write(json.dumps({**SCENARIO, "seed": -1, "npc_walkers": [walker]}))
+    options = ["--server", service_url] if served else []
+    (result,) = drivora("validate", lost, "--json", *options).json()["results"]
+    assert [p["pointer"] for p in result["problems"]] == ["/seed", "/npc_walkers/0/route/0"]
+
+
 def test_seeds_are_made_as_asked_and_the_same_again(drivora: Drivora, tmp_path: Path) -> None:
     asked = "seeds generate --num 3 --town tee-town --min-length 50 --max-length 200 --seed 1"
     for folder in ("a", "b"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -15,7 +15,10 @@ from drivora_service.cli.output import JsonOption, fail, print_json
 from drivora_service.errors import InvalidDocument, Problem
 
 if TYPE_CHECKING:
-    from drivora_service.scenario.documents import ScenarioDocument
+    from drivora_service.cli.scenario_files import UnreadableFile
+
+Check = Callable[[str | bytes, Literal["json", "yaml"]], Sequence[str]]
+"""Checks a document and answers with notes, or raises ``InvalidDocument``."""
 
 
 def validate(
@@ -26,14 +29,17 @@ def validate(
 ) -> None:
     """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
     from drivora_service.cli.scenario_files import find_files, read_files
+    from drivora_service.scenario.documents import document_text
 
     scenarios, unreadable = read_files(files, agent="")
-    results = [_result(str(file.path), "", (), file.problems) for file in unreadable]
     with _checker(server, data_dir) as check:
+        results = [
+            _result(str(file.path), "", (), _all_problems(file, check)) for file in unreadable
+        ]
         for scenario in scenarios:
             path, name = str(scenario.path), scenario.name
             try:
-                notes = (*scenario.notes, *check(scenario.document))
+                notes = (*scenario.notes, *check(document_text(scenario.document), "json"))
                 results.append(_result(path, name, notes, ()))
             except InvalidDocument as error:
                 results.append(_result(path, name, scenario.notes, error.problems))
@@ -48,24 +54,37 @@ def validate(
 
 
 @contextmanager
-def _checker(
-    server: str, data_dir: Path | None
-) -> Iterator[Callable[[ScenarioDocument], Sequence[str]]]:
-    """Gives what checks a document here, or asks a service to; it answers with notes."""
+def _checker(server: str, data_dir: Path | None) -> Iterator[Check]:
+    """Gives what checks a document here, or asks a service to."""
     if server:
         from drivora_service.cli.client import ServiceClient
-        from drivora_service.scenario.documents import document_text
 
         with ServiceClient(server) as client:
-            yield lambda document: client.validate(document_text(document))["notes"]
+            yield lambda text, form: client.validate(text, form=form)["notes"]
         return
     from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.cli.embedded import network_catalogue, settings_for
-    from drivora_service.scenario.validation import validate_document
+    from drivora_service.scenario.validation import validate_data
 
     networks = network_catalogue(settings_for(data_dir))
     agents = AgentCatalogue().names()
-    yield lambda document: validate_document(document, networks, agents).notes
+    yield lambda text, form: validate_data(text, networks, agents, form).notes
+
+
+def _all_problems(file: UnreadableFile, check: Check) -> tuple[Problem, ...]:
+    """Gives what is wrong with a file, its well-formed parts checked against the road network."""
+    from drivora_service.scenario.importers.reading import FileFormat, detect_format
+
+    data = file.path.read_bytes()
+    try:
+        match detect_format(data):
+            case FileFormat.JSON:
+                check(data, "json")
+            case FileFormat.YAML:
+                check(data, "yaml")
+    except InvalidDocument as error:
+        return error.problems
+    return file.problems
 
 
 def _result(
