@@ -156,17 +156,28 @@ class EgoView:
             furthest[unsure] = outside_distance(self.network, corners).reshape(-1, 4).max(axis=1)
         return furthest
 
-    def _within_lanes(self) -> BoolArray:
-        """Tells the rows in which the box lies within its edge's lanes for sure."""
+    @cached_property
+    def room_beside(self) -> FloatArray:
+        """(n, 2) metres between its box and the left and the right border of its edge's lanes.
+
+        Negative where it reaches beyond them; NaN off every lane.
+        """
         lateral = self.value(EgoCol.LANE_LATERAL)
-        within = np.zeros(self.count, dtype=np.bool_)
+        room = np.full((self.count, 2), np.nan)
         for index in np.unique(self.lanes):
             if index < 0:
                 continue
             here = np.flatnonzero(self.lanes == index)
-            left, right = _room_beside(self.network, int(index))
+            left, right = _road_beside(self.network, int(index))
             reach = self.lateral_reach[here]
-            within[here] = (lateral[here] + reach <= left) & (reach - lateral[here] <= right)
+            room[here, 0] = left - lateral[here] - reach
+            room[here, 1] = right + lateral[here] - reach
+        return room
+
+    def _within_lanes(self) -> BoolArray:
+        """Tells the rows in which the box lies within its edge's lanes for sure."""
+        left, right = self.room_beside.T
+        within: BoolArray = (left >= 0.0) & (right >= 0.0)
         return within
 
     @cached_property
@@ -180,7 +191,7 @@ class EgoView:
         return filter_motion(self.states, self.step_length)
 
 
-def _room_beside(network: RoadNetwork, index: int) -> tuple[float, float]:
+def _road_beside(network: RoadNetwork, index: int) -> tuple[float, float]:
     """Gives the metres of road of the same edge, left and right of a lane's centre line."""
     lane = network.lanes[index]
     left = right = 0.5 * lane.width
