@@ -13,9 +13,10 @@ from drivora_service.search.mutation import GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE,
 from drivora_service.search.plugin import MutationPlugin, SelectionPlugin, TesterPlugin
 from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION
 from drivora_service.search.tester import Tester, TesterContext
+from drivora_service.search.testers.avfuzzer.search import AVFUZZER
 from drivora_service.search.testers.random_search import RANDOM
 
-BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM,)
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER)
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
 

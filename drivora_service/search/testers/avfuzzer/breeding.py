@@ -1,0 +1,142 @@
+"""How AVFuzzer makes the scenarios of a generation from those of the last."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
+from drivora_service.search.components import Mutation, Selection
+from drivora_service.search.crossover import exchange_block
+from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.tester import Evaluation, Proposal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Individual:
+    """A scenario that was evaluated.
+
+    Attributes:
+        values: (d,) genes.
+        cost: Metres, to be minimised; infinite if not measurable.
+        number: Of its evaluation.
+    """
+
+    values: FloatArray
+    cost: float
+    number: int
+
+
+Population = tuple[Individual, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Offspring:
+    """A scenario of the next generation.
+
+    Attributes:
+        values: (d,) genes.
+        origins: Names of what changed it, in order.
+        parents: Those it has genes of, first the one whose place it takes.
+    """
+
+    values: FloatArray
+    origins: tuple[str, ...]
+    parents: Population
+
+    @property
+    def known(self) -> Individual | None:
+        """Its parent if it is the same scenario, so that it need not be run again."""
+        for parent in self.parents:
+            if np.array_equal(parent.values, self.values):
+                return parent
+        return None
+
+
+def individual(evaluation: Evaluation) -> Individual:
+    """Gives what was learned of a scenario."""
+    measured = evaluation.measurement
+    cost = None if measured is None else measured.objectives[SAFETY_MARGIN]
+    return Individual(
+        values=evaluation.proposal.values,
+        cost=math.inf if cost is None else cost,
+        number=evaluation.number,
+    )
+
+
+def best_of(population: Population) -> Individual:
+    """Gives the best, of equals the first."""
+    return min(population, key=lambda one: one.cost)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Breeding:
+    """The genetic operators.
+
+    Attributes:
+        space: Bounds of the genes.
+        random: For every draw.
+        mutation: Changes a scenario.
+        selection: Draws the parents.
+        crossover_rate: Probability with which a pair exchanges an actor.
+    """
+
+    space: GeneSpace
+    random: np.random.Generator
+    mutation: Mutation
+    selection: Selection
+    crossover_rate: float
+
+    def select(self, population: Population) -> Population:
+        """Draws as many parents as there are, some of them more than once."""
+        costs = np.array([[one.cost] for one in population])
+        chosen = self.selection.select(costs, len(population), self.random)
+        return tuple(population[index] for index in chosen)
+
+    def breed(self, parents: Population, mutation_rate: float) -> tuple[Offspring, ...]:
+        """Crosses and mutates.
+
+        At least one of the offspring differs from its parent, else the search would stand still.
+        """
+        offspring = [Offspring(values=one.values, origins=(), parents=(one,)) for one in parents]
+        for _ in range(len(parents) // 2):
+            if self.random.random() < self.crossover_rate:
+                one, other = self.random.permutation(len(offspring))[:2]
+                offspring[one], offspring[other] = self._cross(offspring[one], offspring[other])
+        mutated = self.random.random(len(offspring)) < mutation_rate
+        if not mutated.any() and all(child.known is not None for child in offspring):
+            mutated[self.random.integers(len(offspring))] = True
+        return tuple(
+            self._mutate(child) if changes else child
+            for child, changes in zip(offspring, mutated, strict=True)
+        )
+
+    def _cross(self, one: Offspring, other: Offspring) -> tuple[Offspring, Offspring]:
+        values = exchange_block(one.values, other.values, self.space, self.random)
+        return (
+            _changed(one, values[0], "crossover", other.parents),
+            _changed(other, values[1], "crossover", one.parents),
+        )
+
+    def _mutate(self, one: Offspring) -> Offspring:
+        return _changed(one, self.mutation.mutate(one.values, self.space, self.random), "mutation")
+
+
+def _changed(
+    one: Offspring, values: FloatArray, origin: str, parents: Population = ()
+) -> Offspring:
+    origins = one.origins if origin in one.origins else (*one.origins, origin)
+    everyone = {parent.number: parent for parent in (*one.parents, *parents)}
+    return Offspring(values=values, origins=origins, parents=tuple(everyone.values()))
+
+
+def proposal(offspring: Offspring, generation: int, prefix: str = "") -> Proposal:
+    """Proposes to run an offspring; ``prefix`` is put before its origin."""
+    return Proposal(
+        values=offspring.values,
+        origin=prefix + " and ".join(offspring.origins),
+        generation=generation,
+        parents=tuple(parent.number for parent in offspring.parents),
+    )

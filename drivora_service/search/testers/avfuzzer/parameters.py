@@ -1,0 +1,36 @@
+"""The parameters of AVFuzzer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AvfuzzerParameters:
+    """Defaults from Li et al., "AV-FUZZER" (ISSRE 2020), and its public code.
+
+    Attributes:
+        population: Scenarios of a generation (paper: 4).
+        crossover_rate: Probability with which a pair exchanges an actor (paper: 0.4).
+        mutation_rate: Probability with which a scenario is mutated (paper: 0.4).
+        stall: Generations over whose bests the mean is taken; where it is no worse than the best of
+            the generation after them, the search starts again (code: 5).
+        restart_candidates: Scenarios drawn at a restart, of which those furthest from all past
+            populations become the next one (code: 1,000).
+        local_after: Generations after a start or restart whose new bests are not searched around
+            (code: 2).
+        local_generations: Generations of a local search (code: 5).
+        local_factor: Mutation rate of a local search over that of the search (code: 1.5).
+    """
+
+    population: Annotated[int, Field(ge=2)] = 4
+    crossover_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
+    mutation_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
+    stall: Annotated[int, Field(ge=1)] = 5
+    restart_candidates: Annotated[int, Field(ge=1)] = 1000
+    local_after: Annotated[int, Field(ge=0)] = 2
+    local_generations: Annotated[int, Field(ge=0)] = 5
+    local_factor: Annotated[float, Field(ge=0.0)] = 1.5
