@@ -20,7 +20,12 @@ import numpy as np
 from drivora_service.campaigns.candidates import Candidate, Candidates
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.journal import Journal
-from drivora_service.campaigns.judging import evaluation_of, status_of, violations_of
+from drivora_service.campaigns.judging import (
+    evaluation_of,
+    refuse_lost,
+    status_of,
+    violations_of,
+)
 from drivora_service.errors import CampaignError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Verdict
@@ -210,13 +215,7 @@ class Engine:
             status = EvaluationStatus.INVALID
         else:
             report = self._reports.pop(waiting.number)
-            if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
-                # What has nothing to do with the candidate must not become part of the search.
-                why = "" if report.failure is None else f": {report.failure.message}"
-                raise CampaignError(
-                    f"evaluation {waiting.number} was lost ({report.status}){why}. Resume the "
-                    "campaign to try it again"
-                )
+            refuse_lost(waiting.number, report)
             # As it will be read from the journal: telling must not depend on where it comes from.
             report = report_from_json(report_to_json(report))
             status = status_of(report)

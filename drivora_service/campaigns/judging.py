@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
+from drivora_service.errors import CampaignError
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.search.tester import Evaluation, EvaluationStatus
@@ -16,6 +17,20 @@ def status_of(report: RunReport) -> EvaluationStatus:
     if report.status is RunStatus.FINISHED:
         return EvaluationStatus.JUDGED
     return EvaluationStatus.FAILED
+
+
+def refuse_lost(number: int, report: RunReport) -> None:
+    """Refuses a report that says nothing of the candidate, as it must not become part of a search.
+
+    Raises:
+        CampaignError: The workers were lost again and again, or somebody cancelled the run.
+    """
+    if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
+        why = "" if report.failure is None else f": {report.failure.message}"
+        raise CampaignError(
+            f"evaluation {number} was lost ({report.status}){why}. Resume the campaign to try it "
+            "again"
+        )
 
 
 def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:

@@ -1,4 +1,4 @@
-"""Reports as JSON text, for the database and for programs."""
+"""Reports and verdicts as JSON text, for the database and for programs."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunReport
 
 
@@ -19,6 +20,21 @@ def report_to_json(report: RunReport) -> str:
 def report_from_json(text: str | bytes) -> RunReport:
     """Reads what :func:`report_to_json` wrote."""
     return _adapter().validate_json(text)
+
+
+def verdict_to_json(verdict: Verdict) -> str:
+    """Writes a verdict as JSON; NaN and infinities become ``null``."""
+    return _verdict_adapter().dump_json(verdict, fallback=_plain).decode()
+
+
+def verdict_from_json(text: str | bytes) -> Verdict:
+    """Reads what :func:`verdict_to_json` wrote."""
+    return _verdict_adapter().validate_json(text)
+
+
+@cache
+def _verdict_adapter() -> TypeAdapter[Verdict]:
+    return TypeAdapter(Verdict)
 
 
 @cache

@@ -42,10 +42,13 @@ _TYPE_NAMES: Mapping[type, str] = {
 def plain_data(
     data: str | bytes | Mapping[str, Any],
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+    *,
+    what: str = "a scenario",
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Gives the top-level object of a text, or of parsed data, and what is odd in it.
 
-    Odd are repeated keys and values that JSON, UTF-8 or the store cannot hold.
+    Odd are repeated keys and values that JSON, UTF-8 or the store cannot hold. ``what`` it is
+    meant to be is for messages.
 
     Raises:
         InvalidDocument: The text cannot be read at all: it is too large, too deep, not the language
@@ -57,9 +60,7 @@ def plain_data(
     else:
         content = dict(data)
     if not isinstance(content, dict):
-        raise refusal(
-            "not_an_object", f"found {kind_of(content)}; a scenario is one object with keys"
-        )
+        raise refusal("not_an_object", f"found {kind_of(content)}; {what} is one object with keys")
     problems = _odd_values(content)
     fatal = tuple(problem for problem in problems if problem.code == "odd_key")
     if fatal:

@@ -17,6 +17,8 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from drivora_service.errors import StoreError
 from drivora_service.store.batches import BatchRepository
+from drivora_service.store.campaigns import CampaignRepository
+from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
@@ -42,6 +44,16 @@ class Transaction:
     def batches(self) -> BatchRepository:
         """Batches."""
         return BatchRepository(self.session)
+
+    @property
+    def campaigns(self) -> CampaignRepository:
+        """Campaigns."""
+        return CampaignRepository(self.session)
+
+    @property
+    def evaluations(self) -> EvaluationRepository:
+        """What campaigns have evaluated."""
+        return EvaluationRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:

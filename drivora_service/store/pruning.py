@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
+from drivora_service.store.campaign_tables import EvaluationRow
 from drivora_service.store.database import Database
 from drivora_service.store.revisions import latest_revision
 from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, OwnerRow, RunRow
@@ -114,7 +115,10 @@ def _remove_orphans(session: Session, ended_before: datetime) -> None:
         )
     )
     session.execute(
-        delete(DocumentRow).where(~exists().where(RunRow.document_sha256 == DocumentRow.sha256))
+        delete(DocumentRow).where(
+            ~exists().where(RunRow.document_sha256 == DocumentRow.sha256),
+            ~exists().where(EvaluationRow.document_sha256 == DocumentRow.sha256),
+        )
     )
     session.execute(
         delete(OwnerRow).where(

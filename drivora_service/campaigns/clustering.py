@@ -1,0 +1,101 @@
+"""Groups of similar failures: DBSCAN over what is known of the situation of each violation.
+
+The features of a violation are its place, its time, and what the oracle measured: numbers as they
+are, words one-hot. Those of one oracle are scaled to 0..1 by their least and greatest value, so
+that groups are of a kind with the spread of what was found; where that spread is below one SI unit
+it is not stretched. Failures of different oracles are never in one group. (scenoRITA, Huai et al.
+2023, groups violations in this way.)
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.cluster import DBSCAN
+
+from drivora_service.oracles.verdict import Verdict
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clustering:
+    """How alike failures of a group are.
+
+    Attributes:
+        radius: Greatest distance of neighbours in a group, as the root mean square over features
+            that are scaled to 0..1.
+        least: Failures within the radius (itself among them) that make a failure the core of a
+            group; with 1, a failure that is like no other is a group by itself.
+    """
+
+    radius: float = 0.15
+    least: int = 1
+
+    def label(self, verdicts: Sequence[Verdict]) -> tuple[int, ...]:
+        """Gives the number of the group of each violation, from 0 within its oracle.
+
+        Failures that are in no group (there are none with ``least`` = 1) get -1.
+        """
+        by_oracle: dict[str, list[int]] = defaultdict(list)
+        for index, verdict in enumerate(verdicts):
+            by_oracle[verdict.oracle].append(index)
+        labels = np.zeros(len(verdicts), dtype=np.int64)
+        for indices in by_oracle.values():
+            features = situation_features([verdicts[index] for index in indices])
+            labels[indices] = self._label(features)
+        return tuple(labels.tolist())
+
+    def _label(self, features: FloatArray) -> NDArray[np.int64]:
+        if not features.shape[1]:
+            return np.zeros(len(features), dtype=np.int64)
+        # A root mean square instead of a sum, so that the radius means the same for every oracle.
+        scaled = scale(features) / math.sqrt(features.shape[1])
+        found: NDArray[np.int64] = DBSCAN(eps=self.radius, min_samples=self.least).fit_predict(
+            scaled
+        )
+        return found
+
+
+def situation_features(verdicts: Sequence[Verdict]) -> FloatArray:
+    """Gives (n, d) features of violations of one oracle: those that all of them have.
+
+    A feature is kept if it is measured, and finite, in every violation.
+    """
+    columns: list[list[float]] = []
+    places = [verdict.location for verdict in verdicts]
+    if all(place is not None for place in places):
+        columns += [[place[axis] for place in places if place is not None] for axis in (0, 1)]
+    times = [verdict.time for verdict in verdicts if verdict.time is not None]
+    if len(times) == len(verdicts):
+        columns.append(times)
+    common = set.intersection(*({*verdict.evidence} for verdict in verdicts))
+    for name in sorted(common):
+        values = [verdict.evidence[name] for verdict in verdicts]
+        if all(_is_number(value) for value in values):
+            columns.append([float(value) for value in values])
+        elif name in _CATEGORIES and all(isinstance(value, str) for value in values):
+            columns += [[float(value == known) for value in values] for known in sorted({*values})]
+    return np.array(columns, dtype=np.float64).reshape(len(columns), len(verdicts)).T
+
+
+def scale(features: FloatArray) -> FloatArray:
+    """Scales (n, d) features to 0..1 by their least and greatest value; small spreads stay."""
+    low, high = features.min(axis=0), features.max(axis=0)
+    scaled: FloatArray = (features - low) / np.maximum(high - low, 1.0)
+    return scaled
+
+
+_CATEGORIES = frozenset({"counterpart_role", "face", "front_crossed_on"})
+"""Evidence in words that comes from a fixed set; other texts are for people."""
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return math.isfinite(value)

@@ -1,0 +1,77 @@
+"""A campaign from its first evaluation to its failures, confirmed and grouped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivora_service.campaigns.confirming import confirm_failures, group_failures
+from drivora_service.campaigns.engine import Engine, Search, Told
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.journal import Journal
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState, Confirmation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Watcher:
+    """Whom the work on a campaign asks and tells.
+
+    Attributes:
+        requested: Says whether somebody wants it to stop.
+        on_told: Called with every evaluation.
+        on_confirmed: Called with the number of every failing evaluation that was run again, and
+            what came of it.
+    """
+
+    requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE
+    on_told: Callable[[Told], None] = lambda _told: None
+    on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None
+
+
+def conduct(
+    search: Search,
+    evaluator: Evaluator,
+    journal: Journal,
+    *,
+    traces: Path | None = None,
+    confirm: bool = True,
+    watcher: Watcher = Watcher(),  # frozen
+) -> CampaignState:
+    """Searches, then runs every failure again and groups them.
+
+    Args:
+        search: The campaign.
+        evaluator: Used by nobody else meanwhile; closing it is for the caller.
+        journal: What it holds is gone through again first.
+        traces: Folder for the traces of the failures; ``None``: they are not kept.
+        confirm: Whether failures are run again.
+        watcher: Whom to ask and to tell.
+
+    Returns:
+        ``finished``, ``paused`` or ``cancelled``.
+
+    Raises:
+        CampaignError: It cannot go on, or does not fit what the journal holds.
+        SearchError: The tester is broken.
+    """
+    engine = Engine(
+        search, evaluator, journal, requested=watcher.requested, on_told=watcher.on_told
+    )
+    request = engine.run()
+    if request is CampaignRequest.NONE and confirm:
+        request = confirm_failures(
+            journal,
+            evaluator,
+            run_prefix=search.run_prefix,
+            traces=traces,
+            requested=watcher.requested,
+            on_confirmed=watcher.on_confirmed,
+        )
+    match request:
+        case CampaignRequest.PAUSE:
+            return CampaignState.PAUSED
+        case CampaignRequest.CANCEL:
+            return CampaignState.CANCELLED
+    group_failures(journal)
+    return CampaignState.FINISHED

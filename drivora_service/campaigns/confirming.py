@@ -1,0 +1,90 @@
+"""After the search: do the failures happen again, and which are alike?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from drivora_service.campaigns.clustering import Clustering
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.journal import Journal
+from drivora_service.campaigns.judging import refuse_lost
+from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.store.campaign_records import CampaignRequest, Confirmation
+
+_POLL_S = 0.5
+
+
+def confirm_failures(
+    journal: Journal,
+    evaluator: Evaluator,
+    *,
+    run_prefix: str,
+    traces: Path | None,
+    requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
+    on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None,
+) -> CampaignRequest:
+    """Runs every violating scenario that has not been run again yet; no part of the budget.
+
+    A failure is confirmed if the second run's trace is the first one's, step by step.
+
+    Args:
+        journal: Of a campaign whose search is over.
+        evaluator: Used by nobody else meanwhile.
+        run_prefix: Begins the ids of the runs.
+        traces: Folder for the traces; ``None``: they are not kept.
+        requested: Says whether somebody wants it to stop.
+        on_confirmed: Called with each number and answer.
+
+    Returns:
+        The request that ended it, or none.
+
+    Raises:
+        CampaignError: A run was lost.
+    """
+    open_numbers = {f.number for f in journal.failures() if f.confirmation is Confirmation.OPEN}
+    expected: dict[int, str] = {}
+    for record in journal.evaluations():
+        if record.number in open_numbers:
+            expected[record.number] = record.report.trace_sha256
+    if traces is not None and expected:
+        traces.mkdir(parents=True, exist_ok=True)
+    for number in expected:
+        spec = RunSpec(
+            run_id=f"{run_prefix}-{number}-again",
+            document=journal.document(number),
+            trace_path="" if traces is None else str(trace_path(traces, number)),
+        )
+        evaluator.submit(number, spec)
+    while expected:
+        request = requested()
+        if request is not CampaignRequest.NONE:
+            return request
+        for answer in evaluator.wait(_POLL_S):
+            refuse_lost(answer.number, answer.report)
+            same = _is_same(answer.report, expected.pop(answer.number))
+            confirmation = Confirmation.CONFIRMED if same else Confirmation.FLAKY
+            kept = traces is not None and answer.report.trace_sha256
+            trace = str(trace_path(traces, answer.number)) if traces is not None and kept else ""
+            journal.confirm(answer.number, confirmation, trace)
+            on_confirmed(answer.number, confirmation)
+    return CampaignRequest.NONE
+
+
+def group_failures(
+    journal: Journal,
+    clustering: Clustering = Clustering(),  # noqa: B008 # frozen
+) -> None:
+    """Groups the failures of a campaign, those that did not happen again left out."""
+    failures = [f for f in journal.failures() if f.confirmation is not Confirmation.FLAKY]
+    labels = clustering.label([failure.verdict for failure in failures])
+    journal.group({(f.number, f.place): label for f, label in zip(failures, labels, strict=True)})
+
+
+def trace_path(folder: Path, number: int) -> Path:
+    """Gives where the trace of a failing evaluation lies."""
+    return folder / f"{number:06d}.trace.parquet"
+
+
+def _is_same(report: RunReport, trace_sha256: str) -> bool:
+    return bool(trace_sha256) and report.trace_sha256 == trace_sha256

@@ -1,0 +1,76 @@
+"""A campaign's journal in the database."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+
+from drivora_service.store.campaign_records import (
+    CampaignRequest,
+    Confirmation,
+    EvaluationRecord,
+    FailureRecord,
+)
+from drivora_service.store.database import Database
+
+_PAGE = 200
+
+
+class StoreJournal:
+    """Writes every evaluation in a transaction of its own, and keeps the campaign's working time.
+
+    A killed process loses at most what was being simulated.
+    """
+
+    def __init__(self, database: Database, campaign_id: str) -> None:
+        self._database, self._campaign_id = database, campaign_id
+        self._counted_until = time.monotonic()
+
+    def evaluations(self) -> Iterator[EvaluationRecord]:
+        """Gives what was appended, in order, a page at a time."""
+        after = -1
+        while True:
+            with self._database.read() as transaction:
+                page = transaction.evaluations.page(self._campaign_id, after=after, limit=_PAGE)
+            yield from page
+            if len(page) < _PAGE:
+                return
+            after = page[-1].number
+
+    def append(self, record: EvaluationRecord, document: str) -> None:
+        """Writes the next evaluation down, for good when the call returns."""
+        with self._database.write() as transaction:
+            transaction.evaluations.append(
+                self._campaign_id, record, document=document, active_s=self.active_s()
+            )
+
+    def document(self, number: int) -> str:
+        """Gives the canonical JSON text of an evaluation's scenario."""
+        with self._database.read() as transaction:
+            return transaction.evaluations.document(self._campaign_id, number)
+
+    def failures(self) -> tuple[FailureRecord, ...]:
+        """Gives every violation of every evaluation, in order."""
+        with self._database.read() as transaction:
+            return transaction.evaluations.failures(self._campaign_id)
+
+    def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
+        """Writes down whether the failures of an evaluation happened again."""
+        with self._database.write() as transaction:
+            transaction.evaluations.confirm(self._campaign_id, number, confirmation, trace=trace)
+
+    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+        """Writes down the groups of failures."""
+        with self._database.write() as transaction:
+            transaction.evaluations.group(self._campaign_id, clusters)
+
+    def requested(self) -> CampaignRequest:
+        """Says what somebody wants of the campaign."""
+        with self._database.read() as transaction:
+            return transaction.campaigns.request_of(self._campaign_id)
+
+    def active_s(self) -> float:
+        """Gives the seconds of work since it was last asked."""
+        now = time.monotonic()
+        elapsed, self._counted_until = now - self._counted_until, now
+        return elapsed

@@ -1,0 +1,169 @@
+"""Running a campaign that is in the database."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from pathlib import Path
+
+from drivora_service.campaigns.conducting import Watcher, conduct
+from drivora_service.campaigns.documents import campaign_text
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.preparing import prepare_search, search_versions
+from drivora_service.campaigns.reading import Catalogues, ValidCampaign, read_campaign
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.errors import CampaignError
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+    NewCampaign,
+)
+from drivora_service.store.database import Database
+from drivora_service.store.file_lock import FileLock, is_locked
+
+
+class CampaignFolder:
+    """The folder of a campaign's files: its lock, and the traces of its failures."""
+
+    def __init__(self, root: Path, campaign_id: str) -> None:
+        """Prepares the folder of a campaign.
+
+        Args:
+            root: Folder of all campaigns.
+            campaign_id: As the store gave it.
+        """
+        self.path = root / campaign_id
+        self._id = campaign_id
+
+    @property
+    def traces(self) -> Path:
+        """Where the traces of its failures are."""
+        return self.path / "traces"
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a process works on the campaign."""
+        return self._lock_path.is_file() and is_locked(self._lock_path)
+
+    def lock(self) -> FileLock:
+        """Takes the campaign for this process.
+
+        Raises:
+            Conflict: Another process works on it.
+        """
+        return FileLock(
+            self._lock_path,
+            refusal=lambda holder: f"process {holder} is running campaign {self._id} already",
+        )
+
+    @property
+    def _lock_path(self) -> Path:
+        return self.path / "lock"
+
+
+def new_campaign(valid: ValidCampaign) -> NewCampaign:
+    """Gives what the store wants to know of a campaign."""
+    campaign = valid.campaign
+    return NewCampaign(
+        name=campaign.name,
+        document=campaign_text(valid.document),
+        tester=campaign.tester.name,
+        agent=", ".join(sorted({ego.agent.name for ego in valid.seed.ego_vehicles})),
+        town=valid.network.name,
+        network_sha256=valid.network.sha256,
+        budget=campaign.budget,
+        versions=search_versions(),
+    )
+
+
+def run_stored(
+    database: Database,
+    campaign_id: str,
+    folder: CampaignFolder,
+    *,
+    catalogues: Catalogues,
+    evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
+    watcher: Watcher = Watcher(),  # noqa: B008 # frozen
+) -> CampaignRecord:
+    """Runs a campaign, or goes on with it, until it is finished or somebody wants it to stop.
+
+    Args:
+        database: Holds the campaign.
+        campaign_id: Which.
+        folder: Of this campaign.
+        catalogues: Where its names are looked up.
+        evaluator: Gives what evaluates, for the number of workers that the campaign wants.
+        watcher: Whom to ask and to tell; the database is asked besides.
+
+    Raises:
+        Conflict: Another process runs it, or it is over.
+        CampaignError: It cannot go on; the store knows why.
+        InvalidDocument: What it names is not there any more.
+        UnknownName: There is no such campaign.
+    """
+    lock = folder.lock()
+    try:
+        with database.write() as transaction:
+            record = transaction.campaigns.begin(campaign_id)
+        journal = StoreJournal(database, campaign_id)
+        asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
+        try:
+            valid = read_campaign(record.document, catalogues)
+            _refuse_other_network(record, valid)
+            search = prepare_search(valid, catalogues, run_prefix=campaign_id)
+            with evaluator(valid.campaign.workers) as evaluating:
+                state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
+        except KeyboardInterrupt:
+            _end(database, campaign_id, CampaignState.PAUSED, journal)
+            raise
+        except Exception as error:
+            message = str(error) or type(error).__name__
+            _end(database, campaign_id, CampaignState.FAILED, journal, message)
+            raise
+        return _end(database, campaign_id, state, journal)
+    finally:
+        lock.release()
+
+
+def ask_for(
+    database: Database, campaign_id: str, folder: CampaignFolder, request: CampaignRequest
+) -> CampaignRecord:
+    """Pauses or cancels a campaign, whether or not a process works on it.
+
+    Raises:
+        UnknownName: There is no such campaign.
+        Conflict: It is over, so that it cannot be paused.
+    """
+    with database.write() as transaction:
+        record = transaction.campaigns.ask_for(campaign_id, request)
+        if record.state is CampaignState.RUNNING and not folder.is_running:
+            # Its process was killed: nobody would heed.
+            ended = {
+                CampaignRequest.PAUSE: CampaignState.PAUSED,
+                CampaignRequest.CANCEL: CampaignState.CANCELLED,
+            }
+            record = transaction.campaigns.end(campaign_id, ended[request])
+    return record
+
+
+def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
+    if record.network_sha256 != valid.network.sha256:
+        raise CampaignError(
+            f"the road network {record.town!r} has changed since campaign {record.id} was made; "
+            "bring the old one back, or begin a new campaign"
+        )
+
+
+def _end(
+    database: Database,
+    campaign_id: str,
+    state: CampaignState,
+    journal: StoreJournal,
+    message: str = "",
+) -> CampaignRecord:
+    with database.write() as transaction:
+        return transaction.campaigns.end(
+            campaign_id, state, message=message, active_s=journal.active_s()
+        )

@@ -1,0 +1,102 @@
+"""The tables of campaigns.
+
+``evaluations`` is the journal from which a campaign is resumed: rows are only ever added, in the
+order of their numbers. What is listed, counted or filtered has a column, the whole report lies in
+``report``.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from sqlalchemy import ForeignKey, Index, Integer, String, Text, text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from drivora_service.store.tables import Base
+
+
+class CampaignRow(Base):
+    """A campaign; the counts are those of its evaluations."""
+
+    __tablename__ = "campaigns"
+    __table_args__ = (Index("ix_campaigns_state", "state", "seq"),)
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    id: Mapped[str] = mapped_column(String(40), unique=True)
+    name: Mapped[str] = mapped_column(String(200))
+    document: Mapped[str] = mapped_column(Text)
+    tester: Mapped[str] = mapped_column(String(64))
+    agent: Mapped[str] = mapped_column(String(200))
+    town: Mapped[str] = mapped_column(String(100))
+    network_sha256: Mapped[str] = mapped_column(String(64))
+    budget: Mapped[int]
+    versions: Mapped[str] = mapped_column(Text)
+    state: Mapped[str] = mapped_column(String(16))
+    message: Mapped[str] = mapped_column(Text, default="")
+    request: Mapped[str] = mapped_column(String(16), default="")
+    created_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    ended_at: Mapped[datetime | None]
+    updated_at: Mapped[datetime]
+    active_s: Mapped[float] = mapped_column(default=0.0)
+    evaluations: Mapped[int] = mapped_column(default=0)
+    judged: Mapped[int] = mapped_column(default=0)
+    invalid: Mapped[int] = mapped_column(default=0)
+    failed: Mapped[int] = mapped_column(default=0)
+    violating: Mapped[int] = mapped_column(default=0)
+    at_fault: Mapped[int] = mapped_column(default=0)
+
+
+class EvaluationRow(Base):
+    """A candidate and what came of it."""
+
+    __tablename__ = "evaluations"
+    __table_args__ = (
+        Index("ix_evaluations_document_sha256", "document_sha256"),
+        Index(
+            "ix_evaluations_violating",
+            "campaign_seq",
+            "number",
+            sqlite_where=text("violations > 0"),
+            postgresql_where=text("violations > 0"),
+        ),
+    )
+
+    campaign_seq: Mapped[int] = mapped_column(
+        ForeignKey("campaigns.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    generation: Mapped[int]
+    origin: Mapped[str] = mapped_column(String(60))
+    parents: Mapped[str] = mapped_column(Text)
+    genes: Mapped[str] = mapped_column(Text)
+    status: Mapped[str] = mapped_column(String(16))
+    document_sha256: Mapped[str | None] = mapped_column(ForeignKey("documents.sha256"))
+    violations: Mapped[int]
+    at_fault_violations: Mapped[int]
+    sim_time_s: Mapped[float]
+    wall_time_s: Mapped[float]
+    search_s: Mapped[float]
+    prepare_s: Mapped[float]
+    told_at: Mapped[datetime]
+    report: Mapped[str] = mapped_column(Text)
+
+
+class FailureRow(Base):
+    """A violation that counts as a failure."""
+
+    __tablename__ = "failures"
+    __table_args__ = (Index("ix_failures_key", "campaign_seq", "key"),)
+
+    campaign_seq: Mapped[int] = mapped_column(
+        ForeignKey("campaigns.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    place: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    oracle: Mapped[str] = mapped_column(String(60))
+    key: Mapped[str] = mapped_column(String(400))
+    at_fault: Mapped[bool | None]
+    confirmation: Mapped[str] = mapped_column(String(16))
+    cluster: Mapped[int | None]
+    trace: Mapped[str] = mapped_column(Text, default="")
+    verdict: Mapped[str] = mapped_column(Text)

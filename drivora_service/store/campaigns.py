@@ -1,0 +1,225 @@
+"""Campaigns: storing them, following their lives, and looking at them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Sequence
+from datetime import UTC, datetime
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import Conflict, UnknownName
+from drivora_service.store.campaign_records import (
+    CampaignCounts,
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+    NewCampaign,
+)
+from drivora_service.store.campaign_tables import CampaignRow
+from drivora_service.store.ids import new_id
+from drivora_service.store.paging import make_token, read_token
+from drivora_service.store.records import Page
+
+
+class CampaignRepository:
+    """Reads and writes campaigns; their evaluations have a repository of their own."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def create(self, campaign: NewCampaign) -> CampaignRecord:
+        """Stores a campaign that waits to be run."""
+        now = datetime.now(UTC)
+        row = CampaignRow(
+            id=new_id(),
+            name=campaign.name,
+            document=campaign.document,
+            tester=campaign.tester,
+            agent=campaign.agent,
+            town=campaign.town,
+            network_sha256=campaign.network_sha256,
+            budget=campaign.budget,
+            versions=json.dumps(dict(campaign.versions), sort_keys=True),
+            state=CampaignState.QUEUED,
+            created_at=now,
+            updated_at=now,
+        )
+        self._session.add(row)
+        self._session.flush()
+        return _record(row)
+
+    def get(self, campaign_id: str) -> CampaignRecord:
+        """Gives a campaign.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        return _record(campaign_row(self._session, campaign_id))
+
+    def page(
+        self,
+        *,
+        states: Collection[CampaignState] = (),
+        limit: int = 50,
+        page_token: str = "",
+    ) -> Page[CampaignRecord]:
+        """Gives campaigns, newest first.
+
+        Args:
+            states: Only those in one of these states; none: all.
+            limit: How many at most.
+            page_token: Of the page before.
+
+        Raises:
+            InvalidDocument: The token is not one of this list.
+        """
+        scope = f"campaigns {sorted(states)}"
+        query = select(CampaignRow).order_by(CampaignRow.seq.desc())
+        if states:
+            query = query.where(CampaignRow.state.in_(sorted(states)))
+        if page_token:
+            query = query.where(CampaignRow.seq < read_token(scope, page_token))
+        rows: Sequence[CampaignRow] = self._session.scalars(query.limit(limit + 1)).all()
+        shown = rows[:limit]
+        more = make_token(scope, shown[-1].seq) if len(rows) > limit else ""
+        return Page(items=tuple(_record(row) for row in shown), next_token=more)
+
+    def begin(self, campaign_id: str) -> CampaignRecord:
+        """Says that a campaign runs from now on; whatever was wanted of it before is forgotten.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: It is over.
+        """
+        row = campaign_row(self._session, campaign_id)
+        _refuse_if_over(row)
+        now = datetime.now(UTC)
+        row.state, row.message, row.request = CampaignState.RUNNING, "", CampaignRequest.NONE
+        row.started_at = row.started_at or now
+        row.updated_at = now
+        row.ended_at = None
+        return _record(row)
+
+    def end(
+        self, campaign_id: str, state: CampaignState, *, message: str = "", active_s: float = 0.0
+    ) -> CampaignRecord:
+        """Says how a campaign that ran has ended, or that it rests.
+
+        Args:
+            campaign_id: Which.
+            state: Any but ``running``.
+            message: Why it failed.
+            active_s: Seconds of work since the last evaluation.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        row = campaign_row(self._session, campaign_id)
+        now = datetime.now(UTC)
+        row.state, row.message, row.request = state, message, CampaignRequest.NONE
+        row.updated_at = now
+        row.active_s += active_s
+        if state.is_over or state is CampaignState.FAILED:
+            row.ended_at = now
+        return _record(row)
+
+    def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
+        """Asks a campaign that runs to stop; one that does not run stops at once.
+
+        Asking for what has happened already changes nothing. Whether a campaign that is stored as
+        running has a process that will heed is for the caller to know.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: It is over, so that it cannot be paused.
+        """
+        row = campaign_row(self._session, campaign_id)
+        if request is CampaignRequest.CANCEL and CampaignState(row.state).is_over:
+            return _record(row)
+        _refuse_if_over(row)
+        if row.state == CampaignState.RUNNING:
+            if row.request != CampaignRequest.CANCEL:
+                row.request = request
+            return _record(row)
+        if request is CampaignRequest.CANCEL:
+            return self.end(campaign_id, CampaignState.CANCELLED)
+        return self.end(campaign_id, CampaignState.PAUSED, message=row.message)
+
+    def queue_again(self, campaign_id: str) -> CampaignRecord:
+        """Makes a campaign that rests wait to be run again.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: It is over, or runs.
+        """
+        row = campaign_row(self._session, campaign_id)
+        _refuse_if_over(row)
+        if row.state == CampaignState.RUNNING:
+            raise Conflict(f"campaign {campaign_id} is running already")
+        row.state, row.message, row.request = CampaignState.QUEUED, "", CampaignRequest.NONE
+        row.updated_at = datetime.now(UTC)
+        row.ended_at = None
+        return _record(row)
+
+    def request_of(self, campaign_id: str) -> CampaignRequest:
+        """Gives what somebody wants of a campaign.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        found = self._session.scalar(
+            select(CampaignRow.request).where(CampaignRow.id == campaign_id)
+        )
+        if found is None:
+            raise UnknownName("campaign", campaign_id, ())
+        return CampaignRequest(found)
+
+
+def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
+    """Gives the row of a campaign.
+
+    Raises:
+        UnknownName: There is none of this id.
+    """
+    row = session.scalar(select(CampaignRow).where(CampaignRow.id == campaign_id))
+    if row is None:
+        raise UnknownName("campaign", campaign_id, ())
+    return row
+
+
+def _refuse_if_over(row: CampaignRow) -> None:
+    if CampaignState(row.state).is_over:
+        raise Conflict(f"campaign {row.id} is {row.state}; begin a new one")
+
+
+def _record(row: CampaignRow) -> CampaignRecord:
+    return CampaignRecord(
+        seq=row.seq,
+        id=row.id,
+        name=row.name,
+        document=row.document,
+        tester=row.tester,
+        agent=row.agent,
+        town=row.town,
+        network_sha256=row.network_sha256,
+        budget=row.budget,
+        versions=json.loads(row.versions),
+        state=CampaignState(row.state),
+        message=row.message,
+        request=CampaignRequest(row.request),
+        created_at=row.created_at,
+        started_at=row.started_at,
+        ended_at=row.ended_at,
+        updated_at=row.updated_at,
+        active_s=row.active_s,
+        counts=CampaignCounts(
+            evaluations=row.evaluations,
+            judged=row.judged,
+            invalid=row.invalid,
+            failed=row.failed,
+            violating=row.violating,
+            at_fault=row.at_fault,
+        ),
+    )

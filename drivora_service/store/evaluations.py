@@ -1,0 +1,289 @@
+"""The evaluations of campaigns and the failures among them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import Conflict, UnknownName
+from drivora_service.runs.encoding import (
+    report_from_json,
+    report_to_json,
+    verdict_from_json,
+    verdict_to_json,
+)
+from drivora_service.search.tester import EvaluationStatus, Proposal
+from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
+from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
+from drivora_service.store.campaigns import campaign_row
+from drivora_service.store.chunks import batched
+from drivora_service.store.tables import DocumentRow
+
+
+class EvaluationRepository:
+    """Reads and writes what campaigns have evaluated."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def append(
+        self,
+        campaign_id: str,
+        record: EvaluationRecord,
+        *,
+        document: str,
+        active_s: float,
+    ) -> None:
+        """Writes the next evaluation of a campaign, its failures, and the campaign's counts.
+
+        Args:
+            campaign_id: Which campaign.
+            record: Its number follows that of the evaluation before.
+            document: Canonical JSON text of its scenario; "" where there is none.
+            active_s: Seconds that the campaign has worked since the evaluation before.
+
+        Raises:
+            UnknownName: There is no such campaign.
+            Conflict: The campaign holds this number already, or not the one before it.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        if record.number != campaign.evaluations:
+            raise Conflict(
+                f"evaluation {record.number} of campaign {campaign_id} does not follow the "
+                f"{campaign.evaluations} that are stored; is it run twice?"
+            )
+        if document and self._session.get(DocumentRow, record.document_sha256) is None:
+            self._session.add(DocumentRow(sha256=record.document_sha256, body=document))
+            self._session.flush()
+        now = datetime.now(UTC)
+        self._session.add(_evaluation_row(campaign.seq, record, now))
+        self._session.add_all(
+            FailureRow(
+                campaign_seq=campaign.seq,
+                number=record.number,
+                place=place,
+                oracle=verdict.oracle,
+                key=key,
+                at_fault=verdict.at_fault,
+                confirmation=Confirmation.OPEN,
+                verdict=verdict_to_json(verdict),
+            )
+            for place, (verdict, key) in enumerate(
+                zip(record.violations, record.failure_keys, strict=True)
+            )
+        )
+        _count(campaign, record)
+        campaign.active_s += active_s
+        campaign.updated_at = now
+
+    def page(
+        self, campaign_id: str, *, after: int = -1, limit: int = 100, violating: bool = False
+    ) -> tuple[EvaluationRecord, ...]:
+        """Gives evaluations in order.
+
+        Args:
+            campaign_id: Which campaign.
+            after: Only those of greater numbers.
+            limit: How many at most.
+            violating: Only those that violate a rule.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        query = (
+            select(EvaluationRow)
+            .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number > after)
+            .order_by(EvaluationRow.number)
+            .limit(limit)
+        )
+        if violating:
+            query = query.where(EvaluationRow.violations > 0)
+        return self._records(campaign.seq, self._session.scalars(query).all())
+
+    def get(self, campaign_id: str, number: int) -> EvaluationRecord:
+        """Gives one evaluation.
+
+        Raises:
+            UnknownName: There is no such campaign, or it has no evaluation of this number.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        row = self._session.get(EvaluationRow, (campaign.seq, number))
+        if row is None:
+            raise UnknownName("evaluation", str(number), (f"0 to {campaign.evaluations - 1}",))
+        return self._records(campaign.seq, [row])[0]
+
+    def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
+        """Gives an evaluation and all that it descends from, in the order of their numbers.
+
+        Raises:
+            UnknownName: There is no such campaign, or it has no evaluation of this number.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        self.get(campaign_id, number)
+        family: set[int] = set()
+        ahead = [number]
+        while ahead:
+            family.update(ahead)
+            found: set[int] = set()
+            for chunk in batched(ahead):
+                parents = self._session.scalars(
+                    select(EvaluationRow.parents).where(
+                        EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number.in_(chunk)
+                    )
+                )
+                for text in parents:
+                    found.update(json.loads(text))
+            ahead = sorted(found - family)
+        rows: list[EvaluationRow] = []
+        for chunk in batched(sorted(family)):
+            rows += self._session.scalars(
+                select(EvaluationRow)
+                .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number.in_(chunk))
+                .order_by(EvaluationRow.number)
+            )
+        return self._records(campaign.seq, rows)
+
+    def document(self, campaign_id: str, number: int) -> str:
+        """Gives the scenario of an evaluation as canonical JSON text.
+
+        Raises:
+            UnknownName: There is no such evaluation, or it has no scenario because it is invalid.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        body = self._session.scalar(
+            select(DocumentRow.body)
+            .join(EvaluationRow, EvaluationRow.document_sha256 == DocumentRow.sha256)
+            .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number == number)
+        )
+        if body is None:
+            raise UnknownName(
+                "scenario of evaluation", str(number), (), hint="invalid candidates have none"
+            )
+        return body
+
+    def failures(self, campaign_id: str) -> tuple[FailureRecord, ...]:
+        """Gives every failure of a campaign, in the order of their evaluations.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        query = (
+            select(FailureRow)
+            .where(FailureRow.campaign_seq == campaign.seq)
+            .order_by(FailureRow.number, FailureRow.place)
+        )
+        return tuple(_failure(row) for row in self._session.scalars(query))
+
+    def confirm(
+        self, campaign_id: str, number: int, confirmation: Confirmation, *, trace: str
+    ) -> None:
+        """Says whether the failures of an evaluation happened again.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        self._session.execute(
+            update(FailureRow)
+            .where(FailureRow.campaign_seq == campaign.seq, FailureRow.number == number)
+            .values(confirmation=confirmation, trace=trace)
+        )
+
+    def group(self, campaign_id: str, clusters: Mapping[tuple[int, int], int]) -> None:
+        """Writes the clusters of failures, by number of the evaluation and place.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        rows = self._session.scalars(
+            select(FailureRow).where(FailureRow.campaign_seq == campaign.seq)
+        )
+        for row in rows:
+            row.cluster = clusters.get((row.number, row.place))
+
+    def _records(
+        self, campaign_seq: int, rows: Sequence[EvaluationRow]
+    ) -> tuple[EvaluationRecord, ...]:
+        failures: dict[int, list[FailureRow]] = {}
+        for chunk in batched([row.number for row in rows if row.violations]):
+            found = self._session.scalars(
+                select(FailureRow)
+                .where(FailureRow.campaign_seq == campaign_seq, FailureRow.number.in_(chunk))
+                .order_by(FailureRow.number, FailureRow.place)
+            )
+            for row in found:
+                failures.setdefault(row.number, []).append(row)
+        return tuple(_evaluation(row, failures.get(row.number, [])) for row in rows)
+
+
+def _evaluation_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> EvaluationRow:
+    return EvaluationRow(
+        campaign_seq=campaign_seq,
+        number=record.number,
+        generation=record.proposal.generation,
+        origin=record.proposal.origin,
+        parents=json.dumps(record.proposal.parents),
+        genes=json.dumps(record.proposal.values.tolist()),
+        status=record.status,
+        document_sha256=record.document_sha256 or None,
+        violations=len(record.violations),
+        at_fault_violations=sum(bool(verdict.at_fault) for verdict in record.violations),
+        sim_time_s=record.report.sim_time_s,
+        wall_time_s=record.report.wall_time_s,
+        search_s=record.search_s,
+        prepare_s=record.prepare_s,
+        told_at=now,
+        report=report_to_json(record.report),
+    )
+
+
+def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
+    campaign.evaluations += 1
+    match record.status:
+        case EvaluationStatus.JUDGED:
+            campaign.judged += 1
+        case EvaluationStatus.INVALID:
+            campaign.invalid += 1
+        case EvaluationStatus.FAILED:
+            campaign.failed += 1
+    campaign.violating += bool(record.violations)
+    campaign.at_fault += record.at_fault
+
+
+def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> EvaluationRecord:
+    return EvaluationRecord(
+        number=row.number,
+        proposal=Proposal(
+            values=np.array(json.loads(row.genes), dtype=np.float64),
+            origin=row.origin,
+            generation=row.generation,
+            parents=tuple(json.loads(row.parents)),
+        ),
+        status=EvaluationStatus(row.status),
+        document_sha256=row.document_sha256 or "",
+        report=report_from_json(row.report),
+        violations=tuple(verdict_from_json(failure.verdict) for failure in failures),
+        failure_keys=tuple(failure.key for failure in failures),
+        search_s=row.search_s,
+        prepare_s=row.prepare_s,
+    )
+
+
+def _failure(row: FailureRow) -> FailureRecord:
+    return FailureRecord(
+        number=row.number,
+        place=row.place,
+        key=row.key,
+        verdict=verdict_from_json(row.verdict),
+        confirmation=Confirmation(row.confirmation),
+        cluster=row.cluster,
+        trace=row.trace,
+    )
