@@ -11,7 +11,7 @@ import numpy as np
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace
 
 
 class EvaluationStatus(StrEnum):
@@ -98,8 +98,11 @@ class TesterContext:
         space: What can be varied.
         random: For every random draw of the tester.
         budget: Simulations that the campaign may make.
+        conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
+            get in each other's way; symmetric, none with itself. ``None``: not known.
     """
 
     space: GeneSpace
     random: np.random.Generator
     budget: int
+    conflicts: BoolArray | None = None

@@ -1,0 +1,89 @@
+"""What DoppelTest varies of a scenario: egos, walkers and lights."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.errors import SearchError
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import BoolArray, FloatArray, Gene, GeneSpace, Part
+from drivora_service.search.testers.doppeltest.conflicts import RouteConflicts
+from drivora_service.search.testers.doppeltest.sections import ActorSection
+
+PATH = "path"
+START_TIME = "start_time"
+
+
+class Chromosome:
+    """The sections of a gene space, and what an operator needs to know of them.
+
+    Attributes:
+        space: All genes. What is in no section (NPC vehicles, obstacles, weather) is drawn for a
+            seed and inherited by its descendants.
+        egos: At least two slots.
+        walkers: May have no slot.
+        lights: Indices of the genes of the lights that can vary; may be empty.
+        conflicts: Of the egos' paths.
+    """
+
+    def __init__(self, space: GeneSpace, conflicts: BoolArray | None) -> None:
+        """Finds the sections.
+
+        Args:
+            space: All genes.
+            conflicts: (p, p) which of the p paths of the egos conflict; ``None``: not known, any
+                two different ones may.
+
+        Raises:
+            SearchError: If fewer than two egos vary, or no two of their paths conflict.
+        """
+        self.space = space
+        self.egos = ActorSection(space.of(Part.EGO))
+        if self.egos.most < 2:
+            raise SearchError(
+                f"tester 'doppeltest' lets several egos meet, and {self.egos.most} of the gene "
+                "space's blocks are egos; set `space.egos` to 2..5"
+            )
+        self.walkers = ActorSection(space.of(Part.WALKER))
+        self.lights: IntArray = np.array(
+            [i for block in space.of(Part.LIGHTS) for i in range(block.start, block.stop)],
+            dtype=np.int64,
+        )
+        self.lights = self.lights[space.varies[self.lights]]
+        first = self.egos.blocks[0]
+        self.conflicts = _conflicts(space.genes[first.index(PATH)], conflicts)
+
+    def paths(self, values: FloatArray) -> list[float]:
+        """Gives the paths of the egos."""
+        egos = self.egos
+        return [egos.gene(values, slot, PATH) for slot in egos.taken(values)]
+
+    def draw_ego(self, random: np.random.Generator, others: list[float]) -> FloatArray:
+        """Draws an ego whose path conflicts with one of others, where there is such a path."""
+        ego = self.egos.draw(self.space, random)
+        paths = self.conflicts.with_any(others)
+        if len(paths):
+            block = self.egos.blocks[0]
+            ego[block.index(PATH) - block.start] = random.choice(paths)
+        return ego
+
+    def start_early(self, values: FloatArray) -> None:
+        """Shifts the start times of the egos in place, so that the first one does not wait."""
+        blocks = [self.egos.blocks[slot] for slot in self.egos.taken(values)]
+        places = [block.index(START_TIME) for block in blocks]
+        values[places] -= min(values[places] - self.space.lows[places])
+
+
+def _conflicts(path: Gene, known: BoolArray | None) -> RouteConflicts:
+    count = int(path.high) + 1
+    matrix = ~np.eye(count, dtype=np.bool_) if known is None else known
+    if matrix.shape != (count, count):
+        raise SearchError(
+            f"conflicts of {matrix.shape} paths are given, but the egos choose from {count}"
+        )
+    if not matrix.any():
+        raise SearchError(
+            f"no two of the {count} paths that the egos choose from conflict; tester 'doppeltest' "
+            "needs a seed scenario at a junction, or a greater `space.reach`"
+        )
+    return RouteConflicts(matrix=matrix)

@@ -1,0 +1,109 @@
+"""The crossover: a candidate takes over from another in one section."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.genes import FloatArray
+from drivora_service.search.testers.doppeltest.chromosome import PATH, START_TIME, Chromosome
+from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
+
+_ALL_EGOS = 0.05
+_ALL_WALKERS = 0.1
+_ALL_LIGHTS = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DoppelTestCrossover:
+    """Makes one child of two parents.
+
+    Attributes:
+        chromosome: The sections.
+        parameters: How often each of them takes part; the share of one that the space lacks falls
+            to the others.
+    """
+
+    chromosome: Chromosome
+    parameters: DoppelTestParameters
+
+    def cross(
+        self, first: FloatArray, second: FloatArray, random: np.random.Generator
+    ) -> FloatArray:
+        """Gives a copy of the first parent in which one section has to do with the second's."""
+        child = first.copy()
+        cross_egos, cross_walkers = self.parameters.cross_egos, self.parameters.cross_walkers
+        sections: list[tuple[Callable[..., None], float]] = [(self._egos, cross_egos)]
+        if self.chromosome.walkers.most:
+            sections.append((self._walkers, cross_walkers))
+        if len(self.chromosome.lights):
+            sections.append((self._lights, max(1.0 - cross_egos - cross_walkers, 0.0)))
+        shares = np.array([share for _, share in sections])
+        chances = shares / shares.sum() if shares.any() else None
+        sections[random.choice(len(sections), p=chances)][0](child, second, random)
+        return child
+
+    def _egos(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+        """Takes over all egos, or when or where one on the same path starts, or one ego.
+
+        Else both parents' egos are shuffled, and some of them are the child's.
+        """
+        egos = self.chromosome.egos
+        if random.random() < _ALL_EGOS:
+            for slot in range(egos.most):
+                child[egos.blocks[slot].slice] = other[egos.blocks[slot].slice]
+        elif not self._same_paths(child, other, random) and not self._one_more(child, other):
+            pool = egos.actors(child) + egos.actors(other)
+            fewest = max(egos.least, 2)
+            count = int(random.integers(fewest, min(len(pool), egos.most) + 1))
+            chosen = random.permutation(len(pool))[:count]
+            egos.fill(child, [pool[index] for index in chosen])
+        self.chromosome.start_early(child)
+
+    def _same_paths(
+        self, child: FloatArray, other: FloatArray, random: np.random.Generator
+    ) -> bool:
+        """Takes over the start or the start time of egos on the same path; whether there are any.
+
+        Half of the times it is the place, half of the times the time.
+        """
+        egos = self.chromosome.egos
+        found = False
+        for slot in egos.taken(child):
+            for place in egos.taken(other):
+                if egos.gene(child, slot, PATH) != egos.gene(other, place, PATH):
+                    continue
+                found = True
+                gene = "start" if random.random() < 0.5 else START_TIME
+                child[egos.blocks[slot].index(gene)] = egos.gene(other, place, gene)
+        return found
+
+    def _one_more(self, child: FloatArray, other: FloatArray) -> bool:
+        """Adds the other's first ego whose path conflicts with one of the child's, if it can."""
+        egos, paths = self.chromosome.egos, self.chromosome.paths(child)
+        if len(paths) == egos.most:
+            return False
+        for slot in egos.taken(other):
+            if self.chromosome.conflicts.between(egos.gene(other, slot, PATH), paths):
+                egos.add(child, egos.actor(other, slot))
+                return True
+        return False
+
+    def _walkers(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+        """Takes over all walkers; more often, the child's are some of both parents'."""
+        walkers = self.chromosome.walkers
+        pool = walkers.actors(child) + walkers.actors(other)
+        if random.random() < _ALL_WALKERS:
+            walkers.fill(child, walkers.actors(other))
+            return
+        count = int(random.integers(walkers.least, min(len(pool), walkers.most) + 1))
+        chosen = random.permutation(len(pool))[:count]
+        walkers.fill(child, [pool[index] for index in chosen])
+
+    def _lights(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+        """Takes over one gene of the lights; sometimes all."""
+        lights = self.chromosome.lights
+        which = lights if random.random() < _ALL_LIGHTS else random.choice(lights)
+        child[which] = other[which]

@@ -1,0 +1,93 @@
+"""The mutation: one section of a candidate changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.mutation import redrawn
+from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
+from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
+
+LEAST_EGOS = 2
+
+_CROSSING = (PATH, "place", "side")
+"""Genes of a walker that say where it crosses, as a crosswalk does in the paper."""
+_ONE_LIGHT_GENE = 0.9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DoppelTestMutation:
+    """Changes the egos, the walkers or the lights, each as often.
+
+    Attributes:
+        chromosome: The sections.
+        parameters: The rates.
+    """
+
+    chromosome: Chromosome
+    parameters: DoppelTestParameters
+
+    def mutate(
+        self,
+        values: FloatArray,
+        space: GeneSpace,
+        random: np.random.Generator,
+        *,
+        strength: float = 1.0,
+    ) -> FloatArray:
+        """Gives a changed copy; at strength s, changed s times."""
+        changed = values.copy()
+        sections = [self._egos]
+        if self.chromosome.walkers.most:
+            sections.append(self._walkers)
+        if len(self.chromosome.lights):
+            sections.append(self._lights)
+        for _ in range(max(round(strength), 1)):
+            changed = sections[random.integers(len(sections))](changed, space, random)
+        return changed
+
+    def _egos(
+        self, values: FloatArray, space: GeneSpace, random: np.random.Generator
+    ) -> FloatArray:
+        egos, rates = self.chromosome.egos, self.parameters
+        taken = egos.taken(values)
+        draw = random.random()
+        if draw < rates.remove_ego and len(taken) > max(egos.least, LEAST_EGOS):
+            egos.remove(values, _one_of(taken, random))
+        elif draw < rates.remove_ego + rates.add_ego and len(taken) < egos.most:
+            egos.add(values, self.chromosome.draw_ego(random, self.chromosome.paths(values)))
+        else:
+            egos.redraw(values, _one_of(taken, random), space, random, keep=(PATH,))
+        self.chromosome.start_early(values)
+        return values
+
+    def _walkers(
+        self, values: FloatArray, space: GeneSpace, random: np.random.Generator
+    ) -> FloatArray:
+        walkers, rates = self.chromosome.walkers, self.parameters
+        taken = walkers.taken(values)
+        draw = random.random()
+        if not taken:
+            walkers.add(values, walkers.draw(space, random))
+        elif draw < rates.remove_walker and len(taken) > walkers.least:
+            walkers.remove(values, _one_of(taken, random))
+        elif draw < rates.remove_walker + rates.add_walker and len(taken) < walkers.most:
+            walkers.add(values, walkers.draw(space, random))
+        else:
+            walkers.redraw(values, _one_of(taken, random), space, random, keep=_CROSSING)
+        return values
+
+    def _lights(
+        self, values: FloatArray, space: GeneSpace, random: np.random.Generator
+    ) -> FloatArray:
+        which = np.zeros(len(space), dtype=np.bool_)
+        lights = self.chromosome.lights
+        which[random.choice(lights) if random.random() < _ONE_LIGHT_GENE else lights] = True
+        return redrawn(values, space, random, which)
+
+
+def _one_of(slots: list[int], random: np.random.Generator) -> int:
+    return slots[random.integers(len(slots))]

@@ -1,0 +1,37 @@
+"""What can be set of DoppelTest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DoppelTestParameters:
+    """Defaults are those of the paper, and of its public code where the paper is silent.
+
+    Attributes:
+        population: Candidates that survive a generation (mu).
+        offspring: Candidates of a generation (lambda).
+        crossover: Probability with which a child has two parents; all others are mutants of one.
+        cross_egos: Share of the crossovers that concern the egos.
+        cross_walkers: Share of the crossovers that concern the walkers; the rest, the lights.
+        remove_ego: Probability with which a mutation of the egos takes one away.
+        add_ego: Probability with which it adds one; else it redraws where and when one starts.
+        remove_walker: Probability with which a mutation of the walkers takes one away.
+        add_walker: Probability with which it adds one; else it redraws how and when one walks.
+    """
+
+    population: Annotated[int, Field(ge=2)] = 10
+    offspring: Annotated[int, Field(ge=1)] = 10
+    crossover: Share = 0.8
+    cross_egos: Share = 0.6
+    cross_walkers: Share = 0.2
+    remove_ego: Share = 0.1
+    add_ego: Share = 0.3
+    remove_walker: Share = 0.2
+    add_walker: Share = 0.2

@@ -1,0 +1,53 @@
+"""Telling violations that are new from those that were seen before.
+
+Two violations are one if they are of the same type on the same routes: whoever tests for a week
+wants to read each of them once.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.search.genes import FloatArray, GeneSpace, Part
+from drivora_service.search.tester import Evaluation
+from drivora_service.search.testers.doppeltest.chromosome import PATH
+
+Place: TypeAlias = tuple[str, int | str]
+Key: TypeAlias = tuple[str, frozenset[Place]]
+
+
+class ViolationLog:
+    """All violations of a campaign, each once."""
+
+    def __init__(self, space: GeneSpace) -> None:
+        self._space = space
+        self._blocks = {block.name: block for block in space.blocks}
+        self._seen: set[Key] = set()
+
+    def count_new(self, evaluation: Evaluation) -> int:
+        """Counts the violations of an evaluation that no earlier one had, and remembers them."""
+        values = evaluation.proposal.values
+        new = {self.key(verdict, values) for verdict in evaluation.violations} - self._seen
+        self._seen |= new
+        return len(new)
+
+    def key(self, verdict: Verdict, values: FloatArray) -> Key:
+        """Gives what makes a violation: the rule, and where those who took part were driving.
+
+        Of a deadlock all egos in the cycle take part; else the ego and its counterpart.
+        """
+        actors = verdict.evidence.get("cycle", (verdict.ego, verdict.counterpart))
+        return verdict.oracle, frozenset(self._place(name, values) for name in actors if name)
+
+    def _place(self, name: str, values: FloatArray) -> Place:
+        """Gives an actor's path: an ego's route, or the route that a walker crosses."""
+        block = self._blocks.get(name)
+        if block is None:
+            # Not of the gene space: an actor of the seed scenario, or of its background traffic.
+            return "other", ""
+        path = int(values[block.index(PATH)])
+        if block.part is Part.WALKER:
+            crossed = self._space.of(Part.EGO)[path]
+            return block.part.value, int(values[crossed.index(PATH)])
+        return block.part.value, path
