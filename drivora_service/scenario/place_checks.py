@@ -73,9 +73,10 @@ def _check_lanes(
     points = np.array([(place.x, place.y) for place in actor.places])
     for index in np.flatnonzero(project_points(network, points).lane < 0):
         x, y = float(points[index, 0]), float(points[index, 1])
-        near = nearest_lane_position(network, x, y, max_distance=_SEARCH_RADIUS)
-        distance = None if near is None else abs(near.lateral)
-        if distance is None or distance > limit:
+        near = nearest_lane_position(network, x, y, max_distance=limit)
+        if near is None:
+            far = nearest_lane_position(network, x, y, max_distance=_SEARCH_RADIUS)
+            distance = None if far is None else abs(far.lateral)
             found = f"more than {_SEARCH_RADIUS:.0f} m" if distance is None else f"{distance:.1f} m"
             message = (
                 f"found ({x:.2f}, {y:.2f}) in the network's plane, {found} from the nearest "
@@ -88,6 +89,7 @@ def _check_lanes(
                 )
             )
         elif actor.is_ego:
+            distance = abs(near.lateral)
             snapped.append(OffLanePlace(actor=actor, place=int(index), distance=distance))
 
 

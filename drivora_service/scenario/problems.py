@@ -33,9 +33,10 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
         Problem(
             pointer=pointer(_tokens(details)),
             code=details["type"],
-            message=_message(details, model),
+            # Looking for what was meant is slow, and of more problems none is listed.
+            message=_message(details, model, guess=number < MAX_PROBLEMS),
         )
-        for details in error.errors(include_url=False)
+        for number, details in enumerate(error.errors(include_url=False))
         if not _is_echo(details)
     ]
 
@@ -64,7 +65,8 @@ def in_document_order(
     problems: Sequence[Problem], content: Mapping[str, Any]
 ) -> tuple[Problem, ...]:
     """Sorts problems as their places stand in the document, and bounds their number."""
-    ordered = sorted(problems, key=lambda problem: _rank(problem.pointer, content))
+    positions: dict[int, dict[str, int]] = {}
+    ordered = sorted(problems, key=lambda problem: _rank(problem.pointer, content, positions))
     if len(ordered) <= MAX_PROBLEMS:
         return tuple(ordered)
     message = f"{len(ordered) - MAX_PROBLEMS} further problems are not listed"
@@ -107,15 +109,18 @@ def _is_echo(details: ErrorDetails) -> bool:
     return details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]
 
 
-def _rank(place: str, content: Any) -> tuple[int, ...]:
+def _rank(place: str, content: Any, positions: dict[int, dict[str, int]]) -> tuple[int, ...]:
+    """Gives where a place stands; ``positions`` keeps those of the keys of each object."""
     rank: list[int] = []
     for key in tokens(place, content):
         if isinstance(key, int):
             rank.append(key)
             content = content[key] if key < len(content) else None
         elif isinstance(content, Mapping):
-            keys = list(content)
-            rank.append(keys.index(key) if key in content else len(keys))
+            known = positions.get(id(content))
+            if known is None:
+                known = positions[id(content)] = {name: i for i, name in enumerate(content)}
+            rank.append(known.get(key, len(known)))
             content = content.get(key)
     return tuple(rank)
 
@@ -126,12 +131,12 @@ def _tokens(details: ErrorDetails) -> tuple[str | int, ...]:
     return place[:-1] if place and place[-1] == "[key]" else place
 
 
-def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
+def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> str:
     kind, found, context = details["type"], details["input"], details.get("ctx", {})
     if kind == "missing":
         return f"{details['loc'][-1]!r} is missing"
     if kind == "extra_forbidden":
-        return _unknown_key(details["loc"], model)
+        return _unknown_key(details["loc"], model, guess=guess)
     if kind in _EXPECTED:
         return f"found {_shown(found)}; {_EXPECTED[kind]} is needed"
     if kind in ("enum", "literal_error"):
@@ -160,12 +165,12 @@ def _shown(value: object) -> str:
     return f"{kind_of(value)} {text}" if isinstance(value, str | bool) else text
 
 
-def _unknown_key(place: Sequence[str | int], model: type[BaseModel]) -> str:
+def _unknown_key(place: Sequence[str | int], model: type[BaseModel], *, guess: bool) -> str:
     known = tuple(model_at(model, place[:-1]).model_fields)
     key = str(place[-1])
-    close = close_keys(key, known)
-    guess = f"; did you mean {close[0]!r}?" if close else ""
-    return f"{key[:80]!r} is unknown here{guess} Allowed: {', '.join(known)}".replace(
+    close = close_keys(key, known) if guess else []
+    meant = f"; did you mean {close[0]!r}?" if close else ""
+    return f"{key[:80]!r} is unknown here{meant} Allowed: {', '.join(known)}".replace(
         "here Allowed", "here; allowed"
     )
 
