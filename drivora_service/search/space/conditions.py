@@ -1,0 +1,67 @@
+"""Genes of the weather and of the traffic lights, and the conditions that they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from drivora_service.scenario.model import LightTimes, TrafficLights, Weather
+from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.space.layout import number
+
+_LOWEST_SUN = -30.0
+"""Degrees: the night from here on is no darker, so that a fifth of the range is night."""
+_DENSEST_FOG = 90.0
+"""Per cent: a visibility of 85 m. Together with heavy rain and night 30 m are left, in which a car
+stops from 50 km/h on a wet road."""
+_GREENS = (5.0, 30.0)
+"""Seconds; signal programmes give a green at least 5 s."""
+_LATEST_OFFSET = 60.0
+
+
+def weather_genes() -> list[Gene]:
+    """Gives the genes of the weather, named as the fields of ``Weather``.
+
+    Water that stands on the road is left to the seed: it can take so much of the grip that nobody
+    could drive, while rain and wetness leave 0.7.
+    """
+    return [
+        number("precipitation", 0.0, 100.0, "%"),
+        number("wetness", 0.0, 100.0, "%"),
+        number("fog_density", 0.0, _DENSEST_FOG, "%"),
+        number("cloudiness", 0.0, 100.0, "%"),
+        number("sun_altitude_angle", _LOWEST_SUN, 90.0, "deg"),
+    ]
+
+
+def weather(block: Block, values: FloatArray, seed: Weather) -> Weather:
+    """Gives the weather; what has no gene is the seed's."""
+    own = values[block.slice].tolist()
+    named = {gene.name: value for gene, value in zip(block.genes, own, strict=True)}
+    return replace(seed, **named)
+
+
+def light_genes() -> list[Gene]:
+    """Gives the genes of the light times of all junctions.
+
+    Yellow is left to the network: one too short for the limit could not be obeyed.
+    """
+    return [number("green", *_GREENS, "s"), number("offset", 0.0, _LATEST_OFFSET, "s")]
+
+
+def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> TrafficLights:
+    """Gives the light times; junctions to which the seed gives times of their own keep them."""
+    green, offset = values[block.slice].tolist()
+    times = replace(seed.times, green=green, offset=offset)
+    return TrafficLights(
+        times=times,
+        junctions={name: _filled(own, times) for name, own in seed.junctions.items()},
+    )
+
+
+def _filled(own: LightTimes, common: LightTimes) -> LightTimes:
+    """Gives a junction's times; what they leave open is that of all."""
+    return replace(
+        own,
+        green=common.green if own.green is None else own.green,
+        offset=common.offset if own.offset is None else own.offset,
+    )

@@ -1,0 +1,158 @@
+"""A way along lanes as the episode will drive it, ready to place things on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.errors import NoRoute
+from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.networks.road_network import FloatArray, RoadNetwork
+from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.scenario.model import Waypoint
+from drivora_service.search.space.lane_walks import LaneWalk
+
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+_COORDINATE_DIGITS = 3
+_YAW_DIGITS = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """A place on a path.
+
+    Attributes:
+        x: Metres.
+        y: Metres.
+        yaw: Direction of the path, radians.
+    """
+
+    x: float
+    y: float
+    yaw: float
+
+    def beside(self, lateral: float) -> Pose:
+        """Gives the place ``lateral`` metres to the left."""
+        return Pose(
+            x=self.x - lateral * math.sin(self.yaw),
+            y=self.y + lateral * math.cos(self.yaw),
+            yaw=self.yaw,
+        )
+
+    def waypoint(self, speed: float | None = None) -> Waypoint:
+        """Gives it as a waypoint, rounded to what a document shows."""
+        return Waypoint(
+            x=round(self.x, _COORDINATE_DIGITS),
+            y=round(self.y, _COORDINATE_DIGITS),
+            yaw=round(self.yaw, _YAW_DIGITS),
+            speed=speed if speed is None else round(speed, _COORDINATE_DIGITS),
+        )
+
+
+class DrivenPath:
+    """A planned route by arc length, metres from its beginning.
+
+    Attributes:
+        network: The road network.
+        route: The route.
+        arc: (n,) arc length of each point, at most 1 m apart.
+        line: (n, 2) metres.
+        yaw: (n,) direction, radians, without jumps.
+    """
+
+    def __init__(self, network: RoadNetwork, route: LaneRoute) -> None:
+        self.network, self.route = network, route
+        self.arc, self.line = route.arc, route.line
+        steps = np.diff(route.line, axis=0)
+        headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+        self.yaw: FloatArray = np.append(headings, headings[-1])
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(self.arc[-1])
+
+    @cached_property
+    def in_junction(self) -> BoolArray:
+        """(n,) whether each point is inside a junction."""
+        inside = np.array([lane.is_internal for lane in self.network.lanes])
+        points: BoolArray = inside[self.route.point_lanes]
+        return points
+
+    @cached_property
+    def lane_ranges(self) -> tuple[tuple[int, float, float], ...]:
+        """Lane, and the arc lengths where it begins and ends, in order along the path."""
+        lanes = self.route.point_lanes
+        firsts = np.flatnonzero(np.diff(lanes, prepend=-1))
+        begins = [float(self.arc[first]) for first in firsts]
+        ends = [*begins[1:], self.length]
+        return tuple(
+            (int(lanes[first]), begin, end)
+            for first, begin, end in zip(firsts, begins, ends, strict=True)
+        )
+
+    def at(self, s: float) -> Pose:
+        """Gives the place at arc length ``s``, clamped to the path."""
+        x = float(np.interp(s, self.arc, self.line[:, 0]))
+        y = float(np.interp(s, self.arc, self.line[:, 1]))
+        return Pose(x=x, y=y, yaw=float(self.yaw[self._index(s)]))
+
+    def limit_at(self, s: float) -> float:
+        """Gives the speed limit at arc length ``s``, m/s."""
+        return float(self.route.speed_limits[self._index(s)])
+
+    def range_at(self, s: float) -> int:
+        """Gives the index in ``lane_ranges`` of the lane at arc length ``s``."""
+        for index, (_, _, end) in enumerate(self.lane_ranges):
+            if s < end:
+                return index
+        return len(self.lane_ranges) - 1
+
+    def place_of(self, x: float, y: float) -> tuple[float, float]:
+        """Gives arc length of, and distance to, the nearest point of the path, metres."""
+        gaps = np.hypot(self.line[:, 0] - x, self.line[:, 1] - y)
+        nearest = int(np.argmin(gaps))
+        return float(self.arc[nearest]), float(gaps[nearest])
+
+    def _index(self, s: float) -> int:
+        index = int(np.searchsorted(self.arc, s, side="right")) - 1
+        return min(max(index, 0), len(self.arc) - 1)
+
+
+def plan_walk(network: RoadNetwork, walk: LaneWalk) -> DrivenPath | None:
+    """Plans the way along a walk; ``None`` where the planner would take other lanes."""
+    try:
+        route = plan_route(network, walk_points(network, walk))
+    except NoRoute:
+        return None
+    if len(route.runs) != 1 or route.runs[0].lanes != walk.lanes:
+        return None
+    return DrivenPath(network, route)
+
+
+def walk_points(network: RoadNetwork, walk: LaneWalk) -> tuple[RoutePoint, ...]:
+    """Gives start and end of a walk, and between them a place on every road that it passes."""
+    first, last = walk.lanes[0], walk.lanes[-1]
+    middle = [
+        (lane, 0.5 * float(network.lanes[lane].arc[-1]))
+        for lane in walk.lanes[1:-1]
+        if not network.lanes[lane].is_internal
+    ]
+    places = [(first, walk.start_s), *middle, (last, walk.end_s)]
+    points = []
+    for lane, s in places:
+        x, y, yaw = network.lanes[lane].position_at(s)
+        points.append(
+            RoutePoint(
+                x=round(x, _COORDINATE_DIGITS),
+                y=round(y, _COORDINATE_DIGITS),
+                yaw=round(yaw, _YAW_DIGITS),
+            )
+        )
+    return tuple(points)

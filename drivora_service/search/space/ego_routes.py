@@ -1,0 +1,149 @@
+"""Routes of egos: the seed's own, and others near it that get in one another's way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivora_service.errors import SearchError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routing import plan_route
+from drivora_service.scenario.model import EgoVehicle, Scenario, Waypoint
+from drivora_service.scenario.route_checks import route_points
+from drivora_service.search.space.driven_path import DrivenPath, plan_walk, walk_points
+from drivora_service.search.space.lane_walks import LaneWalk
+from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.relations import Relation
+from drivora_service.search.space.roadside import Roadside
+from drivora_service.search.space.walk_choice import find_walks, take_in_turns
+
+MOST_ROUTES = 12
+"""Routes that several egos choose from, at most."""
+_LEAST_SHARE = 0.6
+"""Of the length of the seed's route that another route has at least."""
+_TURNS = (
+    Relation.CROSSING,
+    Relation.MERGING,
+    Relation.ONCOMING,
+    Relation.CROSSING,
+    Relation.MERGING,
+    Relation.LEADING,
+    Relation.TRAILING,
+    Relation.BESIDE,
+)
+"""In which order routes are taken by what they are to the seed's: conflicting ones twice."""
+_START_SHARE = 0.25
+_START_ROOM = 30.0
+"""Metres by which the start of an ego may move along its route, at most."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EgoRoute:
+    """A route that an ego may have.
+
+    Attributes:
+        path: The way.
+        waypoints: Start, destination, and what it passes between them.
+        room: Metres from the beginning within which it may start.
+        roadside: What lies beside it.
+    """
+
+    path: DrivenPath
+    waypoints: tuple[Waypoint, ...]
+    room: float
+    roadside: Roadside
+
+    def from_start(self, s: float) -> tuple[Waypoint, ...]:
+        """Gives the waypoints of the route from arc length ``s`` (at most ``room``) on."""
+        if s <= 0.0:
+            return self.waypoints
+        return (self.path.at(s).waypoint(), *self.waypoints[1:])
+
+
+def routes_of_egos(
+    seed: Scenario, network: RoadNetwork, options: SpaceOptions
+) -> tuple[EgoRoute, ...]:
+    """Gives the routes that the egos of a space may have, the seed's own first.
+
+    Raises:
+        SearchError: If one of the seed's has no place for a walker or an obstacle that is wanted,
+            or if there is none for a further ego.
+    """
+    own = tuple(seed_route(network, ego) for ego in seed.ego_vehicles)
+    for ego, route in zip(seed.ego_vehicles, own, strict=True):
+        missing = _missing_place(route, options)
+        if missing:
+            raise SearchError(
+                f"the route of ego {ego.id!r}, {route.path.length:.0f} m long, {missing}; use a "
+                "seed scenario with a longer route"
+            )
+    if options.egos == 1:
+        return own
+    others = find_ego_routes(network, own, reach=options.reach, count=MOST_ROUTES)
+    fitting = tuple(route for route in others if not _missing_place(route, options))
+    if not fitting:
+        raise SearchError(
+            f"no route for a further ego was found on {network.name!r} within {options.reach:g} m "
+            "of the seed's; raise `reach`, use one ego, or choose another seed scenario"
+        )
+    return own + fitting
+
+
+def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
+    """Says what a route lacks; "" if nothing."""
+    if options.walkers and not len(route.roadside.crossings):
+        return "leads nowhere along a road that a walker can cross: use no walkers"
+    if options.obstacles and not len(route.roadside.open_road):
+        return "is inside junctions, with no place for an obstacle: use no obstacles"
+    return ""
+
+
+def seed_route(network: RoadNetwork, ego: EgoVehicle) -> EgoRoute:
+    """Gives an ego's own route."""
+    path = DrivenPath(network, plan_route(network, route_points(ego.route)))
+    return _route(path, ego.route)
+
+
+def find_ego_routes(
+    network: RoadNetwork, seeds: Sequence[EgoRoute], *, reach: float, count: int
+) -> tuple[EgoRoute, ...]:
+    """Gives routes besides the seed's, with which there are at most ``count``.
+
+    They begin within ``reach`` metres of one of the seed's, are as long as the seed's longest, and
+    as many as possible cross it or merge with it.
+    """
+    own = [route.path for route in seeds]
+    length = max(path.length for path in own)
+    walks = find_walks(network, own, reach=reach, length=length, most=2 * count)
+
+    def route(walk: LaneWalk, _relation: Relation) -> EgoRoute | None:
+        planned = plan_walk(network, walk)
+        if planned is None or planned.length < _LEAST_SHARE * length:
+            return None
+        waypoints = tuple(
+            Waypoint(x=point.x, y=point.y, yaw=point.yaw) for point in walk_points(network, walk)
+        )
+        return _route(planned, waypoints)
+
+    return take_in_turns(walks, _TURNS, count - len(seeds), route)
+
+
+def _route(path: DrivenPath, waypoints: tuple[Waypoint, ...]) -> EgoRoute:
+    return EgoRoute(
+        path=path, waypoints=waypoints, room=_room(path, waypoints), roadside=Roadside(path)
+    )
+
+
+def _room(path: DrivenPath, waypoints: Sequence[Waypoint]) -> float:
+    """Gives how far the start may move: on the first road, and not beyond the next waypoint."""
+    room = min(_START_ROOM, _START_SHARE * path.length)
+    first = path.route.runs[0]
+    if len(path.route.runs) > 1:
+        room = min(room, first.change_from - first.start_s)
+    if len(waypoints) > 2:
+        following, _ = path.place_of(waypoints[1].x, waypoints[1].y)
+        room = min(room, 0.5 * following)
+    inside = path.in_junction
+    if inside.any():
+        room = min(room, max(float(path.arc[inside][0]) - 1.0, 0.0))
+    return max(room, 0.0)

@@ -1,0 +1,72 @@
+"""Ways along lanes from a place on, in every direction that is permitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from drivora_service.networks.lane_graph import lane_graph
+from drivora_service.networks.road_network import Lane, RoadNetwork
+
+MAX_CHOICES = 3
+"""Junctions at which a way divides into all directions; behind them it takes the straightest."""
+
+_BEHIND_JUNCTION = 6.0
+"""Metres that a way which would end inside a junction leads on behind it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaneWalk:
+    """Lanes that follow one another, those inside junctions included.
+
+    Attributes:
+        lanes: Indices of the lanes.
+        start_s: Arc length on the first lane where it begins, metres.
+        end_s: Arc length on the last lane where it ends, metres.
+    """
+
+    lanes: tuple[int, ...]
+    start_s: float
+    end_s: float
+
+
+def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iterator[LaneWalk]:
+    """Gives the ways of ``length`` metres from a place on a lane, in a fixed order.
+
+    A way never changes lanes or passes a lane twice, and turns around only where there is no other
+    way; it is shorter where the road ends. None ends inside a junction.
+    """
+    lengths = lane_graph(network).lengths
+    waiting: list[tuple[tuple[int, ...], float, int]] = [((lane,), lengths[lane] - s, 0)]
+    while waiting:
+        lanes, walked, choices = waiting.pop()
+        here = network.lanes[lanes[-1]]
+        if walked >= length and not here.is_internal:
+            end = max(lengths[here.index] - (walked - length), _least_end(lanes, lengths, s))
+            yield LaneWalk(lanes=lanes, start_s=s, end_s=end)
+            continue
+        ways = [way for way in _ways(network, here) if way not in lanes]
+        if not ways:
+            if not here.is_internal:
+                yield LaneWalk(lanes=lanes, start_s=s, end_s=lengths[here.index])
+            continue
+        divides = len(ways) > 1
+        if divides and choices >= MAX_CHOICES:
+            ways = ways[:1]
+        choices += divides
+        waiting.extend(((*lanes, way), walked + lengths[way], choices) for way in reversed(ways))
+
+
+def _least_end(lanes: tuple[int, ...], lengths: tuple[float, ...], s: float) -> float:
+    """Gives the least arc length on the last lane at which a way may end."""
+    if len(lanes) == 1:
+        return s
+    return min(_BEHIND_JUNCTION, 0.5 * lengths[lanes[-1]])
+
+
+def _ways(network: RoadNetwork, lane: Lane) -> list[int]:
+    """Gives the lanes behind a lane, the straightest first."""
+    links = [link for link in lane.connections if network.lanes[link.to_lane].drivable]
+    links = [link for link in links if link.direction != "t"] or links
+    links.sort(key=lambda link: "sRLrlt".find(link.direction))
+    return list(dict.fromkeys(link.to_lane for link in links))

@@ -1,0 +1,102 @@
+"""The ways that NPC vehicles choose from: near the egos' routes, of every kind of relation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drivora_service.errors import SearchError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.search.space.driven_path import DrivenPath, plan_walk
+from drivora_service.search.space.lane_walks import LaneWalk
+from drivora_service.search.space.relations import Relation
+from drivora_service.search.space.walk_choice import START_ROOM, find_walks, take_in_turns
+
+JOURNEYS = (60.0, 200.0)
+"""Metres: the shortest and the longest that an NPC vehicle is to have ahead of it. Between them as
+much as the longest ego route, so that it is on its way for about as long as the egos."""
+_TRAILING_SHARE = 0.1
+"""Share of the ways that may come from behind an ego: who follows it can do little to it."""
+_LEAST_ROOM = 4.0
+_DEAD_END_SHARE = 0.3
+"""Share of a way along which its vehicle may start where the road ends too early."""
+_END_MARGIN = 4.0
+"""Metres that starts keep from the ends of a road, where it is long enough."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NpcPath:
+    """A way for an NPC vehicle.
+
+    Attributes:
+        path: The way.
+        relation: To the egos' routes.
+        starts: Arc lengths between which it may start, in order; none is inside a junction.
+    """
+
+    path: DrivenPath
+    relation: Relation
+    starts: tuple[tuple[float, float], ...]
+
+    @property
+    def start_room(self) -> float:
+        """Metres on which it may start, in all."""
+        return sum(high - low for low, high in self.starts)
+
+    def start_at(self, share: float) -> float:
+        """Gives the arc length of a share, 0..1, of the places where it may start."""
+        left = min(max(share, 0.0), 1.0) * self.start_room
+        for low, high in self.starts:
+            if left <= high - low:
+                return low + left
+            left -= high - low
+        return self.starts[-1][1]
+
+
+def find_npc_paths(
+    network: RoadNetwork, routes: Sequence[DrivenPath], *, reach: float, count: int
+) -> tuple[NpcPath, ...]:
+    """Chooses ways around the egos' routes.
+
+    At most ``count`` are taken: as many of one relation as of another, while there are, and of one
+    relation those that differ most. The order is fixed, neighbours in it have different relations.
+
+    Raises:
+        SearchError: If there is none.
+    """
+    journey = min(max([route.length for route in routes] + [JOURNEYS[0]]), JOURNEYS[1])
+    walks = find_walks(network, routes, reach=reach, length=journey + START_ROOM, most=2 * count)
+    most = max(round(_TRAILING_SHARE * count), 1)
+    walks[Relation.TRAILING] = walks.get(Relation.TRAILING, [])[:most]
+
+    def path(walk: LaneWalk, relation: Relation) -> NpcPath | None:
+        planned = plan_walk(network, walk)
+        if planned is None:
+            return None
+        starts = _starts(planned, journey)
+        room = sum(high - low for low, high in starts)
+        if room < _LEAST_ROOM:
+            return None
+        return NpcPath(path=planned, relation=relation, starts=starts)
+
+    paths = take_in_turns(walks, tuple(Relation), count, path)
+    if not paths:
+        raise SearchError(
+            f"no way for an NPC vehicle was found on {network.name!r} within {reach:g} m of the "
+            "egos' routes; raise `reach`, use no NPC vehicles, or choose another seed scenario"
+        )
+    return paths
+
+
+def _starts(path: DrivenPath, journey: float) -> tuple[tuple[float, float], ...]:
+    room = min(START_ROOM, max(path.length - journey, _DEAD_END_SHARE * path.length))
+    starts = []
+    for lane, begin, end in path.lane_ranges:
+        if path.network.lanes[lane].is_internal or begin >= room:
+            continue
+        margin = min(_END_MARGIN, 0.25 * (end - begin))
+        low = begin if begin == 0.0 else begin + margin
+        high = min(end - margin, room)
+        if high > low:
+            starts.append((low, high))
+    return tuple(starts)

@@ -1,0 +1,126 @@
+"""Genes of an obstacle beside or partly on an ego's way, and the obstacle that they stand for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.model import NpcObstacle
+from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.space.driven_path import Pose
+from drivora_service.search.space.egos import PlacedEgo
+from drivora_service.search.space.layout import choice, number, presence
+from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.roadside import place_at, places_from
+from drivora_service.search.space.starts import Start
+
+MODELS = (
+    "static.prop.constructioncone",
+    "static.prop.trafficcone01",
+    "static.prop.streetbarrier",
+    "static.prop.warningconstruction",
+    "static.prop.container",
+    "static.prop.box02",
+    "vehicle.nissan.micra",
+    "vehicle.mercedes.sprinter",
+)
+"""What stands at building sites, what fell off a lorry, and parked vehicles."""
+MAX_LATERAL = 5.0
+"""Metres from the lane's centre."""
+MAX_YAW = 0.5 * math.pi
+CLEARANCE = 0.3
+"""Metres that an ego in the middle of its lane has to an obstacle that reaches into it: one that
+shut the lane would make every ADS fail alike."""
+AHEAD_OF_EGO = 15.0
+"""Metres ahead of an ego's start where the first obstacle stands."""
+_BEFORE_DESTINATION = 8.0
+
+
+def obstacle_genes(options: SpaceOptions, egos: int) -> list[Gene]:
+    """Gives the genes of an obstacle."""
+    return [
+        presence(optional=options.optional),
+        choice("model", len(MODELS)),
+        choice("path", egos),
+        number("place", 0.0, 1.0),
+        number("lateral", -MAX_LATERAL, MAX_LATERAL, "m"),
+        number("yaw", -MAX_YAW, MAX_YAW, "rad"),
+    ]
+
+
+class ObstacleDecoder:
+    """Reads one obstacle's genes."""
+
+    def __init__(self, block: Block, actor_id: str) -> None:
+        self.block, self._id = block, actor_id
+        self._models = tuple(actor_model(ActorKind.OBSTACLE, name) for name in MODELS)
+        self._present = block.start
+        self._model, self._path = block.index("model"), block.index("path")
+        self.shift_gene = block.index("place")
+        self._lateral, self._yaw = block.index("lateral"), block.index("yaw")
+
+    def is_present(self, values: FloatArray) -> bool:
+        """Whether the obstacle is there."""
+        return bool(values[self._present] > 0.5)
+
+    def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
+        """Gives the metres that the place gene moves it by, from 0 to 1."""
+        places = self._places(self._ego(egos, values))
+        return float(places[-1] - places[0])
+
+    def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
+        """Gives where it stands."""
+        model = self._model_of(values)
+        return Start(
+            pose=self._pose(egos, values, model),
+            length=model.length,
+            width=model.width,
+            until=math.inf,
+        )
+
+    def obstacle(self, egos: Sequence[PlacedEgo], values: FloatArray) -> NpcObstacle:
+        """Gives the obstacle."""
+        model = self._model_of(values)
+        pose = self._pose(egos, values, model)
+        return NpcObstacle(id=self._id, model=model.name, location=pose.waypoint())
+
+    def _model_of(self, values: FloatArray) -> ActorModel:
+        return self._models[int(values[self._model])]
+
+    def _ego(self, egos: Sequence[PlacedEgo], values: FloatArray) -> PlacedEgo:
+        return egos[int(values[self._path]) % len(egos)]
+
+    def _places(self, ego: PlacedEgo) -> FloatArray:
+        places = ego.route.roadside.open_road
+        last = ego.route.path.length - _BEFORE_DESTINATION
+        before = places[: max(int(np.searchsorted(places, last)), 1)]
+        return places_from(before, ego.s + AHEAD_OF_EGO)
+
+    def _pose(self, egos: Sequence[PlacedEgo], values: FloatArray, model: ActorModel) -> Pose:
+        ego = self._ego(egos, values)
+        lane = ego.route.path.at(place_at(self._places(ego), float(values[self.shift_gene])))
+        turn, lateral = float(values[self._yaw]), float(values[self._lateral])
+        across = 0.5 * (model.length * abs(math.sin(turn)) + model.width * math.cos(turn))
+        least = across + 0.5 * ego.width + CLEARANCE
+        if abs(lateral) < least:
+            lateral = math.copysign(least, lateral)
+        place = lane.beside(lateral)
+        return Pose(x=place.x, y=place.y, yaw=place.yaw + turn)
+
+
+def shuts_a_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
+    """Tells whether an obstacle leaves an ego less than the clearance in the middle of its lane."""
+    pose = start.pose
+    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+    for ego in egos:
+        line = ego.route.path.line
+        dx, dy = line[:, 0] - pose.x, line[:, 1] - pose.y
+        along = np.abs(dx * cos + dy * sin) - 0.5 * start.length
+        across = np.abs(dy * cos - dx * sin) - 0.5 * start.width
+        gap = np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)).min()
+        if gap < 0.5 * ego.width + 0.5 * CLEARANCE:
+            return True
+    return False

@@ -1,0 +1,86 @@
+"""Places along an ego's route, and how far it is from them to the edges of the carriageway."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from drivora_service.networks.drivable_area import outside_distance
+from drivora_service.networks.road_network import FloatArray, RoadNetwork
+from drivora_service.search.space.driven_path import DrivenPath
+
+OFF_ROAD = 0.5
+"""Metres beside the drivable area from which on one stands beside the road."""
+WIDEST = 25.0
+"""Metres from the route's line to the edge of the carriageway, at most."""
+_STEP = 0.5
+_JUNCTION_MARGIN = 4.0
+"""Metres that places keep from junctions, where the carriageway widens."""
+
+
+class Roadside:
+    """The places of one route that are outside junctions, a metre apart.
+
+    Attributes:
+        path: The route.
+    """
+
+    def __init__(self, path: DrivenPath) -> None:
+        self.path = path
+
+    @cached_property
+    def open_road(self) -> FloatArray:
+        """(n,) arc lengths of places outside junctions and not near them, ascending."""
+        s = np.arange(0.0, self.path.length, 1.0)
+        inside = self.path.arc[self.path.in_junction]
+        if not len(inside):
+            return s
+        after = np.searchsorted(inside, s)
+        ahead = np.abs(inside[np.minimum(after, len(inside) - 1)] - s)
+        behind = np.abs(inside[np.maximum(after - 1, 0)] - s)
+        return s[np.minimum(ahead, behind) >= _JUNCTION_MARGIN]
+
+    @cached_property
+    def crossings(self) -> FloatArray:
+        """(n,) arc lengths of those from which both edges of the carriageway are in reach."""
+        s = self.open_road
+        if not len(s):
+            return s
+        poses = [self.path.at(float(place)) for place in s]
+        xy = np.array([(pose.x, pose.y) for pose in poses])
+        yaw = np.array([pose.yaw for pose in poses])
+        left = edge_distances(self.path.network, xy, yaw + 0.5 * math.pi)
+        right = edge_distances(self.path.network, xy, yaw - 0.5 * math.pi)
+        return s[np.isfinite(left) & np.isfinite(right)]
+
+
+def edge_distances(network: RoadNetwork, xy: FloatArray, directions: FloatArray) -> FloatArray:
+    """Gives how far it is from places on the road to the first place beside it.
+
+    Args:
+        network: The road network.
+        xy: (n, 2) places, metres.
+        directions: (n,) where to go, radians.
+
+    Returns:
+        (n,) metres; inf where the carriageway does not end within ``WIDEST``.
+    """
+    steps = np.arange(_STEP, WIDEST + _STEP, _STEP)
+    ahead = np.stack((np.cos(directions), np.sin(directions)), axis=-1)
+    points = xy[:, None, :] + steps[None, :, None] * ahead[:, None, :]
+    outside = outside_distance(network, points.reshape(-1, 2)).reshape(len(xy), len(steps))
+    beside = outside >= OFF_ROAD
+    found: FloatArray = np.where(beside.any(axis=1), steps[np.argmax(beside, axis=1)], np.inf)
+    return found
+
+
+def places_from(places: FloatArray, begin: float) -> FloatArray:
+    """Gives those of ascending places that are at ``begin`` or beyond; the last if none is."""
+    return places[min(int(np.searchsorted(places, begin)), len(places) - 1) :]
+
+
+def place_at(places: FloatArray, share: float) -> float:
+    """Gives the place at a share, 0..1, of several."""
+    return float(places[round(share * (len(places) - 1))])

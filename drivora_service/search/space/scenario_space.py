@@ -1,0 +1,200 @@
+"""The scenarios that a campaign searches: a seed scenario, and what of it may vary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.model import Scenario
+from drivora_service.search.genes import FloatArray, GeneSpace, Part
+from drivora_service.search.space.conditions import (
+    light_genes,
+    traffic_lights,
+    weather,
+    weather_genes,
+)
+from drivora_service.search.space.ego_routes import routes_of_egos
+from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
+from drivora_service.search.space.layout import Layout
+from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
+from drivora_service.search.space.obstacles import ObstacleDecoder, obstacle_genes, shuts_a_lane
+from drivora_service.search.space.option_checks import check_options
+from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.repair import Mover, settle
+from drivora_service.search.space.seed_actors import ActorNames, seed_starts
+from drivora_service.search.space.vehicles import VehicleDecoder, vehicle_genes
+from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
+
+
+class ScenarioSpace:
+    """Turns genes into scenarios around a seed scenario.
+
+    The same seed, network and options give the same space: the same values mean the same scenario.
+
+    Attributes:
+        seed: The seed scenario.
+        network: Its road network.
+        genes: All genes with their bounds.
+        routes: The routes that egos choose from; with one ego, the seed's.
+        paths: The ways that NPC vehicles choose from.
+    """
+
+    def __init__(self, seed: Scenario, network: RoadNetwork, options: SpaceOptions) -> None:
+        """Prepares the space.
+
+        Raises:
+            SearchError: If the options contradict each other or the seed, or if there is no place
+                around the seed's egos for what is to vary.
+        """
+        check_options(seed, options)
+        self.seed, self.network, self._options = seed, network, options
+        self.routes = routes_of_egos(seed, network, options)
+        self.paths: tuple[NpcPath, ...] = ()
+        if options.vehicles:
+            ways = [route.path for route in self.routes]
+            self.paths = find_npc_paths(network, ways, reach=options.reach, count=options.paths)
+        self._layout, self._names = Layout(), ActorNames(seed)
+        self._fixed_egos, self._egos = self._make_egos()
+        self._vehicles = self._make_vehicles()
+        self._walkers = self._make_walkers()
+        self._obstacles = self._make_obstacles()
+        self._weather = (
+            self._layout.add("weather", Part.WEATHER, weather_genes()) if options.weather else None
+        )
+        self._lights = (
+            self._layout.add("lights", Part.LIGHTS, light_genes())
+            if options.lights and network.programs
+            else None
+        )
+        self.genes = GeneSpace(self._layout.blocks)
+        self._seed_starts = seed_starts(seed, network)
+
+    def repair(self, values: FloatArray) -> FloatArray:
+        """Brings values within the bounds and moves actors apart that would start too near.
+
+        Args:
+            values: (d,) genes; left as they are.
+
+        Returns:
+            (d,) genes. Repaired once more they stay the same. What has no free place stays where
+            it is: :func:`find_problems` tells whether the scenario is valid all the same.
+        """
+        repaired = self.genes.clip(values)
+        taken = [*self._seed_starts, *(ego.place().start for ego in self._fixed_egos)]
+        for mover in self._ego_and_vehicle_movers(repaired):
+            settle(repaired, mover, taken)
+        egos = self._placed_egos(repaired)
+        for mover in self._roadside_movers(repaired, egos):
+            settle(repaired, mover, taken)
+        return repaired
+
+    def scenario(self, values: FloatArray) -> Scenario:
+        """Gives the scenario that values (d,) within the bounds stand for."""
+        egos = self._placed_egos(values)
+        seed = self.seed
+        return replace(
+            seed,
+            ego_vehicles=tuple(ego.ego for ego in egos),
+            npc_vehicles=seed.npc_vehicles
+            + tuple(one.vehicle(values) for one in self._vehicles if one.is_present(values)),
+            npc_walkers=seed.npc_walkers
+            + tuple(one.walker(egos, values) for one in self._walkers if one.is_present(values)),
+            npc_obstacles=seed.npc_obstacles
+            + tuple(
+                one.obstacle(egos, values) for one in self._obstacles if one.is_present(values)
+            ),
+            weather=seed.weather
+            if self._weather is None
+            else weather(self._weather, values, seed.weather),
+            traffic_lights=seed.traffic_lights
+            if self._lights is None
+            else traffic_lights(self._lights, values, seed.traffic_lights),
+        )
+
+    def _make_egos(self) -> tuple[tuple[FixedEgo, ...], tuple[GeneEgo, ...]]:
+        own = self.seed.ego_vehicles
+        if self._options.egos == 1:
+            pairs = zip(own, self.routes, strict=True)
+            return tuple(FixedEgo(ego, route) for ego, route in pairs), ()
+        egos = []
+        for i in range(self._options.egos):
+            name = f"ego_{i}"
+            genes = ego_genes(self._options, i, len(self.routes))
+            block = self._layout.add(name, Part.EGO, genes)
+            like = own[i] if i < len(own) else replace(own[0], id=self._names.free(name))
+            egos.append(GeneEgo(block, like, self.routes))
+        return (), tuple(egos)
+
+    def _make_vehicles(self) -> tuple[VehicleDecoder, ...]:
+        made = []
+        for i in range(self._options.vehicles):
+            name = f"vehicle_{i}"
+            block = self._layout.add(name, Part.VEHICLE, vehicle_genes(self._options, self.paths))
+            made.append(VehicleDecoder(block, self._names.free(name), self.paths, self._options))
+        return tuple(made)
+
+    def _make_walkers(self) -> tuple[WalkerDecoder, ...]:
+        made = []
+        for i in range(self._options.walkers):
+            name = f"walker_{i}"
+            block = self._layout.add(
+                name, Part.WALKER, walker_genes(self._options, self._ego_count)
+            )
+            made.append(WalkerDecoder(block, self._names.free(name)))
+        return tuple(made)
+
+    def _make_obstacles(self) -> tuple[ObstacleDecoder, ...]:
+        made = []
+        for i in range(self._options.obstacles):
+            name = f"obstacle_{i}"
+            genes = obstacle_genes(self._options, self._ego_count)
+            block = self._layout.add(name, Part.OBSTACLE, genes)
+            made.append(ObstacleDecoder(block, self._names.free(name)))
+        return tuple(made)
+
+    @property
+    def _ego_count(self) -> int:
+        return len(self._fixed_egos) + len(self._egos)
+
+    def _placed_egos(self, values: FloatArray) -> tuple[PlacedEgo, ...]:
+        own = tuple(ego.place() for ego in self._fixed_egos)
+        return own + tuple(ego.place(values) for ego in self._egos if ego.is_present(values))
+
+    def _ego_and_vehicle_movers(self, values: FloatArray) -> Iterator[Mover]:
+        for ego in self._egos:
+            if ego.is_present(values):
+                yield Mover(
+                    start=ego.start,
+                    room=ego.shift_room,
+                    shift_gene=ego.shift_gene,
+                    path_gene=ego.path_gene,
+                    paths=len(self.routes),
+                )
+        for vehicle in self._vehicles:
+            if vehicle.is_present(values):
+                yield Mover(
+                    start=vehicle.start,
+                    room=vehicle.shift_room,
+                    shift_gene=vehicle.shift_gene,
+                    path_gene=vehicle.path_gene,
+                    paths=len(self.paths),
+                )
+
+    def _roadside_movers(self, values: FloatArray, egos: tuple[PlacedEgo, ...]) -> Iterator[Mover]:
+        for obstacle in self._obstacles:
+            if obstacle.is_present(values):
+                yield Mover(
+                    start=partial(obstacle.start, egos),
+                    room=partial(obstacle.shift_room, egos),
+                    shift_gene=obstacle.shift_gene,
+                    is_refused=lambda start: shuts_a_lane(start, egos),
+                )
+        for walker in self._walkers:
+            if walker.is_present(values):
+                yield Mover(
+                    start=partial(walker.start, egos),
+                    room=partial(walker.shift_room, egos),
+                    shift_gene=walker.shift_gene,
+                )

@@ -1,0 +1,222 @@
+"""Genes of an NPC vehicle, and the vehicle that they stand for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
+from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.space.driven_path import DrivenPath
+from drivora_service.search.space.layout import choice, number, presence, whole
+from drivora_service.search.space.npc_paths import NpcPath
+from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.starts import Start
+
+MODELS = (
+    "vehicle.nissan.micra",
+    "vehicle.lincoln.mkz_2017",
+    "vehicle.volkswagen.t2",
+    "vehicle.tesla.cybertruck",
+    "vehicle.mercedes.sprinter",
+    "vehicle.carlamotors.carlacola",
+    "vehicle.yamaha.yzf",
+)
+"""Small and large cars, vans, a truck and a motorcycle, all narrower than any lane."""
+LEAST_SPEED = 2.0
+"""m/s: whoever drives behind a vehicle at this speed still arrives within 0.8 s a metre, the time
+that an ego has."""
+MAX_SHIFT = 12.0
+"""Metres by which a waypoint may be moved along the path."""
+_LEAST_SPACING = 15.0
+"""Metres between waypoints, where there is room: enough for a lane change."""
+_CHANGE_ROOM = 12.0
+"""Metres that a waypoint on the neighbouring lane keeps from the waypoints before and behind it,
+and from the ends of its lane, so that it can be reached and left on the way."""
+_REPLAY_SPACING = 4.0
+"""Metres between the waypoints of a vehicle that joins them by straight lines."""
+
+
+def vehicle_genes(options: SpaceOptions, paths: Sequence[NpcPath]) -> list[Gene]:
+    """Gives the genes of an NPC vehicle that chooses from ``paths``."""
+    slices = range(options.slices)
+    limit = max(float(path.path.route.speed_limits.max()) for path in paths)
+    fastest = max(options.max_speed_factor * limit, LEAST_SPEED)
+    leftmost = int(any(_neighbour(path.path, 1) for path in paths))
+    rightmost = -int(any(_neighbour(path.path, -1) for path in paths))
+    return [
+        presence(optional=options.optional),
+        choice("model", len(MODELS)),
+        choice("path", len(paths)),
+        number("start", 0.0, 1.0),
+        *[number(f"speed_{k}", LEAST_SPEED, fastest, "m/s") for k in slices],
+        *[whole(f"lane_{k}", rightmost, leftmost) for k in slices],
+        *[number(f"along_{k}", -MAX_SHIFT, MAX_SHIFT, "m") for k in slices],
+    ]
+
+
+def _neighbour(path: DrivenPath, side: int) -> bool:
+    """Whether any lane of a path has a neighbour on a side."""
+    lanes = [path.network.lanes[lane] for lane, _, _ in path.lane_ranges]
+    return any((lane.left if side > 0 else lane.right) >= 0 for lane in lanes)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Stop:
+    """A waypoint to be: arc length on the path, lane to the side (-1, 0, 1), wanted speed."""
+
+    s: float
+    side: int
+    speed: float
+
+
+class VehicleDecoder:
+    """Reads one vehicle's genes."""
+
+    def __init__(
+        self, block: Block, actor_id: str, paths: Sequence[NpcPath], options: SpaceOptions
+    ) -> None:
+        self.block, self._id = block, actor_id
+        self._paths, self._options = paths, options
+        self._models = tuple(actor_model(ActorKind.VEHICLE, name) for name in MODELS)
+        self._present = block.start
+        self._model = block.index("model")
+        self.path_gene, self.shift_gene = block.index("path"), block.index("start")
+        self._speeds = list(block.indices("speed"))
+        self._lanes = list(block.indices("lane"))
+        self._shifts = list(block.indices("along"))
+
+    def is_present(self, values: FloatArray) -> bool:
+        """Whether the vehicle is there."""
+        return bool(values[self._present] > 0.5)
+
+    def path(self, values: FloatArray) -> NpcPath:
+        """Gives the path that it chose."""
+        return self._paths[int(values[self.path_gene])]
+
+    def shift_room(self, values: FloatArray) -> float:
+        """Gives the metres that the start gene moves it by, from 0 to 1."""
+        return self.path(values).start_room
+
+    def start(self, values: FloatArray) -> Start:
+        """Gives where it appears."""
+        chosen, model = self.path(values), self._model_of(values)
+        s = chosen.start_at(float(values[self.shift_gene]))
+        return Start(
+            pose=chosen.path.at(s),
+            length=model.length,
+            width=model.width,
+            speed=self._speed(chosen.path, model, s, float(values[self._speeds[0]])),
+            path=chosen.path,
+            s=s,
+        )
+
+    def vehicle(self, values: FloatArray) -> NpcVehicle:
+        """Gives the vehicle."""
+        chosen, model = self.path(values), self._model_of(values)
+        path = chosen.path
+        begin = chosen.start_at(float(values[self.shift_gene]))
+        stops = self._stops(values, path, model, begin)
+        first = _Stop(s=begin, side=0, speed=self._speed(path, model, begin, stops[0].speed))
+        if self._options.behavior is NpcBehavior.REPLAY:
+            route = _drawn(path, [first, *stops])
+        else:
+            route = _joined(path, [first, *stops])
+        return NpcVehicle(
+            id=self._id, model=model.name, route=route, behavior=self._options.behavior
+        )
+
+    def _model_of(self, values: FloatArray) -> ActorModel:
+        return self._models[int(values[self._model])]
+
+    def _speed(self, path: DrivenPath, model: ActorModel, s: float, wanted: float) -> float:
+        fastest = min(self._options.max_speed_factor * path.limit_at(s), model.max_speed)
+        return max(min(wanted, fastest), LEAST_SPEED)
+
+    def _stops(
+        self, values: FloatArray, path: DrivenPath, model: ActorModel, begin: float
+    ) -> list[_Stop]:
+        """Gives the waypoints behind the start: evenly spaced, shifted, in order, on the path."""
+        count = len(self._speeds)
+        spacing = (path.length - begin) / count
+        least = min(_LEAST_SPACING, 0.6 * spacing)
+        places = []
+        last = begin
+        for k in range(count):
+            wanted = begin + (k + 1) * spacing + float(values[self._shifts[k]])
+            last = min(max(wanted, last + least), path.length - (count - 1 - k) * least)
+            places.append(last)
+        stops = []
+        for k, s in enumerate(places):
+            before = places[k - 1] if k else begin
+            behind = places[k + 1] if k + 1 < count else s + _CHANGE_ROOM
+            room = min(s - before, behind - s)
+            side = int(values[self._lanes[k]]) if room >= _CHANGE_ROOM else 0
+            stops.append(
+                _Stop(
+                    s=s,
+                    side=side if _has_room_beside(path, s, side) else 0,
+                    speed=self._speed(path, model, s, float(values[self._speeds[k]])),
+                )
+            )
+        return stops
+
+
+def _has_room_beside(path: DrivenPath, s: float, side: int) -> bool:
+    """Whether a waypoint may lie on the lane to the side, and be reached and left again."""
+    if side == 0:
+        return False
+    index, low, high = path.lane_ranges[path.range_at(s)]
+    lane = path.network.lanes[index]
+    if (lane.left if side > 0 else lane.right) < 0:
+        return False
+    return low + _CHANGE_ROOM <= s <= high - _CHANGE_ROOM
+
+
+def _offset(path: DrivenPath, stop: _Stop) -> float:
+    """Gives the metres to the left of the path at which a waypoint lies."""
+    if stop.side == 0:
+        return 0.0
+    own = path.network.lanes[path.lane_ranges[path.range_at(stop.s)][0]]
+    other = path.network.lanes[own.left if stop.side > 0 else own.right]
+    return stop.side * 0.5 * (own.width + other.width)
+
+
+def _joined(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
+    """Gives waypoints between which the planner finds the path again.
+
+    Where two follow each other on roads that do not, one lies on the longest road between them.
+    """
+    route = [_waypoint(path, stops[0])]
+    for before, stop in pairwise(stops):
+        first, last = path.range_at(before.s), path.range_at(stop.s)
+        skipped = [
+            (end - begin, 0.5 * (begin + end))
+            for lane, begin, end in path.lane_ranges[first + 1 : last]
+            if not path.network.lanes[lane].is_internal
+        ]
+        if skipped:
+            route.append(path.at(max(skipped)[1]).waypoint(stop.speed))
+        route.append(_waypoint(path, stop))
+    return tuple(route)
+
+
+def _drawn(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
+    """Gives waypoints so near to one another that straight lines between them follow the path."""
+    route = [_waypoint(path, stops[0])]
+    for before, stop in pairwise(stops):
+        count = max(math.ceil((stop.s - before.s) / _REPLAY_SPACING), 1)
+        here, there = _offset(path, before), _offset(path, stop)
+        for step in range(1, count + 1):
+            share = step / count
+            aside = here + (there - here) * 0.5 * (1.0 - math.cos(math.pi * share))
+            s = before.s + share * (stop.s - before.s)
+            route.append(path.at(s).beside(aside).waypoint(stop.speed))
+    return tuple(route)
+
+
+def _waypoint(path: DrivenPath, stop: _Stop) -> Waypoint:
+    return path.at(stop.s).beside(_offset(path, stop)).waypoint(stop.speed)
