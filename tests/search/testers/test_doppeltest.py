@@ -18,6 +18,7 @@ from drivora_service.search.genes import FloatArray, GeneSpace, Part
 from drivora_service.search.mutation import RedrawGene
 from drivora_service.search.selection import RandomSelection
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, TesterContext
+from drivora_service.search.testers.doppeltest.chromosome import Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST, DoppelTest
 from drivora_service.search.testers.doppeltest.violations import ViolationLog
@@ -285,7 +286,7 @@ def at_paths(*paths: int, walker: int = 0) -> FloatArray:
 
 def news(*found: tuple[FloatArray, Verdict]) -> list[int]:
     """Counts the new violations of candidates that are told one after the other."""
-    log = ViolationLog(SPACE)
+    log = ViolationLog(Chromosome(SPACE, None))
     return [
         log.count_new(
             evaluated(i, Proposal(values=values, origin="initial"), (0.0, 0.0, 0.0), (verdict,))
@@ -317,18 +318,20 @@ def test_a_walker_is_known_by_the_route_that_it_crosses() -> None:
         (at_paths(2, 1, walker=1), violated("collision", "ego_1", "walker_0")),
         (at_paths(1, 2, walker=1), violated("collision", "ego_0", "walker_0")),
         (at_paths(1, 1), violated("collision", "ego_0", "ego_1")),
-    ) == [1, 0, 1, 1]
+        # Two egos are there: the third of them is the first.
+        (at_paths(1, 2, walker=2), violated("collision", "ego_0", "walker_0")),
+    ) == [1, 0, 1, 1, 0]
 
 
 def test_both_verdicts_of_one_collision_are_one_violation() -> None:
-    log = ViolationLog(SPACE)
+    log = ViolationLog(Chromosome(SPACE, None))
     both = (violated("collision", "ego_0", "ego_1"), violated("collision", "ego_1", "ego_0"))
     proposal = Proposal(values=at_paths(1, 2), origin="initial")
     assert log.count_new(evaluated(0, proposal, (0.0, 0.0, 0.0), both)) == 1
 
 
 def test_a_deadlock_is_one_violation_of_all_its_egos() -> None:
-    log = ViolationLog(SPACE)
+    log = ViolationLog(Chromosome(SPACE, None))
     cycle = ["ego_0", "ego_1", "ego_2"]
     verdicts = tuple(
         violated("deadlock", cycle[i], cycle[(i + 1) % 3], cycle=cycle) for i in range(3)

@@ -69,7 +69,7 @@ class DoppelTest:
         self._selection: Selection = components.selection or Truncation()
         self._proposed: set[bytes] = set()
         self.population: list[Individual] = []
-        self.violations = ViolationLog(context.space)
+        self.violations = ViolationLog(self._chromosome)
 
     def script(self) -> Script:
         """Proposes generations and learns from them, without end.

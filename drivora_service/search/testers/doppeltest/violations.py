@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import FloatArray, GeneSpace, Part
+from drivora_service.search.genes import FloatArray, Part
 from drivora_service.search.tester import Evaluation
-from drivora_service.search.testers.doppeltest.chromosome import PATH
+from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
 
 Place: TypeAlias = tuple[str, int | str]
 Key: TypeAlias = tuple[str, frozenset[Place]]
@@ -20,9 +20,9 @@ Key: TypeAlias = tuple[str, frozenset[Place]]
 class ViolationLog:
     """All violations of a campaign, each once."""
 
-    def __init__(self, space: GeneSpace) -> None:
-        self._space = space
-        self._blocks = {block.name: block for block in space.blocks}
+    def __init__(self, chromosome: Chromosome) -> None:
+        self._chromosome = chromosome
+        self._blocks = {block.name: block for block in chromosome.space.blocks}
         self._seen: set[Key] = set()
 
     def count_new(self, evaluation: Evaluation) -> int:
@@ -41,13 +41,16 @@ class ViolationLog:
         return verdict.oracle, frozenset(self._place(name, values) for name in actors if name)
 
     def _place(self, name: str, values: FloatArray) -> Place:
-        """Gives an actor's path: an ego's route, or the route that a walker crosses."""
+        """Gives an actor's path; of walkers and obstacles, the route that they are in the way of.
+
+        Those choose from the egos that are present, counted in order and over again.
+        """
         block = self._blocks.get(name)
         if block is None:
             # Not of the gene space: an actor of the seed scenario, or of its background traffic.
             return "other", ""
         path = int(values[block.index(PATH)])
-        if block.part is Part.WALKER:
-            crossed = self._space.of(Part.EGO)[path]
-            return block.part.value, int(values[crossed.index(PATH)])
+        if block.part in (Part.WALKER, Part.OBSTACLE):
+            routes = self._chromosome.paths(values)
+            path = int(routes[path % len(routes)])
         return block.part.value, path
