@@ -89,7 +89,6 @@ class AvfuzzerFeedback:
         ahead = east * cos + north * sin
         near = (np.abs(ahead) <= self.reach) & (np.abs(north * cos - east * sin) <= self.half_width)
         near &= np.abs(away[..., Col.Z]) <= LEVEL_GAP
-        near[:, ego.row] = False
         # Off every lane, where no direction is known, the sine is NaN and nobody pulls in.
         slanted = np.abs(np.sin(ego.states[:, Col.YAW] - lane)) > math.sin(self.slant)
         same_way = np.cos(others[..., Col.YAW] - heading[:, None]) > 0.0

@@ -76,9 +76,8 @@ class AvfuzzerSearch:
                 best = found
                 if len(bests) - 1 > settings.local_after:
                     local = yield from self._search_around(best)
-                    if local.cost < best.cost:
-                        population = _replaced(population, best, local)
-                        best = local
+                    population = _replaced(population, best, local)
+                    best = local
 
     def _has_stalled(self, bests: list[float]) -> bool:
         """Whether the last best is no better than the mean of those before it."""
@@ -88,7 +87,7 @@ class AvfuzzerSearch:
     def _search_around(
         self, best: Individual
     ) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], Individual]:
-        """Breeds some generations from copies of a scenario, and gives the best found."""
+        """Breeds some generations from copies of a scenario, and gives the best of it and them."""
         settings = self._parameters
         rate = settings.mutation_rate * settings.local_factor
         population: Population = (best,) * settings.population
