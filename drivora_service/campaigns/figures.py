@@ -1,0 +1,174 @@
+"""What a campaign came to, in figures that campaigns can be compared by."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import EvaluationRecord
+
+_LEVELS = 4
+"""Parts into which the range of a gene is cut to count which combinations were tried."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignFigures:
+    """One campaign in figures.
+
+    Attributes:
+        campaign: Its id.
+        group: What is compared: campaigns of one group are repetitions of one another.
+        scenario: Name of the seed scenario; only campaigns of the same one are compared.
+        seed: Of the search.
+        simulations: Candidates that were simulated.
+        invalid_share: Of all candidates, those that were no valid scenario.
+        failed_share: Of the simulations, those without a result.
+        failing: Simulations with at least one failure.
+        at_fault: Simulations in which an ego is known to be responsible for one.
+        kinds: Different failures by key (``campaigns.failures``).
+        rules: Different rules broken, collisions with vehicles, walkers and obstacles apart.
+        clusters: Groups of similar failures; ``None`` if they were not grouped.
+        first_failure: Simulations up to the first failure, itself included; ``None``: none found.
+        found: For each different failure, simulations up to it, ascending.
+        gene_coverage: Share of all combinations of two genes' levels that were tried.
+        simulation_s: Seconds that the runs took in their workers, all together.
+        own_s: Seconds that the method itself took: asking, telling, repairing, decoding, checking.
+    """
+
+    campaign: str
+    group: str
+    scenario: str
+    seed: int
+    simulations: int
+    invalid_share: float
+    failed_share: float
+    failing: int
+    at_fault: int
+    kinds: int
+    rules: int
+    clusters: int | None
+    first_failure: int | None
+    found: tuple[int, ...]
+    gene_coverage: float
+    simulation_s: float
+    own_s: float
+
+    @property
+    def own_share(self) -> float:
+        """The method's own time over that of the runs."""
+        return self.own_s / self.simulation_s if self.simulation_s > 0.0 else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """Whose figures they are; see :class:`CampaignFigures`."""
+
+    campaign: str
+    group: str
+    scenario: str
+    seed: int
+
+
+def figures_of(
+    subject: Subject,
+    records: Sequence[EvaluationRecord],
+    space: GeneSpace,
+    *,
+    clusters: int | None = None,
+) -> CampaignFigures:
+    """Counts what a campaign came to.
+
+    Args:
+        subject: The campaign.
+        records: Its evaluations in order.
+        space: Its genes.
+        clusters: Groups of similar failures, where they are known.
+    """
+    simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
+    found: dict[str, int] = {}
+    rules: set[tuple[str, str]] = set()
+    failing = at_fault = 0
+    first: int | None = None
+    for count, record in enumerate(simulated, start=1):
+        if not record.violations:
+            continue
+        failing += 1
+        at_fault += record.at_fault
+        first = count if first is None else first
+        for key, verdict in zip(record.failure_keys, record.violations, strict=True):
+            found.setdefault(key, count)
+            rules.add((verdict.oracle, _kind_of(verdict.counterpart)))
+    failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
+    values = np.array([r.proposal.values for r in simulated]).reshape(len(simulated), len(space))
+    return CampaignFigures(
+        campaign=subject.campaign,
+        group=subject.group,
+        scenario=subject.scenario,
+        seed=subject.seed,
+        simulations=len(simulated),
+        invalid_share=_share(len(records) - len(simulated), len(records)),
+        failed_share=_share(failed, len(simulated)),
+        failing=failing,
+        at_fault=at_fault,
+        kinds=len(found),
+        rules=len(rules),
+        clusters=clusters,
+        first_failure=first,
+        found=tuple(sorted(found.values())),
+        gene_coverage=pairwise_coverage(values, space),
+        simulation_s=sum(r.report.wall_time_s for r in simulated),
+        own_s=sum(r.search_s + r.prepare_s for r in records),
+    )
+
+
+def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[EvaluationRecord]:
+    """Gives the evaluations that one worker ends within some seconds of wall time.
+
+    The method's own time counts, so that methods can be compared at equal time.
+    """
+    costs = [r.report.wall_time_s + r.search_s + r.prepare_s for r in records]
+    ends = itertools.accumulate(costs)
+    return [record for record, end in zip(records, ends, strict=True) if end <= seconds]
+
+
+def pairwise_coverage(values: FloatArray, space: GeneSpace) -> float:
+    """Gives the share of two-way combinations that were tried.
+
+    Every range is cut into four equal levels (fewer where a whole gene has fewer values). Of all
+    pairs of genes that vary, and all combinations of their levels, it counts those that some
+    candidate has, as combinatorial testing does.
+
+    Args:
+        values: (n, d) candidates.
+        space: Their genes.
+    """
+    varying = np.flatnonzero(space.varies)
+    if len(varying) < 2 or not len(values):
+        return 0.0
+    unit = space.to_unit(values)[:, varying]
+    counts = np.where(space.is_whole, space.highs - space.lows + 1.0, float(_LEVELS))[varying]
+    levels = np.minimum(counts, _LEVELS).astype(np.int64)
+    cells = np.minimum((unit * levels).astype(np.int64), levels - 1)
+    # One column for each level of each gene: two columns that are both set in a row are a pair.
+    starts = np.concatenate(([0], np.cumsum(levels)))
+    marks = np.zeros((len(cells), int(starts[-1])), dtype=np.float32)
+    rows = np.arange(len(cells))[:, None]
+    marks[rows, cells + starts[:-1]] = 1.0
+    together = (marks.T @ marks) > 0.5
+    tried = int(np.triu(together, 1).sum())
+    possible = int((levels.sum() ** 2 - (levels**2).sum()) // 2)
+    return tried / possible
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else 0.0
+
+
+def _kind_of(counterpart: str) -> str:
+    """Gives the kind of actor that an id of the gene space or the background names."""
+    return counterpart.partition("_")[0].partition(":")[0]

@@ -1,0 +1,109 @@
+"""Methods against a baseline."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivora_service.campaigns.comparison import MEASURES, compare_campaigns, measure
+from drivora_service.campaigns.figures import CampaignFigures
+from drivora_service.errors import CampaignError, UnknownName
+
+
+def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> CampaignFigures:
+    return CampaignFigures(
+        campaign=f"{scenario}-{group}-{seed}",
+        group=group,
+        scenario=scenario,
+        seed=seed,
+        simulations=100,
+        invalid_share=0.0,
+        failed_share=0.0,
+        failing=at_fault,
+        at_fault=at_fault,
+        kinds=min(at_fault, 3),
+        rules=1,
+        clusters=None,
+        first_failure=10 if at_fault else None,
+        found=(),
+        gene_coverage=0.5,
+        simulation_s=10.0,
+        own_s=1.0,
+    )
+
+
+def study(shift: int, scenarios: tuple[str, ...] = ("s",)) -> list[CampaignFigures]:
+    random = np.random.default_rng(0)
+    return [
+        figures(group, seed, int(random.poisson(5 + more)), scenario)
+        for scenario in scenarios
+        for group, more in (("random", 0), ("avfuzzer", shift))
+        for seed in range(20)
+    ]
+
+
+def test_a_method_that_finds_more_is_better() -> None:
+    rows = compare_campaigns(study(6), "random", [measure("at_fault")])
+    assert len(rows) == 1
+    row = rows[0]
+    assert row.effect.a12 > 0.9
+    assert row.is_better
+    assert row.median > row.baseline_median
+    assert (row.repetitions, row.baseline_repetitions) == (20, 20)
+
+
+def test_chance_is_not_called_better() -> None:
+    (row,) = compare_campaigns(study(0), "random", [measure("at_fault")])
+    assert not row.is_better
+
+
+def test_fewer_simulations_to_the_first_failure_are_better() -> None:
+    found = [replace(f, first_failure=5 + f.seed) for f in study(6) if f.group == "avfuzzer"]
+    late = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    (row,) = compare_campaigns(found + late, "random", [measure("first_failure")])
+    assert row.effect.a12 == 1.0
+    # A campaign that found nothing counts as later than all of its simulations.
+    never = [replace(f, first_failure=None) for f in late]
+    (row,) = compare_campaigns(found + never, "random", [measure("first_failure")])
+    assert row.baseline_median == 101.0
+
+
+def test_p_is_corrected_for_all_rows_of_a_measure() -> None:
+    one = compare_campaigns(study(2), "random", [measure("at_fault")])
+    three = compare_campaigns(study(2, ("s", "t", "u")), "random", [measure("at_fault")])
+    assert one[0].p_holm == one[0].effect.p
+    assert len(three) == 3
+    smallest = min(three, key=lambda row: row.effect.p)
+    assert smallest.p_holm == pytest.approx(min(1.0, 3 * smallest.effect.p))
+
+
+def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
+    assert compare_campaigns(study(2), "random", [measure("clusters")]) == ()
+
+
+def test_every_measure_can_be_compared() -> None:
+    known = [replace(f, clusters=1) for f in study(2)]
+    assert len(compare_campaigns(known, "random")) == len(MEASURES)
+
+
+@pytest.mark.parametrize(
+    ("campaigns", "baseline", "message"),
+    [
+        (study(1), "samota", "no campaign of 'samota'"),
+        ([f for f in study(1) if f.group == "random"], "random", "nothing to compare"),
+        ([*study(1), figures("avfuzzer", 0, 1, "t")], "random", "on 't' there is no"),
+        ([*study(1), replace(study(1)[0], campaign="twin")], "random", "the same search"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(
+    campaigns: list[CampaignFigures], baseline: str, message: str
+) -> None:
+    with pytest.raises(CampaignError, match=message):
+        compare_campaigns(campaigns, baseline)
+
+
+def test_an_unknown_measure_is_named_with_those_there_are() -> None:
+    with pytest.raises(UnknownName, match="at_fault"):
+        measure("beauty")
