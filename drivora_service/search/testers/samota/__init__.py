@@ -1,0 +1,1 @@
+"""SAMOTA: many objectives searched with the help of surrogates."""

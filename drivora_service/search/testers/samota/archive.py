@@ -1,0 +1,139 @@
+"""What has been simulated, and which objectives it covers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import BoolArray, FloatArray
+from drivora_service.search.testers.samota.encoding import Encoding
+
+NOT_MEASURABLE = 1.0
+"""Value of an objective that a run has no value for: the worst of 0..1."""
+
+
+class Database:
+    """All judged candidates with their objectives.
+
+    Attributes:
+        names: Of the m objectives; empty before the first candidate.
+        numbers: Of the evaluations.
+    """
+
+    def __init__(self, encoding: Encoding) -> None:
+        self._encoding = encoding
+        self._values: list[FloatArray] = []
+        self._features: list[FloatArray] = []
+        self._objectives: list[FloatArray] = []
+        self._known: set[bytes] = set()
+        self.names: tuple[str, ...] = ()
+        self.numbers: list[int] = []
+
+    def __len__(self) -> int:
+        """Gives the number n of candidates."""
+        return len(self.numbers)
+
+    def add(self, number: int, values: FloatArray, objectives: Mapping[str, float | None]) -> None:
+        """Notes a judged candidate."""
+        self.names = self.names or tuple(objectives)
+        row = [objectives.get(name) for name in self.names]
+        self.numbers.append(number)
+        self._values.append(values)
+        self._features.append(self._encoding.encode(values[None])[0])
+        self._objectives.append(np.array([NOT_MEASURABLE if v is None else v for v in row]))
+        self._known.add(self._features[-1].tobytes())
+
+    def note(self, values: FloatArray) -> None:
+        """Notes that a candidate need not be proposed again, whatever came of it."""
+        self._known.add(self._encoding.encode(values[None])[0].tobytes())
+
+    def knows(self, features: FloatArray) -> bool:
+        """Tells whether a candidate with these features (e,) was proposed or simulated before."""
+        return features.tobytes() in self._known
+
+    @property
+    def values(self) -> FloatArray:
+        """(n, d) genes."""
+        return np.stack(self._values)
+
+    @property
+    def features(self) -> FloatArray:
+        """(n, e) features."""
+        return np.stack(self._features)
+
+    @property
+    def objectives(self) -> FloatArray:
+        """(n, m) objectives."""
+        return np.stack(self._objectives)
+
+    def nearest(self, objectives: IntArray, count: int) -> IntArray:
+        """Gives the rows of up to ``count`` candidates nearest to a violation, each row once.
+
+        The objectives take turns: first the best of each, then the second of each, and so on.
+        """
+        ranked = np.argsort(self.objectives[:, objectives], axis=0, kind="stable")
+        rows, first = np.unique(ranked, return_index=True)
+        found: IntArray = rows[np.argsort(first, kind="stable")][:count]
+        return found
+
+    def training_rows(self, objectives: IntArray, limit: int) -> IntArray:
+        """Gives the rows to train surrogates with, in ascending order.
+
+        Up to the limit: all. Beyond it: half of the limit are those nearest to a violation, where
+        the surrogates must be right, the rest lies evenly spread over all others in the order of
+        their evaluation, which keeps the initial sample of the whole space in view.
+        """
+        n = len(self)
+        if n <= limit:
+            return np.arange(n)
+        near = self.nearest(objectives, limit // 2)
+        others = np.setdiff1d(np.arange(n), near)
+        spread = np.linspace(0.0, len(others) - 1.0, limit - len(near)).round().astype(np.int64)
+        return np.sort(np.concatenate((near, others[spread])))
+
+
+class Archive:
+    """Which objectives are covered, and by whom.
+
+    An objective is covered once a simulated candidate is at its threshold. When there is nothing
+    left to search, a new round begins, in which every objective wants to be covered again.
+
+    Attributes:
+        round: From 0.
+    """
+
+    def __init__(self, threshold: float) -> None:
+        self._threshold = threshold
+        self._best: dict[str, tuple[float, int]] = {}
+        self._covered: set[str] = set()
+        self.round = 0
+
+    def update(self, number: int, objectives: Mapping[str, float | None]) -> None:
+        """Takes an evaluation into account; of equals the first stays an objective's best."""
+        for name, value in objectives.items():
+            if value is None:
+                continue
+            if name not in self._best or value < self._best[name][0]:
+                self._best[name] = (value, number)
+            if value <= self._threshold:
+                self._covered.add(name)
+
+    @property
+    def covered(self) -> frozenset[str]:
+        """Objectives covered in this round."""
+        return frozenset(self._covered)
+
+    def best(self, objective: str) -> tuple[float, int] | None:
+        """Gives an objective's least value of all rounds and the number of its evaluation."""
+        return self._best.get(objective)
+
+    def uncovered(self, names: tuple[str, ...]) -> BoolArray:
+        """Tells which of the objectives (m,) are not covered in this round."""
+        return np.array([name not in self._covered for name in names], dtype=np.bool_)
+
+    def begin_round(self) -> None:
+        """Forgets what is covered."""
+        self._covered.clear()
+        self.round += 1

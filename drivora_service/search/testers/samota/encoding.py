@@ -1,0 +1,54 @@
+"""Candidates as the surrogates see them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.search.genes import FloatArray, GeneSpace
+
+_NEUTRAL = 0.5
+"""Of every feature of an actor that is absent."""
+
+
+class Encoding:
+    """Maps candidates to features in 0..1 whose distances mean something.
+
+    Magnitudes are scaled to their bounds. A category becomes one feature for each of its values,
+    0 or 1/sqrt(2), so that two different values are as far apart as the ends of a magnitude. The
+    genes of an actor that is absent have no effect and are all encoded alike. Genes that do not
+    vary are left out.
+
+    Attributes:
+        width: Number e of features.
+    """
+
+    def __init__(self, space: GeneSpace) -> None:
+        """Prepares the encoding of a space."""
+        self._magnitudes = np.flatnonzero(space.varies & ~space.is_category)
+        self._lows = space.lows[self._magnitudes]
+        self._ranges = space.highs[self._magnitudes] - self._lows
+        categories = np.flatnonzero(space.varies & space.is_category)
+        self._categories = np.repeat(
+            categories, (space.highs - space.lows + 1.0)[categories].astype(np.int64)
+        )
+        self._choices = np.concatenate(
+            [np.arange(space.lows[gene], space.highs[gene] + 1.0) for gene in categories]
+            or [np.empty(0)]
+        )
+        self.width = len(self._magnitudes) + len(self._choices)
+        genes = np.concatenate((self._magnitudes, self._categories))
+        # The gene that says whether the actor of a feature is there; itself where none says so.
+        self._present = genes.copy()
+        for block in space.blocks:
+            if block.is_optional:
+                self._present[(genes > block.start) & (genes < block.stop)] = block.start
+        self._depends = self._present != genes
+
+    def encode(self, values: FloatArray) -> FloatArray:
+        """Gives the features (n, e) of candidates (n, d)."""
+        magnitudes = (values[:, self._magnitudes] - self._lows) / self._ranges
+        chosen = (values[:, self._categories] == self._choices) * np.sqrt(0.5)
+        features: FloatArray = np.concatenate((magnitudes, chosen), axis=1)
+        absent = self._depends & (values[:, self._present] == 0.0)
+        features[absent] = _NEUTRAL
+        return features

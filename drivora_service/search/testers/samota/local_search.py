@@ -1,0 +1,120 @@
+"""Local search: around each cluster of the candidates that are nearest to a violation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from sklearn.cluster import HDBSCAN
+
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.selection import best_first
+from drivora_service.search.testers.samota.archive import Database
+from drivora_service.search.testers.samota.breeding import Breeding, Region
+from drivora_service.search.testers.samota.encoding import Encoding
+from drivora_service.search.testers.samota.surrogates import RadialBasis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LocalFind:
+    """The most promising candidate of one cluster.
+
+    Attributes:
+        values: (d,) genes.
+        members: Rows of the database that make the cluster.
+    """
+
+    values: FloatArray
+    members: IntArray
+
+
+def clusters_of(features: FloatArray, least: int) -> tuple[IntArray, ...]:
+    """Groups candidates (n, e) by density; who belongs to no group is left out.
+
+    Args:
+        features: Of the candidates.
+        least: Size of the smallest group.
+
+    Returns:
+        Rows of each group, in ascending order; one group of all where there are none.
+    """
+    if len(features) < 2 * least:
+        return (np.arange(len(features)),)
+    labels = HDBSCAN(min_cluster_size=least, copy=True).fit(features).labels_
+    groups = tuple(np.flatnonzero(labels == label) for label in range(labels.max() + 1))
+    return groups or (np.arange(len(features)),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalSearch:
+    """A genetic algorithm on one surrogate for each cluster.
+
+    Attributes:
+        top: Share of the database that is clustered.
+        cluster: Least size of a cluster.
+        generations: How long.
+        population: How many candidates.
+        breeding: How children are made.
+    """
+
+    top: float
+    cluster: int
+    generations: int
+    population: int
+    breeding: Breeding
+
+    def search(
+        self,
+        database: Database,
+        objective: int,
+        space: GeneSpace,
+        encoding: Encoding,
+        random: np.random.Generator,
+    ) -> tuple[LocalFind, ...]:
+        """Gives the most promising new candidate of each cluster, for one objective (a column)."""
+        scores = database.objectives[:, objective]
+        count = max(math.ceil(self.top * len(database)), self.cluster)
+        top = np.sort(np.argsort(scores, kind="stable")[:count])
+        features, values = database.features[top], database.values[top]
+        finds = []
+        for rows in clusters_of(features, self.cluster):
+            surrogate = RadialBasis.fit(features[rows], _scaled(scores[top[rows]]))
+            region = Region.around(space, values[rows])
+            found = self._evolve(surrogate, region, encoding, database, random)
+            if found is not None:
+                finds.append(LocalFind(values=found, members=top[rows]))
+        return tuple(finds)
+
+    def _evolve(
+        self,
+        surrogate: RadialBasis,
+        region: Region,
+        encoding: Encoding,
+        database: Database,
+        random: np.random.Generator,
+    ) -> FloatArray | None:
+        """Gives the best candidate that is not known; None where the region has no other."""
+        values = region.sample(random, self.population)
+        features = encoding.encode(values)
+        scores = surrogate.predict(features)
+        for _ in range(self.generations):
+            children = self.breeding.children(values[best_first(scores)], region, random)
+            values = np.concatenate((values, children))
+            features = np.concatenate((features, encoding.encode(children)))
+            scores = np.concatenate((scores, surrogate.predict(features[-len(children) :])))
+            kept = best_first(scores)[: self.population]
+            values, features, scores = values[kept], features[kept], scores[kept]
+        for row in best_first(scores):
+            if not database.knows(features[row]):
+                return np.array(values[row])
+        return None
+
+
+def _scaled(scores: FloatArray) -> FloatArray:
+    """Gives scores (n,) as one objective (n, 1) of mean 0 and deviation 1."""
+    deviation = float(scores.std())
+    centred = scores - scores.mean()
+    scaled: FloatArray = centred / deviation if deviation > 1e-12 else centred
+    return scaled[:, None]

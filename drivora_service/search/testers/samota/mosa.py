@@ -1,0 +1,137 @@
+"""MOSA, the many-objective sorting algorithm, on surrogates.
+
+Source: Panichella, Kifetew, Tonella, "Reformulating branch coverage as a many-objective
+optimization problem" (ICST 2015), as SAMOTA uses it: the objectives are predicted, and besides the
+best candidate of each objective the one is kept that the surrogates disagree about most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.components import IntArray, Selection
+from drivora_service.search.genes import BoolArray, FloatArray
+from drivora_service.search.selection import best_first
+from drivora_service.search.testers.samota.breeding import Breeding, Region
+from drivora_service.search.testers.samota.ensemble import Prediction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreferenceSorting:
+    """The best candidate of every objective first, the others by non-domination and crowding."""
+
+    def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:  # noqa: ARG002 - nothing is drawn
+        """Chooses from candidates."""
+        preferred = preferred_rows(objectives)
+        others = np.setdiff1d(np.arange(len(objectives)), preferred)
+        if len(preferred) >= count or not len(others):
+            return np.resize(preferred, count)
+        return np.resize(np.concatenate((preferred, others[best_first(objectives[others])])), count)
+
+
+def preferred_rows(objectives: FloatArray) -> IntArray:
+    """Gives the rows of the best candidate of each objective, each row once.
+
+    Of equals the one is preferred whose objectives are smallest in all, then the first.
+
+    Args:
+        objectives: (n, m), to be minimised.
+    """
+    least = objectives == objectives.min(axis=0)
+    total = np.where(least, objectives.sum(axis=1)[:, None], np.inf)
+    rows, first = np.unique(total.argmin(axis=0), return_index=True)
+    preferred: IntArray = rows[np.argsort(first, kind="stable")]
+    return preferred
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a search on the surrogates wants to see simulated.
+
+    Attributes:
+        best: For each of the m objectives, the candidate (d,) predicted nearest to a violation.
+        uncertain: For each, the one that the surrogates disagree about most.
+    """
+
+    best: tuple[FloatArray | None, ...]
+    uncertain: tuple[FloatArray | None, ...]
+
+
+class _Keeper:
+    """Keeps the candidate with the least score of each of m objectives, of those wanted."""
+
+    def __init__(self, count: int, is_known: Callable[[FloatArray], bool]) -> None:
+        self.scores = np.full(count, np.inf)
+        self.values: list[FloatArray | None] = [None] * count
+        self._is_known = is_known
+
+    def look(self, scores: FloatArray, values: FloatArray, features: FloatArray) -> None:
+        """Looks at q candidates with scores (q, m)."""
+        for j in range(scores.shape[1]):
+            better = np.flatnonzero(scores[:, j] < self.scores[j])
+            for row in better[np.argsort(scores[better, j], kind="stable")]:
+                if not self._is_known(features[row]):
+                    self.scores[j] = scores[row, j]
+                    self.values[j] = values[row]
+                    break
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mosa:
+    """The search.
+
+    Attributes:
+        generations: How long.
+        threshold: Predicted value at and below which an objective is no longer searched for.
+        selection: Whom to go on with, best first.
+        breeding: How children are made.
+    """
+
+    generations: int
+    threshold: float
+    selection: Selection
+    breeding: Breeding
+
+    def search(
+        self,
+        start: FloatArray,
+        region: Region,
+        encode: Callable[[FloatArray], FloatArray],
+        predict: Callable[[FloatArray], Prediction],
+        is_known: Callable[[FloatArray], bool],
+        random: np.random.Generator,
+    ) -> Found:
+        """Searches from a first population.
+
+        Args:
+            start: (n, d) its candidates.
+            region: Where to search.
+            encode: Gives the features (n, e) of candidates (n, d).
+            predict: Gives the objectives and uncertainties (n, m) of features (n, e).
+            is_known: Whether a candidate with features (e,) is not wanted.
+            random: For every draw.
+        """
+        features = encode(start)
+        said = predict(features)
+        values, objectives = start, said.objectives
+        best = _Keeper(objectives.shape[1], is_known)
+        uncertain = _Keeper(objectives.shape[1], is_known)
+        best.look(objectives, values, features)
+        uncertain.look(-said.uncertainty, values, features)
+        for _ in range(self.generations):
+            open_: BoolArray = best.scores > self.threshold
+            if not open_.any():
+                break
+            order = self.selection.select(objectives[:, open_], len(start), random)
+            values, objectives = values[order], objectives[order]
+            children = self.breeding.children(values, region, random)
+            features = encode(children)
+            said = predict(features)
+            best.look(said.objectives, children, features)
+            uncertain.look(-said.uncertainty, children, features)
+            values = np.concatenate((values, children))
+            objectives = np.concatenate((objectives, said.objectives))
+        return Found(best=tuple(best.values), uncertain=tuple(uncertain.values))

@@ -1,0 +1,209 @@
+"""Surrogates: cheap models of the objectives.
+
+All take features in 0..1 and model several objectives at once, each for itself. Objectives have
+mean 0 and deviation 1 over the training set. The models are sums of kernels at the training points,
+solved by SciPy and evaluated here: for the few candidates of a generation, the checks that
+scikit-learn's and smt's models make of their arguments cost several times the arithmetic.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, solve
+from sklearn.cross_decomposition import PLSRegression
+
+from drivora_service.search.genes import FloatArray
+
+SMOOTHING = 1e-3
+"""Of the radial basis functions: they all but interpolate."""
+
+SHRINKAGE = 0.1
+"""Of the polynomial's coefficients, of which there are many more than training points."""
+
+LENGTHS = (0.5, 1.0, 2.0, 4.0)
+"""Correlation lengths that Kriging chooses from, in deviations of the latent directions."""
+
+NOISES = (0.01, 0.1, 0.5)
+"""Shares of the variance that no surrogate can explain, that Kriging chooses from."""
+
+
+class Surrogate(Protocol):
+    """A model of several objectives."""
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        """Gives the objectives (q, m) of candidates with features (q, e)."""
+        ...
+
+
+Fit = Callable[[FloatArray, FloatArray], Surrogate]
+"""Makes a model from features (n, e) and objectives (n, m)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RadialBasis:
+    """Gaussian radial basis functions, one at each training point.
+
+    Attributes:
+        centres: (n, e) training points.
+        width: Squared distance at which a function has fallen to 1/e.
+        coefficients: (n, m).
+    """
+
+    centres: FloatArray
+    width: float
+    coefficients: FloatArray
+
+    @staticmethod
+    def fit(features: FloatArray, objectives: FloatArray) -> RadialBasis:
+        """Fits the weights; the width is the median squared distance of the training points.
+
+        So it suits any number of features.
+        """
+        squared = squared_distances(features, features)
+        width = float(np.median(squared[~np.eye(len(squared), dtype=np.bool_)]))
+        width = width if width > 1e-9 else 1.0
+        return RadialBasis(
+            centres=features,
+            width=width,
+            coefficients=_solved(np.exp(-squared / width), SMOOTHING, objectives),
+        )
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        """Gives the objectives."""
+        values = np.exp(-squared_distances(features, self.centres) / self.width)
+        predicted: FloatArray = values @ self.coefficients
+        return predicted
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Polynomial:
+    """A polynomial of degree 2 with all products, by ridge regression.
+
+    In the dual form, in which the number of coefficients, about e²/2, plays no part.
+
+    Attributes:
+        points: (n, e) training points, in -1..1.
+        coefficients: (n, m).
+    """
+
+    points: FloatArray
+    coefficients: FloatArray
+
+    @staticmethod
+    def fit(features: FloatArray, objectives: FloatArray) -> Polynomial:
+        """Fits the coefficients."""
+        points = _centred(features)
+        return Polynomial(
+            points=points,
+            coefficients=_solved(_products(points, points), SHRINKAGE, objectives),
+        )
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        """Gives the objectives."""
+        predicted: FloatArray = _products(_centred(features), self.points) @ self.coefficients
+        return predicted
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Latent:
+    """One objective as a Gaussian process over a few latent directions of the features."""
+
+    mean: FloatArray
+    directions: FloatArray
+    points: FloatArray
+    length: float
+    coefficients: FloatArray
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        latent = (features - self.mean) @ self.directions
+        squared = squared_distances(latent, self.points)
+        predicted: FloatArray = np.exp(-0.5 * squared / self.length**2) @ self.coefficients
+        return predicted
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Kriging:
+    """Kriging over a few latent directions of the inputs, found for each objective.
+
+    After Bouhlel et al., "Improving kriging surrogates of high-dimensional design models by partial
+    least squares dimension reduction" (2016): with as many features as training points, a length
+    for each of them can neither be learnt nor paid for.
+    """
+
+    latents: tuple[_Latent, ...]
+
+    @staticmethod
+    def fit(features: FloatArray, objectives: FloatArray, *, components: int) -> Kriging:
+        """Fits every objective; length and noise are the likeliest of a small grid."""
+        count = min(components, features.shape[1], len(features) - 1)
+        return Kriging(
+            latents=tuple(_fit_latent(features, column, count) for column in objectives.T)
+        )
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        """Gives the objectives."""
+        return np.stack([latent.predict(features) for latent in self.latents], axis=1)
+
+
+def _fit_latent(features: FloatArray, objective: FloatArray, components: int) -> _Latent:
+    regression = PLSRegression(n_components=components, scale=False)
+    with warnings.catch_warnings():
+        # It has explained everything with fewer directions: the others stay 0.
+        warnings.filterwarnings("ignore", "y residual is constant", UserWarning)
+        regression.fit(features, objective)
+    mean = features.mean(axis=0)
+    latent = (features - mean) @ regression.x_rotations_
+    deviation = latent.std(axis=0)
+    scale = np.where(deviation > 1e-9, deviation, 1.0)
+    points = latent / scale
+    squared = squared_distances(points, points)
+    likeliest, found = -np.inf, (LENGTHS[0], np.zeros(len(objective)))
+    for length, noise in product(LENGTHS, NOISES):
+        covariance = np.exp(-0.5 * squared / length**2)
+        covariance.flat[:: len(points) + 1] += noise
+        factor = cho_factor(covariance, lower=True, overwrite_a=True, check_finite=False)
+        coefficients = cho_solve(factor, objective, check_finite=False)
+        # Rasmussen and Williams, "Gaussian processes for machine learning" (2006), equation 2.30.
+        likelihood = -0.5 * objective @ coefficients - np.log(factor[0].diagonal()).sum()
+        if likelihood > likeliest:
+            likeliest, found = likelihood, (length, coefficients)
+    return _Latent(
+        mean=mean,
+        directions=regression.x_rotations_ / scale,
+        points=points,
+        length=found[0],
+        coefficients=found[1],
+    )
+
+
+def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Gives the squared distances (q, n) between points (q, e) and (n, e)."""
+    products = first @ second.T
+    products *= -2.0
+    products += np.einsum("ij,ij->i", first, first)[:, None]
+    products += np.einsum("ij,ij->i", second, second)
+    # Of equal points the sum may be a rounding error below 0.
+    return np.maximum(products, 0.0, out=products)
+
+
+def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Gives the kernel (q, n) whose functions are all polynomials up to degree 2."""
+    kernel: FloatArray = (1.0 + first @ second.T / first.shape[1]) ** 2
+    return kernel
+
+
+def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
+    """Gives the coefficients (n, m) of a kernel (n, n), which is changed, with a ridge."""
+    kernel.flat[:: len(kernel) + 1] += ridge
+    return np.asarray(solve(kernel, objectives, assume_a="pos", check_finite=False))
+
+
+def _centred(features: FloatArray) -> FloatArray:
+    """Maps 0..1 to -1..1, so that the parts of first and second degree are not alike."""
+    return 2.0 * features - 1.0
