@@ -1,0 +1,1 @@
+"""BehAVExplor: fuzzing guided by the diversity of the ego's behaviour."""
