@@ -91,6 +91,11 @@ class Settings(BaseSettings):
         return self.data_dir / "networks"
 
     @property
+    def campaigns_dir(self) -> Path:
+        """Folder of what campaigns keep: the traces of the failures that they found."""
+        return self.data_dir / "campaigns"
+
+    @property
     def tokens_path(self) -> Path:
         """File of the hashed API tokens."""
         return self.data_dir / "tokens.json"

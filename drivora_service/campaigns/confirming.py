@@ -53,7 +53,7 @@ def confirm_failures(
         spec = RunSpec(
             run_id=f"{run_prefix}-{number}-again",
             document=journal.document(number),
-            trace_path="" if traces is None else str(trace_path(traces, number)),
+            trace_path="" if traces is None else str(traces.resolve() / trace_name(number)),
         )
         evaluator.submit(number, spec)
     while expected:
@@ -65,7 +65,7 @@ def confirm_failures(
             same = _is_same(answer.report, expected.pop(answer.number))
             confirmation = Confirmation.CONFIRMED if same else Confirmation.FLAKY
             kept = traces is not None and answer.report.trace_sha256
-            trace = str(trace_path(traces, answer.number)) if traces is not None and kept else ""
+            trace = trace_name(answer.number) if kept else ""
             journal.confirm(answer.number, confirmation, trace)
             on_confirmed(answer.number, confirmation)
     return CampaignRequest.NONE
@@ -81,9 +81,9 @@ def group_failures(
     journal.group({(f.number, f.place): label for f, label in zip(failures, labels, strict=True)})
 
 
-def trace_path(folder: Path, number: int) -> Path:
-    """Gives where the trace of a failing evaluation lies."""
-    return folder / f"{number:06d}.trace.parquet"
+def trace_name(number: int) -> str:
+    """Names the trace of a failing evaluation."""
+    return f"{number:06d}.trace.parquet"
 
 
 def _is_same(report: RunReport, trace_sha256: str) -> bool:

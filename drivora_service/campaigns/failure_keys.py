@@ -26,7 +26,8 @@ class FailureKeys:
 
     def __call__(self, verdict: Verdict) -> str:
         """Gives the key of a violation."""
-        return _SEPARATOR.join((verdict.oracle, self.place(verdict), relation(verdict.evidence)))
+        parts = (verdict.oracle, self.place(verdict), relation(verdict.evidence))
+        return _SEPARATOR.join(part for part in parts if part)
 
     def place(self, verdict: Verdict) -> str:
         """Names the junction or the road where a rule was broken; "" where that is not known."""

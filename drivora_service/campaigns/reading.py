@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
@@ -16,16 +16,11 @@ from drivora_service.errors import InvalidDocument, Problem, SearchError, Unknow
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.parameters import read_parameters
-from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.plain_data import plain_data
-from drivora_service.scenario.problems import (
-    duplicate_ids,
-    in_document_order,
-    structural_problems,
-)
-from drivora_service.scenario.validation import ValidScenario, validate_document
+from drivora_service.scenario.problems import in_document_order, structural_problems
+from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.search.catalogue import (
     TesterCatalogue,
     mutation_plugins,
@@ -78,58 +73,61 @@ def read_campaign(
         InvalidDocument: With every problem, in document order.
         NetworkError: The network's file cannot be read.
     """
-    content, problems = plain_data(data, format, what="a campaign")
-    document, structural = _structure(content, problems)
-    problems += structural
+    content, odd = plain_data(data, format, what="a campaign")
+    document, structural = _structure(content)
+    scenario, inside = _scenario(content, catalogues)
     tester = document.tester if document else _part(TesterDocument, content, "tester")
+    agent = document.agent if document else _part(AgentDocument, content, "agent")
+    # A value that is odd is of a wrong type as well, which needs no telling.
+    known = {problem.pointer for problem in odd}
+    problems = [
+        *dict.fromkeys((*odd, *inside)),
+        *(problem for problem in structural if problem.pointer not in known),
+    ]
     if tester is not None:
         problems += _check_tester(tester, catalogues.testers)
-    agent = document.agent if document else _part(AgentDocument, content, "agent")
     if agent is not None:
         problems += _check_agent(agent, catalogues.agents)
-    scenario = document.scenario if document else _part(ScenarioDocument, content, "scenario")
-    valid: ValidScenario | None = None
-    if scenario is not None:
-        try:
-            valid = validate_document(scenario, catalogues.networks, catalogues.agents.names())
-        except InvalidDocument as error:
-            problems += _inside("/scenario", error.problems)
-    if problems or document is None or valid is None:
+    if problems or document is None or scenario is None:
         raise InvalidDocument(in_document_order(problems, content))
     campaign = to_campaign(document)
     return ValidCampaign(
         document=document,
         campaign=campaign,
-        seed=_driven_by(campaign, valid.scenario),
-        network=valid.network,
-        notes=valid.notes,
+        seed=_driven_by(campaign, scenario.scenario),
+        network=scenario.network,
+        notes=scenario.notes,
     )
 
 
-def _structure(
-    content: dict[str, Any], odd: Sequence[Problem]
-) -> tuple[CampaignDocument | None, list[Problem]]:
+def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, list[Problem]]:
     """Gives the document if it is one, and what is wrong with its structure."""
-    known = {problem.pointer for problem in odd}
-    scenario = content.get("scenario")
-    problems = []
-    if isinstance(scenario, Mapping):
-        problems += _inside("/scenario", duplicate_ids(scenario))
-        if "file" in scenario:
-            message = (
-                "found a file name; only the command line reads files: put the scenario itself here"
-            )
-            problems.append(
-                Problem(pointer="/scenario/file", code="scenario_file", message=message)
-            )
     try:
-        return CampaignDocument.model_validate(content), problems
+        return CampaignDocument.model_validate(content), []
     except ValidationError as error:
-        found = structural_problems(error, CampaignDocument)
-    if any(problem.code == "scenario_file" for problem in problems):
-        # What else is wrong there only follows from it.
-        found = [problem for problem in found if not problem.pointer.startswith("/scenario")]
-    return None, [*problems, *(problem for problem in found if problem.pointer not in known)]
+        problems = structural_problems(error, CampaignDocument)
+    if isinstance(content.get("scenario"), Mapping):
+        # Whoever checks the scenario finds these, and more.
+        problems = [p for p in problems if not p.pointer.startswith("/scenario/")]
+    return None, problems
+
+
+def _scenario(
+    content: Mapping[str, Any], catalogues: Catalogues
+) -> tuple[ValidScenario | None, list[Problem]]:
+    """Gives the scenario if it can be run, and what is wrong with it."""
+    scenario = content.get("scenario")
+    if not isinstance(scenario, Mapping):
+        return None, []
+    if "file" in scenario:
+        message = "found a file; only the command line reads files: put the scenario itself here"
+        return None, [Problem(pointer="/scenario/file", code="scenario_file", message=message)]
+    try:
+        return validate_data(scenario, catalogues.networks, catalogues.agents.names()), []
+    except InvalidDocument as error:
+        return None, [
+            replace(problem, pointer=f"/scenario{problem.pointer}") for problem in error.problems
+        ]
 
 
 def _part(model: type[M], content: Mapping[str, Any], key: str) -> M | None:
@@ -190,10 +188,6 @@ def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:
         message=f"found {error.kind} {error.name!r}, which there is not{guess} Known: {known}."
         f"{see}".replace("not Known", "not; known"),
     )
-
-
-def _inside(pointer: str, problems: Sequence[Problem]) -> list[Problem]:
-    return [replace(problem, pointer=pointer + problem.pointer) for problem in problems]
 
 
 def _driven_by(campaign: Campaign, seed: Scenario) -> Scenario:

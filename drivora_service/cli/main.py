@@ -11,6 +11,7 @@ import typer
 
 from drivora_service.cli.commands import (
     agents,
+    campaign,
     demo,
     networks,
     plot,
@@ -57,6 +58,7 @@ app.command("validate", epilog=EPILOG)(validate.validate)
 app.command("plot", epilog=EPILOG)(plot.plot)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
+app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
 app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)
 app.add_typer(agents.app, name="agents", epilog=EPILOG)

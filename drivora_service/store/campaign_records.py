@@ -130,6 +130,16 @@ class CampaignRecord:
     active_s: float
     counts: CampaignCounts
 
+    @property
+    def rate(self) -> float | None:
+        """Simulations a second of work; ``None`` before there is one."""
+        return self.counts.simulations / self.active_s if self.active_s > 0.0 else None
+
+    @property
+    def left_s(self) -> float | None:
+        """Seconds until the budget is spent, at that rate."""
+        return (self.budget - self.counts.simulations) / self.rate if self.rate else None
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EvaluationRecord:
@@ -175,7 +185,7 @@ class FailureRecord:
         confirmation: Whether it happened again.
         cluster: Number of the group of similar failures, within its oracle's; ``None`` until the
             campaign has grouped them.
-        trace: Path of the trace of the identical run, or "".
+        trace: Name of the file, in the campaign's folder of traces, of the identical run; or "".
     """
 
     number: int

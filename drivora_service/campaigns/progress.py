@@ -1,0 +1,107 @@
+"""How far a campaign is, how fast it goes, and what it has found, while it runs."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from drivora_service.campaigns.engine import Told
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import CampaignCounts, Confirmation
+
+_WINDOW = 50
+"""Evaluations over which the rate is taken."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """A campaign at one moment.
+
+    Attributes:
+        budget: Simulations in all.
+        kinds: Different failures by key.
+        rate: Simulations a second of late; ``None`` until that is known.
+        left_s: Seconds until the budget is spent, at that rate.
+        best: Name and least value of the tester's first objective; ``None`` if never measured.
+        confirmed: Failing scenarios that failed again in the same way.
+        flaky: Failing scenarios that did not.
+    """
+
+    counts: CampaignCounts
+    budget: int
+    kinds: int
+    rate: float | None
+    left_s: float | None
+    best: tuple[str, float] | None
+    confirmed: int
+    flaky: int
+
+
+class ProgressMeter:
+    """Watches the work on a campaign."""
+
+    def __init__(self, budget: int, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begins with nothing.
+
+        Args:
+            budget: Simulations of the campaign.
+            clock: Gives seconds.
+        """
+        self._budget, self._clock = budget, clock
+        self._statuses = dict.fromkeys(EvaluationStatus, 0)
+        self._violating = self._at_fault = 0
+        self._kinds: set[str] = set()
+        self._best: tuple[str, float] | None = None
+        self._times: deque[float] = deque(maxlen=_WINDOW)
+        self._answers: dict[int, Confirmation] = {}
+
+    def note(self, told: Told) -> None:
+        """Takes note of an evaluation."""
+        record = told.record
+        self._statuses[record.status] += 1
+        self._violating += bool(record.violations)
+        self._at_fault += record.at_fault
+        self._kinds.update(record.failure_keys)
+        if not told.replayed and record.status is not EvaluationStatus.INVALID:
+            self._times.append(self._clock())
+        measurement = record.report.measurement
+        if measurement is None:
+            return
+        name, value = next(iter(measurement.objectives.items()), ("", None))
+        if value is not None and (self._best is None or value < self._best[1]):
+            self._best = (name, value)
+
+    def note_again(self, number: int, confirmation: Confirmation) -> None:
+        """Takes note of whether a failing evaluation failed again."""
+        self._answers[number] = confirmation
+
+    def progress(self) -> Progress:
+        """Gives how it stands now."""
+        counts = CampaignCounts(
+            evaluations=sum(self._statuses.values()),
+            judged=self._statuses[EvaluationStatus.JUDGED],
+            invalid=self._statuses[EvaluationStatus.INVALID],
+            failed=self._statuses[EvaluationStatus.FAILED],
+            violating=self._violating,
+            at_fault=self._at_fault,
+        )
+        rate = self._rate()
+        answers = list(self._answers.values())
+        return Progress(
+            counts=counts,
+            budget=self._budget,
+            kinds=len(self._kinds),
+            rate=rate,
+            left_s=None if not rate else (self._budget - counts.simulations) / rate,
+            best=self._best,
+            confirmed=answers.count(Confirmation.CONFIRMED),
+            flaky=answers.count(Confirmation.FLAKY),
+        )
+
+    def _rate(self) -> float | None:
+        if len(self._times) < 2:
+            return None
+        elapsed = self._times[-1] - self._times[0]
+        return (len(self._times) - 1) / elapsed if elapsed > 0.0 else None

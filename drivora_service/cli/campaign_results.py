@@ -1,0 +1,207 @@
+"""Campaigns as commands print them."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from drivora_service.cli.output import number, print_table
+from drivora_service.runs.encoding import report_to_json, verdict_to_json
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    Confirmation,
+    EvaluationRecord,
+    FailureRecord,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureKind:
+    """Failures of one key.
+
+    Attributes:
+        first: Number of the first evaluation that showed it.
+        clusters: Groups of similar ones; ``None`` if they were not grouped.
+    """
+
+    key: str
+    failures: int
+    at_fault: int
+    confirmed: int
+    flaky: int
+    first: int
+    clusters: int | None
+
+
+def kinds_of(failures: Sequence[FailureRecord]) -> tuple[FailureKind, ...]:
+    """Gives the kinds of failures, in the order of their first evaluations."""
+    by_key: dict[str, list[FailureRecord]] = defaultdict(list)
+    for failure in failures:
+        by_key[failure.key].append(failure)
+    return tuple(_kind(key, of_key) for key, of_key in by_key.items())
+
+
+def campaign_result(
+    record: CampaignRecord, failures: Sequence[FailureRecord], *, running: bool
+) -> dict[str, Any]:
+    """Gives the printed form of a campaign; the keys are a contract with scripts."""
+    return {
+        **summary(record, running=running),
+        "kinds": [asdict(kind) for kind in kinds_of(failures)],
+        "failures": [failure_result(failure) for failure in failures],
+    }
+
+
+def summary(record: CampaignRecord, *, running: bool) -> dict[str, Any]:
+    """Gives the printed form of a campaign in a list."""
+    return {
+        "id": record.id,
+        "name": record.name,
+        "state": state_of(record, running=running),
+        "message": record.message,
+        "tester": record.tester,
+        "agent": record.agent,
+        "town": record.town,
+        "budget": record.budget,
+        "simulations": record.counts.simulations,
+        **asdict(record.counts),
+        "rate": record.rate,
+        "left_s": record.left_s,
+        "active_s": record.active_s,
+        "created_at": record.created_at.isoformat(),
+        "ended_at": None if record.ended_at is None else record.ended_at.isoformat(),
+    }
+
+
+def state_of(record: CampaignRecord, *, running: bool) -> str:
+    """Names the state of a campaign; one whose process was killed is interrupted."""
+    state = str(record.state)
+    return "interrupted" if state == "running" and not running else state
+
+
+def failure_result(failure: FailureRecord) -> dict[str, Any]:
+    """Gives the printed form of a failure."""
+    return {
+        "evaluation": failure.number,
+        "key": failure.key,
+        "at_fault": failure.verdict.at_fault,
+        "confirmation": str(failure.confirmation),
+        "cluster": failure.cluster,
+        "trace": failure.trace,
+        "verdict": json.loads(verdict_to_json(failure.verdict)),
+    }
+
+
+def evaluation_result(record: EvaluationRecord) -> dict[str, Any]:
+    """Gives the printed form of an evaluation."""
+    return {
+        "number": record.number,
+        "origin": record.proposal.origin,
+        "generation": record.proposal.generation,
+        "parents": list(record.proposal.parents),
+        "status": str(record.status),
+        "genes": record.proposal.values.tolist(),
+        "scenario_sha256": record.document_sha256,
+        "failure_keys": list(record.failure_keys),
+        "search_s": record.search_s,
+        "prepare_s": record.prepare_s,
+        "report": json.loads(report_to_json(record.report)),
+    }
+
+
+def print_campaigns(records: Sequence[tuple[CampaignRecord, bool]]) -> None:
+    """Prints a row a campaign, each with whether a process works on it."""
+    print_table(
+        "",
+        ("id", "name", "state", "tester", "runs", "failing"),
+        (
+            (
+                record.id,
+                record.name,
+                state_of(record, running=running),
+                record.tester,
+                f"{record.counts.simulations}/{record.budget}",
+                str(record.counts.violating),
+            )
+            for record, running in records
+        ),
+    )
+
+
+def print_campaign(
+    record: CampaignRecord, failures: Sequence[FailureRecord], *, running: bool
+) -> None:
+    """Prints one campaign at length."""
+    counts = record.counts
+    print(f"Campaign {record.id} ({record.name}): {state_of(record, running=running)}")
+    if record.message:
+        print(f"  {record.message}")
+    print(f"  {record.tester} against {record.agent} on {record.town}")
+    print(
+        f"  {counts.simulations} of {record.budget} simulations in {record.active_s:.0f} s "
+        f"({number(record.rate, 2)} a second); {counts.invalid} candidates invalid, "
+        f"{counts.failed} runs without a result"
+    )
+    print(f"  {counts.violating} failing, in {counts.at_fault} of them an ego at fault")
+    if failures:
+        print_table(
+            "Failures",
+            ("kind", "count", "at fault", "confirmed", "flaky", "groups", "first"),
+            (
+                (
+                    kind.key.replace("|", " | "),
+                    str(kind.failures),
+                    str(kind.at_fault),
+                    str(kind.confirmed),
+                    str(kind.flaky),
+                    "-" if kind.clusters is None else str(kind.clusters),
+                    f"#{kind.first}",
+                )
+                for kind in kinds_of(failures)
+            ),
+        )
+
+
+def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
+    """Prints an evaluation, the last of its lineage, and its ancestors."""
+    record = lineage[-1]
+    print(f"Evaluation {record.number}: {record.status}")
+    if record.report.failure is not None:
+        print(f"  {record.report.failure.cause}: {record.report.failure.message}")
+    for verdict in record.violations:
+        fault = {True: ", at fault", False: "", None: ""}[verdict.at_fault]
+        print(f"  {verdict.oracle} at {number(verdict.time)} s{fault}: {verdict.message}")
+    if record.report.measurement is not None:
+        objectives = record.report.measurement.objectives.items()
+        print("  " + ", ".join(f"{name} {number(value, 3)}" for name, value in objectives))
+    print_table(
+        "Lineage",
+        ("evaluation", "generation", "origin", "parents", "status", "failures"),
+        (
+            (
+                f"#{member.number}",
+                str(member.proposal.generation),
+                member.proposal.origin,
+                ", ".join(f"#{parent}" for parent in member.proposal.parents) or "-",
+                str(member.status),
+                str(len(member.violations)),
+            )
+            for member in lineage
+        ),
+    )
+
+
+def _kind(key: str, failures: Sequence[FailureRecord]) -> FailureKind:
+    clusters = {failure.cluster for failure in failures if failure.cluster is not None}
+    return FailureKind(
+        key=key,
+        failures=len(failures),
+        at_fault=sum(bool(failure.verdict.at_fault) for failure in failures),
+        confirmed=sum(f.confirmation is Confirmation.CONFIRMED for f in failures),
+        flaky=sum(f.confirmation is Confirmation.FLAKY for f in failures),
+        first=failures[0].number,
+        clusters=len(clusters) or None,
+    )
