@@ -43,8 +43,8 @@ def _known_oracle(name: str) -> str:
     if name not in known:
         raise PydanticCustomError(
             "unknown_oracle",
-            "found oracle {name!r}; known: {known}",
-            {"name": name[:80], "known": ", ".join(known)},
+            "found oracle {name}; known: {known}",
+            {"name": repr(name), "known": ", ".join(known)},
         )
     return name
 
@@ -53,7 +53,7 @@ def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
     for index, name in enumerate(names):
         if name in names[:index]:
             raise PydanticCustomError(
-                "repeated_oracle", "found {name!r} more than once; give it once", {"name": name}
+                "repeated_oracle", "found {name} more than once; give it once", {"name": repr(name)}
             )
     return names
 

@@ -1,0 +1,48 @@
+"""What campaigns are made of."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.api.examples import SCENARIO
+from drivora_service.campaigns.reading import Catalogues
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.store.database import Database, open_database
+
+
+@pytest.fixture(scope="session")
+def catalogues() -> Catalogues:
+    return Catalogues(
+        networks=NetworkCatalogue(shipped_networks()),
+        agents=AgentCatalogue(),
+        testers=TesterCatalogue(),
+    )
+
+
+@pytest.fixture
+def content() -> dict[str, Any]:
+    """A small campaign, as a document; its rules are broken often."""
+    return {
+        "name": "crossing",
+        "tester": {"name": "random"},
+        "agent": {"name": "idm"},
+        "scenario": copy.deepcopy(SCENARIO),
+        "space": {"vehicles": 2, "walkers": 2},
+        "oracles": ["collision", "discomfort"],
+        "budget": {"simulations": 12},
+        "seed": 3,
+    }
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    opened = open_database(f"sqlite:///{tmp_path / 'drivora.sqlite3'}")
+    yield opened
+    opened.close()

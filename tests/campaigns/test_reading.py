@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+import pytest
+import yaml
+
+from drivora_service.campaigns.campaign import DEFAULT_ORACLES, FeedbackMode
+from drivora_service.campaigns.documents import SpaceDocument, campaign_text
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.errors import InvalidDocument
+from drivora_service.search.space.options import SpaceOptions
+
+Change = Callable[[dict[str, Any]], object]
+
+
+def put(*path: str | int, value: Any) -> Change:
+    """A change that sets the value at a path."""
+
+    def change(content: dict[str, Any]) -> None:
+        place: Any = content
+        for key in path[:-1]:
+            place = place.setdefault(key, {}) if isinstance(place, dict) else place[key]
+        place[path[-1]] = value
+
+    return change
+
+
+def drop(key: str) -> Change:
+    return lambda content: content.pop(key)
+
+
+EGO_MODEL = ("scenario", "ego_vehicles", 0, "model")
+WRONG: dict[str, tuple[Change, str, str]] = {
+    "no name": (drop("name"), "/name", "missing"),
+    "empty name": (put("name", value=""), "/name", "at least 1"),
+    "no tester": (drop("tester"), "/tester", "missing"),
+    "no budget": (drop("budget"), "/budget", "missing"),
+    "no scenario": (drop("scenario"), "/scenario", "missing"),
+    "unknown key": (put("bugdet", value=1), "/bugdet", "did you mean 'budget'"),
+    "unknown tester": (put("tester", "name", value="randon"), "/tester/name", "'random'"),
+    "tester as text": (put("tester", value="random"), "/tester", "an object"),
+    "tester's parameters": (
+        put("tester", "parameters", value={"population": 4}),
+        "/tester/parameters",
+        "no parameter 'population'",
+    ),
+    "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
+    "unknown selection": (put("tester", "selection", value="best"), "/tester/selection", "nown:"),
+    "unknown feedback": (
+        put("tester", "feedback", value="none"),
+        "/tester/feedback",
+        "'own' or 'shuffled'",
+    ),
+    "unknown agent": (put("agent", "name", value="idn"), "/agent/name", "'idm'"),
+    "unknown oracle": (
+        put("oracles", value=["collision", "crash"]),
+        "/oracles/1",
+        "'crash'; known: collision",
+    ),
+    "no oracle": (put("oracles", value=[]), "/oracles", "at least 1"),
+    "oracle twice": (put("oracles", value=["blocked", "blocked"]), "/oracles", "more than once"),
+    "no simulations": (put("budget", "simulations", value=0), "/budget/simulations", "found 0"),
+    "simulations as text": (
+        put("budget", "simulations", value="300"),
+        "/budget/simulations",
+        "an integer",
+    ),
+    "budget in seconds": (put("budget", "seconds", value=3600), "/budget/seconds", "unknown"),
+    "negative seed": (put("seed", value=-1), "/seed", "found -1"),
+    "half a worker": (put("workers", value=1.5), "/workers", "1.5"),
+    "no lookahead": (put("lookahead", value=0), "/lookahead", "found 0"),
+    "unknown option": (put("space", "cars", value=3), "/space/cars", "unknown"),
+    "too many vehicles": (put("space", "vehicles", value=1000), "/space/vehicles", "found 1000"),
+    "weather in words": (put("space", "weather", value="yes"), "/space/weather", "boolean"),
+    "other version": (put("version", value="2.0"), "/version", "'1.0'"),
+    "scenario of another town": (
+        put("scenario", "map_region", "town", value="no-town"),
+        "/scenario/map_region/town",
+        "no-town",
+    ),
+    "unknown model": (
+        put(*EGO_MODEL, value="vehicle.tank"),
+        "/" + "/".join(map(str, EGO_MODEL)),
+        "",
+    ),
+    "scenario in a file": (put("scenario", value={"file": "x.json"}), "/scenario/file", "itself"),
+    "NaN": (put("space", "reach", value=float("nan")), "/space/reach", "finite"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_mistake_is_named_with_its_place(
+    name: str, content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    change, pointer, said = WRONG[name]
+    change(content)
+    with pytest.raises(InvalidDocument) as caught:
+        read_campaign(content, catalogues)
+    assert [problem.pointer for problem in caught.value.problems] == [pointer]
+    assert said in caught.value.problems[0].message
+
+
+def test_all_mistakes_are_named_at_once_and_in_order(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    for name in ("unknown tester", "unknown agent", "unknown model", "no oracle", "negative seed"):
+        WRONG[name][0](content)
+    with pytest.raises(InvalidDocument) as caught:
+        read_campaign(content, catalogues)
+    assert [problem.pointer for problem in caught.value.problems] == [
+        "/tester/name",
+        "/agent/name",
+        "/scenario/ego_vehicles/0/model",
+        "/oracles",
+        "/seed",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("- 1", "a campaign is one object"),
+        ("name: &x a\nseed: *x", "anchor"),
+        ("name: !!python/object/apply:os.system [ls]", "not YAML"),
+        ("name: a\nname: b", "more than once"),
+        ("{", "not YAML"),
+    ],
+)
+def test_yaml_is_read_safely(text: str, said: str, catalogues: Catalogues) -> None:
+    with pytest.raises(InvalidDocument, match=said):
+        read_campaign(text, catalogues, "yaml")
+
+
+def test_yaml_and_json_mean_the_same(content: dict[str, Any], catalogues: Catalogues) -> None:
+    from_json = read_campaign(json.dumps(content), catalogues)
+    from_yaml = read_campaign(yaml.safe_dump(content), catalogues, "yaml")
+    assert from_json.campaign == from_yaml.campaign
+    assert from_json.seed == from_yaml.seed
+
+
+def test_a_campaign_is_read_back_as_it_was_written(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"]["feedback"] = "shuffled"
+    content["workers"] = 2
+    first = read_campaign(content, catalogues)
+    again = read_campaign(campaign_text(first.document), catalogues)
+    assert (again.campaign, again.seed) == (first.campaign, first.seed)
+    assert again.campaign.tester.feedback is FeedbackMode.SHUFFLED
+
+
+def test_little_has_to_be_said(content: dict[str, Any], catalogues: Catalogues) -> None:
+    least = {key: content[key] for key in ("name", "tester", "scenario", "budget")}
+    campaign = read_campaign(least, catalogues).campaign
+    assert campaign.oracles == DEFAULT_ORACLES
+    assert campaign.space == SpaceOptions()
+    assert (campaign.lookahead, campaign.workers, campaign.agent) == (8, None, None)
+
+
+def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalogues) -> None:
+    content["agent"] = {"name": "idm", "parameters": {"speed_factor": 0.5}}
+    second = copy.deepcopy(content["scenario"]["ego_vehicles"][0])
+    second |= {"id": "ego_1", "agent": {"name": "sumo-krauss"}, "start_time": 10.0}
+    second["route"] = [{"x": 3.01, "y": 104.32, "yaw": 91.51}, {"x": 2.2, "y": 140.0, "yaw": 91.0}]
+    content["scenario"]["ego_vehicles"].append(second)
+    seed = read_campaign(content, catalogues).seed
+    assert [ego.agent.name for ego in seed.ego_vehicles] == ["idm", "idm"]
+    assert all(ego.agent.parameters == {"speed_factor": 0.5} for ego in seed.ego_vehicles)
+
+
+def test_documents_have_the_options_of_the_space() -> None:
+    assert set(SpaceDocument.model_fields) == {field.name for field in fields(SpaceOptions)}
+    defaults = SpaceDocument()
+    for field in fields(SpaceOptions):
+        assert getattr(defaults, field.name) == getattr(SpaceOptions(), field.name)
+
+
+def test_a_space_that_cannot_be_is_a_problem_of_the_space(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["space"] = {"vehicles": 0, "walkers": 0, "weather": False}
+    valid = read_campaign(content, catalogues)
+    with pytest.raises(InvalidDocument) as caught:
+        prepare_search(valid, catalogues, run_prefix="x")
+    assert [problem.pointer for problem in caught.value.problems] == ["/space"]
+
+
+def test_a_search_is_the_same_each_time(content: dict[str, Any], catalogues: Catalogues) -> None:
+    def candidates() -> list[str]:
+        valid = read_campaign(content, catalogues)
+        search = prepare_search(valid, catalogues, run_prefix="x")
+        return [search.candidates.prepare(p.values).document for p in search.tester.ask(3)]
+
+    first = candidates()
+    assert first == candidates()
+    assert len(set(first)) == 3
+    assert '"name":"idm"' in first[0]
