@@ -42,9 +42,17 @@ class TesterContract:
         budget: Evaluations of the longer tests.
     """
 
+    # By its name, pytest would take it for a suite of its own wherever it is imported.
+    __test__ = False
+
     plugin: ClassVar[TesterPlugin[Any]]
     objectives: ClassVar[tuple[str, ...]] = ("min_gap", "time_to_collision", "progress")
     budget: ClassVar[int] = 150
+
+    def __init_subclass__(cls) -> None:
+        """Makes derived classes suites."""
+        super().__init_subclass__()
+        cls.__test__ = True
 
     def space(self) -> GeneSpace:
         """Gives the space to search."""

@@ -1,0 +1,36 @@
+"""The reference names every tester, mutation and selection, and every parameter."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivora_service.search.catalogue import BUILT_IN, BUILT_IN_MUTATIONS, BUILT_IN_SELECTIONS
+from drivora_service.search.plugin import TesterPlugin
+
+
+@pytest.mark.parametrize("plugin", BUILT_IN, ids=lambda plugin: plugin.name)
+def test_the_page_of_a_tester_names_its_parameters_and_their_defaults(
+    plugin: TesterPlugin[Any], repository: Path
+) -> None:
+    page = repository / "docs" / "reference" / "testers" / f"{plugin.name}.md"
+    rows = dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \|", page.read_text(), re.MULTILINE))
+    defaults = {field.name: str(field.default) for field in fields(plugin.parameters)}
+    assert {name: rows.get(name, "").strip() for name in defaults} == defaults
+
+
+def test_the_index_names_every_tester_mutation_and_selection(repository: Path) -> None:
+    index = (repository / "docs" / "reference" / "testers" / "index.md").read_text()
+    testers = set(re.findall(r"^\| \[`([\w-]+)`\]\(\1\.md\) \|", index, re.MULTILINE))
+    assert testers == {plugin.name for plugin in BUILT_IN}
+    for heading, plugins in (
+        ("### Mutations", BUILT_IN_MUTATIONS),
+        ("### Selections", BUILT_IN_SELECTIONS),
+    ):
+        section = index.split(heading)[1].split("##")[0]
+        named = set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE))
+        assert named == {plugin.name for plugin in plugins}
