@@ -1,0 +1,322 @@
+"""Which method finds more: repeated campaigns of every method against random testing.
+
+Every method and its twin without feedback searches the same gene space on the same seed scenarios
+with the same budget; a repetition differs in its seed alone. Results are appended to a file, one
+line a campaign, so that a study can be interrupted and gone on with.
+
+    python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl
+    python -m benchmarks.method_study show benchmarks/results/methods.jsonl
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.campaigns.clustering import Clustering
+from drivora_service.campaigns.comparison import compare_campaigns, measure
+from drivora_service.campaigns.conducting import conduct
+from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
+from drivora_service.campaigns.journal import MemoryJournal
+from drivora_service.campaigns.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.search.space.scenario_space import ScenarioSpace
+
+AGENT = "idm"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A seed scenario: a generated ego route of about 30 s."""
+
+    town: str
+    seed: int
+    min_length: float = 220.0
+    max_length: float = 280.0
+
+    @property
+    def name(self) -> str:
+        """Names it in tables."""
+        return f"{self.town}-{self.seed}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arm:
+    """A method in one gene space; arms with the same space are compared."""
+
+    tester: str
+    space: str
+    feedback: str = "own"
+
+    @property
+    def name(self) -> str:
+        """Names it in tables."""
+        return self.tester if self.feedback == "own" else f"{self.tester} without feedback"
+
+
+SCENES = (
+    Scene(town="signal-grid", seed=1),
+    Scene(town="old-town", seed=2),
+    Scene(town="arterial", seed=3),
+)
+SPACES: dict[str, dict[str, Any]] = {
+    "one ego": {"vehicles": 3, "walkers": 1, "weather": True},
+    "several egos": {
+        "egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True, "optional": True,
+    },
+}  # fmt: skip
+ARMS = (
+    Arm(tester="random", space="one ego"),
+    Arm(tester="avfuzzer", space="one ego"),
+    Arm(tester="behavexplor", space="one ego"),
+    Arm(tester="samota", space="one ego"),
+    Arm(tester="random", space="several egos"),
+    Arm(tester="doppeltest", space="several egos"),
+)
+TWINS = tuple(
+    Arm(tester=arm.tester, space=arm.space, feedback="shuffled")
+    for arm in ARMS
+    if arm.tester != "random"
+)
+
+
+@cache
+def catalogues() -> Catalogues:
+    """Gives what campaigns may name; one a process."""
+    return Catalogues(
+        networks=NetworkCatalogue(shipped_networks()),
+        agents=AgentCatalogue(),
+        testers=TesterCatalogue(),
+    )
+
+
+def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int) -> dict[str, Any]:
+    """Writes the campaign of one repetition."""
+    network = catalogues().networks.get(scene.town)
+    seed = next(
+        iter(
+            generate_seeds(
+                network,
+                count=1,
+                min_length=scene.min_length,
+                max_length=scene.max_length,
+                seed=scene.seed,
+                agent=AGENT,
+            )
+        )
+    )
+    return {
+        "name": f"{scene.name}, {arm.space}, {arm.name}, {repetition}",
+        "tester": {"name": arm.tester, "feedback": arm.feedback},
+        "scenario": json.loads(document_text(seed)),
+        "space": SPACES[arm.space],
+        "budget": {"simulations": simulations},
+        "seed": repetition,
+    }
+
+
+def run_campaign(
+    executor: LocalExecutor, scene: Scene, arm: Arm, repetition: int, simulations: int
+) -> dict[str, Any]:
+    """Runs one campaign and gives its line of the results."""
+    valid = read_campaign(
+        json.dumps(campaign_document(scene, arm, repetition, simulations)), catalogues()
+    )
+    name = valid.campaign.name
+    search = prepare_search(valid, catalogues(), run_prefix="study")
+    journal = MemoryJournal()
+    begun = time.perf_counter()
+    conduct(search, LocalEvaluator(executor), journal, confirm=False)
+    wall = time.perf_counter() - begun
+    genes = ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes
+    figures = figures_of(
+        Subject(campaign=name, group=arm.name, scenario=scene.name, seed=repetition),
+        list(journal.evaluations()),
+        genes,
+    )
+    return {
+        "space": arm.space,
+        "simulations": simulations,
+        "wall_s": round(wall, 2),
+        "figures": asdict(figures),
+        "failures": [
+            {
+                "oracle": failure.verdict.oracle,
+                "at_fault": failure.verdict.at_fault,
+                "time": failure.verdict.time,
+                "location": failure.verdict.location,
+                "evidence": dict(failure.verdict.evidence),
+            }
+            for failure in journal.failures()
+        ],
+    }
+
+
+def work(tasks: multiprocessing.Queue[Any], results: multiprocessing.Queue[Any]) -> None:
+    """Runs campaigns until there are none left, on a worker process of its own."""
+    setup = WorkerSetup(shipped_networks=shipped_networks())
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalExecutor(slots=1, setup=setup, folder=Path(folder)) as executor,
+    ):
+        while (task := tasks.get()) is not None:
+            results.put(run_campaign(executor, *task))
+    results.put(None)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Runs what is missing."""
+    known = (
+        {line["figures"]["campaign"] for line in read(options.out)}
+        if options.out.exists()
+        else set()
+    )
+    arms = [*ARMS, *TWINS] if options.twins else ARMS
+    wanted = [
+        (scene, arm, repetition, options.simulations)
+        for scene in SCENES
+        if scene.town in options.towns
+        for repetition in range(1, options.repetitions + 1)
+        for arm in arms
+        if arm.tester in options.testers
+        and f"{scene.name}, {arm.space}, {arm.name}, {repetition}" not in known
+    ]
+    context = multiprocessing.get_context("spawn")
+    tasks, results = context.Queue(), context.Queue()
+    for task in wanted:
+        tasks.put(task)
+    workers = [context.Process(target=work, args=(tasks, results)) for _ in range(options.workers)]
+    for worker in workers:
+        tasks.put(None)
+        worker.start()
+    left, done, begun = len(workers), 0, time.perf_counter()
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    with options.out.open("a") as file:
+        while left:
+            line = results.get()
+            if line is None:
+                left -= 1
+                continue
+            done += 1
+            file.write(json.dumps(line) + "\n")
+            file.flush()
+            figures = line["figures"]
+            print(
+                f"{done}/{len(wanted)} {time.perf_counter() - begun:.0f} s  {figures['campaign']}: "
+                f"{figures['failing']} failing, {figures['at_fault']} at fault, "
+                f"{figures['kinds']} kinds, {line['wall_s']} s",
+                flush=True,
+            )
+
+
+def read(path: Path) -> Iterator[dict[str, Any]]:
+    """Reads the lines of results."""
+    with path.open() as file:
+        for line in file:
+            yield json.loads(line)
+
+
+def with_clusters(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
+    """Groups the failures of all campaigns on a scene at once, and counts each campaign's groups.
+
+    Groups made campaign by campaign could not be compared: their scales would differ.
+    """
+    places: list[tuple[int, Verdict]] = []
+    for index, line in enumerate(lines):
+        for found in line["failures"]:
+            verdict = Verdict(
+                oracle=found["oracle"],
+                ego="",
+                outcome=Outcome.VIOLATED,
+                message="",
+                at_fault=found["at_fault"],
+                time=found["time"],
+                location=None if found["location"] is None else tuple(found["location"]),
+                evidence=found["evidence"],
+            )
+            places.append((index, verdict))
+    labels = Clustering().label([verdict for _, verdict in places])
+    groups: list[set[tuple[str, int]]] = [set() for _ in lines]
+    for (index, verdict), label in zip(places, labels, strict=True):
+        groups[index].add((verdict.oracle, label))
+    return [
+        CampaignFigures(
+            **{**line["figures"], "found": tuple(line["figures"]["found"]), "clusters": len(group)}
+        )
+        for line, group in zip(lines, groups, strict=True)
+    ]
+
+
+def show(options: argparse.Namespace) -> None:
+    """Prints the comparison as Markdown."""
+    lines = list(read(options.results))
+    for space in SPACES:
+        figures: list[CampaignFigures] = []
+        for scene in SCENES:
+            here = [
+                line
+                for line in lines
+                if line["space"] == space and line["figures"]["scenario"] == scene.name
+            ]
+            if here:
+                figures += with_clusters(here)
+        if len({f.group for f in figures}) < 2:
+            continue
+        print(f"\n### {space}\n")
+        print("| scene | measure | method | n | median | random | A12 (95 %) | p | p (Holm) |")
+        print("|---|---|---|---|---|---|---|---|---|")
+        for row in compare_campaigns(
+            figures, "random", [measure(name) for name in options.measure]
+        ):
+            effect = row.effect
+            print(
+                f"| {row.scenario} | {row.measure.title} | {row.group} | "
+                f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
+                f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{' *' if row.is_better else ''} |"
+            )
+
+
+def main() -> None:
+    """Runs or shows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(required=True)
+    running = commands.add_parser("run")
+    running.add_argument("--out", type=Path, required=True)
+    running.add_argument("--repetitions", type=int, default=20)
+    running.add_argument("--simulations", type=int, default=300)
+    running.add_argument("--workers", type=int, default=2, help="campaigns at once")
+    running.add_argument("--towns", nargs="+", default=[scene.town for scene in SCENES])
+    running.add_argument("--testers", nargs="+", default=sorted({arm.tester for arm in ARMS}))
+    running.add_argument("--twins", action="store_true", help="also without feedback")
+    running.set_defaults(do=run)
+    showing = commands.add_parser("show")
+    showing.add_argument("results", type=Path)
+    showing.add_argument(
+        "--measure",
+        nargs="+",
+        default=["at_fault", "clusters", "kinds", "rules", "first_failure"],
+    )
+    showing.set_defaults(do=show)
+    options = parser.parse_args()
+    options.do(options)
+
+
+if __name__ == "__main__":
+    main()
