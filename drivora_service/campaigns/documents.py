@@ -160,7 +160,7 @@ class CampaignDocument(EntityDocument):
     space: SpaceDocument = Field(
         default_factory=SpaceDocument, description="What varies, and how far."
     )
-    budget: BudgetDocument = Field(description="When the campaign ends.")
+    budget: BudgetDocument = Field(description="How much it may cost.")
     oracles: Annotated[
         tuple[OracleName, ...], Field(min_length=1), AfterValidator(_no_repetition)
     ] = Field(DEFAULT_ORACLES, description="Rules whose violations are failures.")

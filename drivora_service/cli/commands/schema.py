@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -11,25 +12,42 @@ from drivora_service.cli.output import fail
 from drivora_service.errors import ConfigurationError
 
 
+class Document(StrEnum):
+    """What there are schemas of."""
+
+    SCENARIO = "scenario"
+    CAMPAIGN = "campaign"
+
+
 def schema(
+    document: Annotated[Document, typer.Argument(help="What to print the schema of.")] = (
+        Document.SCENARIO
+    ),
     check: Annotated[
-        bool, typer.Option("--check", help="Exit with 1 if the written schema is not current.")
+        bool, typer.Option("--check", help="Exit with 1 if a written schema is not current.")
     ] = False,
-    write: Annotated[bool, typer.Option("--write", help="Write the schema file again.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Write the schema files again.")] = False,
 ) -> None:
-    """Prints the JSON Schema of the OpenScenario document."""
-    from drivora_service.scenario.schema import schema_path, schema_text
+    """Prints the JSON Schema of the OpenScenario document or of the campaign."""
+    from drivora_service.campaigns import schema as campaign_schema
+    from drivora_service.scenario import schema as scenario_schema
 
     if check and write:
         raise ConfigurationError("give one of --check and --write")
-    text, path = schema_text(), schema_path()
-    if check:
-        if not path.is_file() or path.read_text() != text:
+    schemas = {Document.SCENARIO: scenario_schema, Document.CAMPAIGN: campaign_schema}
+    if not check and not write:
+        typer.echo(schemas[document].schema_text(), nl=False)
+        return
+    stale = False
+    for module in schemas.values():
+        text, path = module.schema_text(), module.schema_path()
+        if write:
+            path.write_text(text)
+            typer.echo(f"wrote {path.name}")
+        elif path.is_file() and path.read_text() == text:
+            typer.echo(f"{path.name} is current")
+        else:
             fail(f"{path.name} is not current; `make schema` writes it again")
-            raise typer.Exit(ExitCode.GATE_FAILED)
-        typer.echo(f"{path.name} is current")
-    elif write:
-        path.write_text(text)
-        typer.echo(f"wrote {path.name}")
-    else:
-        typer.echo(text, nl=False)
+            stale = True
+    if stale:
+        raise typer.Exit(ExitCode.GATE_FAILED)
