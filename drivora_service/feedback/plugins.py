@@ -9,9 +9,10 @@ from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice
 from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.feedback.samota import SAMOTA
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST)
+BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
 
 
 class FeedbackCatalogue:

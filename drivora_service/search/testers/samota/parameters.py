@@ -43,15 +43,15 @@ class SamotaParameters:
     pool: Annotated[int, Field(ge=1)] = 10
     threshold: float = 0.0
     population: Annotated[int, Field(ge=4)] = 50
-    generations: Annotated[int, Field(ge=1)] = 30
+    generations: Annotated[int, Field(ge=1)] = 20
     seeded: Share = 0.5
     crossover: Share = 0.75
     tournament: Annotated[int, Field(ge=1)] = 10
     step: Annotated[float, Field(ge=0.0)] = 0.1
-    training: Annotated[int, Field(ge=20)] = 200
+    training: Annotated[int, Field(ge=20)] = 150
     folds: Annotated[int, Field(ge=2)] = 3
     components: Annotated[int, Field(ge=1)] = 4
     top: Share = 0.2
     cluster: Annotated[int, Field(ge=2)] = 5
-    local_generations: Annotated[int, Field(ge=1)] = 30
+    local_generations: Annotated[int, Field(ge=1)] = 20
     local_population: Annotated[int, Field(ge=4)] = 20
