@@ -1,0 +1,124 @@
+"""What every evaluator must do: a suite of tests for authors of evaluators.
+
+Derive a class whose name begins with ``Test`` and say how to make one::
+
+    class TestMyEvaluator(EvaluatorContract):
+        def create(self, context: EvaluatorContext) -> Evaluator:
+            return MY_PLUGIN.create(context)
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from drivora_service.campaigns.evaluator import Answer, Evaluator, EvaluatorContext
+from drivora_service.execution.executor import Limits
+from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.warm_up import warm_up_checks
+
+_LONG_S = 300.0
+"""Seconds after which a test gives up; far beyond what anything takes."""
+
+
+class EvaluatorContract:
+    """Tests that every evaluator passes."""
+
+    def create(self, context: EvaluatorContext) -> Evaluator:
+        """Makes the evaluator under test."""
+        raise NotImplementedError
+
+    def document(self, number: int) -> str:
+        """Gives the canonical JSON text of a short scenario, another one for each number."""
+        scenario = warm_up_checks(NetworkCatalogue(shipped_networks()))
+        return canonical_json(replace(scenario, max_sim_time=1.0 + 0.5 * number))
+
+    def broken_document(self) -> str:
+        """Gives a document that cannot be run."""
+        scenario = warm_up_checks(NetworkCatalogue(shipped_networks()))
+        nowhere = replace(scenario.map_region, town="no-town")
+        return canonical_json(replace(scenario, map_region=nowhere))
+
+    @pytest.fixture
+    def evaluator(self, tmp_path: Path) -> Iterator[Evaluator]:
+        """The evaluator, with two workers."""
+        context = EvaluatorContext(
+            workers=2,
+            setup=WorkerSetup(shipped_networks=shipped_networks()),
+            limits=Limits(),
+            folder=tmp_path,
+        )
+        with contextlib.closing(self.create(context)) as made:
+            yield made
+
+    def spec(self, number: int, document: str = "") -> RunSpec:
+        """Gives what is to be run."""
+        return RunSpec(
+            run_id=f"contract-{number}",
+            document=document or self.document(number),
+            feedback=FeedbackChoice(name="general"),
+        )
+
+    def collect(self, evaluator: Evaluator, count: int) -> list[Answer]:
+        """Waits for ``count`` answers."""
+        answers: list[Answer] = []
+        while len(answers) < count:
+            came = evaluator.wait(_LONG_S)
+            assert came, "no answer came although runs are under way"
+            answers += came
+        return answers
+
+    def test_every_number_comes_back_once_with_its_own_report(self, evaluator: Evaluator) -> None:
+        for number in range(5):
+            evaluator.submit(number, self.spec(number))
+        answers = self.collect(evaluator, 5)
+        assert sorted(answer.number for answer in answers) == list(range(5))
+        for answer in answers:
+            assert answer.report.run_id == f"contract-{answer.number}"
+            assert answer.report.status is RunStatus.FINISHED
+        assert evaluator.wait(0.1) == ()
+
+    def test_reports_are_judged_and_measured(self, evaluator: Evaluator) -> None:
+        evaluator.submit(7, self.spec(1))
+        (answer,) = self.collect(evaluator, 1)
+        assert answer.number == 7
+        assert answer.report.verdicts
+        assert answer.report.measurement is not None
+
+    def test_the_same_scenario_gives_the_same_trace(self, evaluator: Evaluator) -> None:
+        for number in (0, 1):
+            evaluator.submit(number, self.spec(number, self.document(2)))
+        first, second = self.collect(evaluator, 2)
+        assert first.report.trace_sha256 == second.report.trace_sha256 != ""
+        assert first.report.measurement == second.report.measurement
+
+    def test_what_cannot_be_run_is_answered_too(self, evaluator: Evaluator) -> None:
+        evaluator.submit(0, self.spec(0, self.broken_document()))
+        (answer,) = self.collect(evaluator, 1)
+        assert answer.report.status is RunStatus.INVALID
+        assert answer.report.failure is not None
+
+    def test_waiting_for_nothing_does_not_wait(self, evaluator: Evaluator) -> None:
+        assert evaluator.wait() == ()
+
+    def test_more_can_be_submitted_while_others_run(self, evaluator: Evaluator) -> None:
+        evaluator.submit(0, self.spec(0))
+        evaluator.submit(1, self.spec(1))
+        came = list(evaluator.wait(_LONG_S))
+        evaluator.submit(2, self.spec(2))
+        came += self.collect(evaluator, 3 - len(came))
+        assert sorted(answer.number for answer in came) == [0, 1, 2]
+
+    def test_it_can_be_closed_in_the_middle_and_again(self, evaluator: Evaluator) -> None:
+        for number in range(4):
+            evaluator.submit(number, self.spec(number))
+        evaluator.close()
+        evaluator.close()
