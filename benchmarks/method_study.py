@@ -282,14 +282,14 @@ def show(options: argparse.Namespace) -> None:
         print(f"\n### {space}\n")
         print("| scene | measure | method | n | median | random | A12 (95 %) | p | p (Holm) |")
         print("|---|---|---|---|---|---|---|---|---|")
-        for row in compare_campaigns(
-            figures, "random", [measure(name) for name in options.measure]
-        ):
-            effect = row.effect
+        measures = [measure(name) for name in options.measure]
+        for row in compare_campaigns(figures, "random", measures):
+            a12 = f"{row.effect.a12:.2f} ({row.effect.low:.2f} to {row.effect.high:.2f})"
+            mark = " *" if row.is_better else ""
             print(
                 f"| {row.scenario} | {row.measure.title} | {row.group} | "
                 f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
-                f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{' *' if row.is_better else ''} |"
+                f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{mark} |"
             )
 
 
