@@ -1,0 +1,125 @@
+"""Both journals keep the same, and only the one in the database survives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from drivora_service.campaigns.confirming import confirm_failures, group_failures
+from drivora_service.campaigns.journal import Journal, MemoryJournal
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.errors import Conflict
+from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, NewCampaign
+from drivora_service.store.database import Database
+from tests.campaigns.analytic import Computed, run, sequence
+
+Make = Callable[[], Journal]
+
+
+@pytest.fixture(params=["memory", "store"])
+def journal(request: pytest.FixtureRequest, database: Database) -> Journal:
+    return MemoryJournal() if request.param == "memory" else stored(database)
+
+
+@pytest.fixture(scope="module")
+def records() -> list[EvaluationRecord]:
+    journal = MemoryJournal()
+    run(journal)
+    return list(journal.evaluations())
+
+
+def stored(database: Database) -> StoreJournal:
+    campaign = NewCampaign(
+        name="computed",
+        document="{}",
+        tester="climber",
+        agent="formula",
+        town="nowhere",
+        network_sha256="0" * 64,
+        budget=60,
+    )
+    with database.write() as transaction:
+        return StoreJournal(database, transaction.campaigns.create(campaign).id)
+
+
+def test_what_was_appended_is_read_again(journal: Journal, records: list[EvaluationRecord]) -> None:
+    run(journal)
+    read = list(journal.evaluations())
+    assert sequence(read) == sequence(records)
+    assert [r.report for r in read] == [r.report for r in records]
+
+
+def test_a_campaign_goes_on_from_what_was_written(
+    database: Database, records: list[EvaluationRecord]
+) -> None:
+    for known in (0, 1, 17, len(records)):
+        journal = stored(database)
+        for record in records[:known]:
+            journal.append(record, "[]" if record.document_sha256 else "")
+        run(journal, evaluator=Computed(slots=2, seed=known))
+        assert sequence(list(journal.evaluations())) == sequence(records)
+
+
+def test_more_than_a_page_is_read(database: Database) -> None:
+    journal = stored(database)
+    run(journal, budget=450)
+    read = list(journal.evaluations())
+    assert [record.number for record in read] == list(range(len(read)))
+    assert len(read) > 450
+
+
+def test_numbers_follow_one_another(journal: Journal, records: list[EvaluationRecord]) -> None:
+    journal.append(records[0], "[]")
+    for wrong in (records[0], records[2]):
+        with pytest.raises((Conflict, ValueError)):
+            journal.append(wrong, "[]")
+    assert len(list(journal.evaluations())) == 1
+
+
+def test_every_violation_is_a_failure(journal: Journal, records: list[EvaluationRecord]) -> None:
+    run(journal)
+    expected = [
+        (record.number, place, key, verdict)
+        for record in records
+        for place, (key, verdict) in enumerate(
+            zip(record.failure_keys, record.violations, strict=True)
+        )
+    ]
+    found = journal.failures()
+    assert [(f.number, f.place, f.key, f.verdict) for f in found] == expected
+    assert {f.confirmation for f in found} == {Confirmation.OPEN}
+    assert {f.cluster for f in found} == {None}
+
+
+def test_confirmations_and_groups_are_kept(journal: Journal) -> None:
+    run(journal)
+    failures = journal.failures()
+    first, last = failures[0], failures[-1]
+    journal.confirm(first.number, Confirmation.CONFIRMED, "a.trace.parquet")
+    journal.confirm(last.number, Confirmation.FLAKY, "")
+    journal.group({(first.number, first.place): 4})
+    kept = journal.failures()
+    assert kept[0] == replace(
+        first, confirmation=Confirmation.CONFIRMED, trace="a.trace.parquet", cluster=4
+    )
+    assert kept[-1].confirmation is Confirmation.FLAKY
+    assert {f.confirmation for f in kept[1:-1]} <= {Confirmation.OPEN}
+
+
+def test_failures_are_run_again_and_grouped_without_changing_the_search(
+    journal: Journal, records: list[EvaluationRecord]
+) -> None:
+    run(journal)
+    evaluator = Computed(slots=2)
+    confirm_failures(journal, evaluator, run_prefix="test", traces=None)
+    group_failures(journal)
+    failing = {r.number for r in records if r.violations}
+    assert sorted(evaluator.submitted) == sorted(failing)
+    assert {f.confirmation for f in journal.failures()} == {Confirmation.CONFIRMED}
+    assert all(f.cluster is not None for f in journal.failures())
+    assert sequence(list(journal.evaluations())) == sequence(records)
+    again = Computed()
+    confirm_failures(journal, again, run_prefix="test", traces=None)
+    assert again.submitted == []
