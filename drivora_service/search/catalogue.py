@@ -14,10 +14,11 @@ from drivora_service.search.plugin import MutationPlugin, SelectionPlugin, Teste
 from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION
 from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
+from drivora_service.search.testers.behavexplor.tester import BEHAVEXPLOR
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
 from drivora_service.search.testers.random_search import RANDOM
 
-BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER, DOPPELTEST)
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER, BEHAVEXPLOR, DOPPELTEST)
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
 
