@@ -69,7 +69,10 @@ def search_versions() -> dict[str, str]:
 def _tester(valid: ValidCampaign, catalogues: Catalogues, space: ScenarioSpace) -> Tester:
     campaign, choice = valid.campaign, valid.campaign.tester
     context = TesterContext(
-        space=space.genes, random=_generator(campaign.seed, _SEARCH), budget=campaign.budget
+        space=space.genes,
+        random=_generator(campaign.seed, _SEARCH),
+        budget=campaign.budget,
+        conflicts=space.conflicts,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

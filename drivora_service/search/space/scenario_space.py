@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.route_meetings import meeting_matrix
 from drivora_service.scenario.model import Scenario
-from drivora_service.search.genes import FloatArray, GeneSpace, Part
+from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace, Part
 from drivora_service.search.space.conditions import (
     light_genes,
     traffic_lights,
@@ -70,6 +71,13 @@ class ScenarioSpace:
         )
         self.genes = GeneSpace(self._layout.blocks)
         self._seed_starts = seed_starts(seed, network)
+
+    @cached_property
+    def conflicts(self) -> BoolArray | None:
+        """(n, n) which routes meet in a junction; ``None`` where the egos' routes do not vary."""
+        if self._options.egos == 1:
+            return None
+        return meeting_matrix(self.network, [route.path.route.line for route in self.routes])
 
     def repair(self, values: FloatArray) -> FloatArray:
         """Brings values within the bounds and moves actors apart that would start too near.
