@@ -8,7 +8,6 @@ scikit-learn's and smt's models make of their arguments cost several times the a
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -16,7 +15,6 @@ from typing import Protocol
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
-from sklearn.cross_decomposition import PLSRegression
 
 from drivora_service.search.genes import FloatArray
 
@@ -152,13 +150,9 @@ class Kriging:
 
 
 def _fit_latent(features: FloatArray, objective: FloatArray, components: int) -> _Latent:
-    regression = PLSRegression(n_components=components, scale=False)
-    with warnings.catch_warnings():
-        # It has explained everything with fewer directions: the others stay 0.
-        warnings.filterwarnings("ignore", "y residual is constant", UserWarning)
-        regression.fit(features, objective)
     mean = features.mean(axis=0)
-    latent = (features - mean) @ regression.x_rotations_
+    rotations = latent_directions(features - mean, objective, components)
+    latent = (features - mean) @ rotations
     deviation = latent.std(axis=0)
     scale = np.where(deviation > 1e-9, deviation, 1.0)
     points = latent / scale
@@ -175,11 +169,46 @@ def _fit_latent(features: FloatArray, objective: FloatArray, components: int) ->
             likeliest, found = likelihood, (length, coefficients)
     return _Latent(
         mean=mean,
-        directions=regression.x_rotations_ / scale,
+        directions=rotations / scale,
         points=points,
         length=found[0],
         coefficients=found[1],
     )
+
+
+def latent_directions(features: FloatArray, objective: FloatArray, components: int) -> FloatArray:
+    """Gives the directions in which the features vary together with the objective.
+
+    Partial least squares of one target (PLS1; Wold et al., "PLS-regression", 2001). scikit-learn's
+    warns and divides by zero where the features are exhausted before the components.
+
+    Args:
+        features: (n, e) of mean 0.
+        objective: (n,) of mean 0.
+        components: How many at most.
+
+    Returns:
+        (e, k) orthogonal over the training set; k is less than ``components`` where fewer explain
+        everything, and at least 1.
+    """
+    left = features
+    directions, loadings = [], []
+    for _ in range(components):
+        direction = left.T @ objective
+        length = float(np.linalg.norm(direction))
+        if length <= 1e-9 * len(features):
+            break
+        direction /= length
+        scores = left @ direction
+        loading = left.T @ scores / (scores @ scores)
+        left = left - np.outer(scores, loading)
+        directions.append(direction)
+        loadings.append(loading)
+    if not directions:
+        return np.zeros((features.shape[1], 1))
+    found = np.stack(directions, axis=1)
+    rotations: FloatArray = found @ np.linalg.inv(np.stack(loadings) @ found)
+    return rotations
 
 
 def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
