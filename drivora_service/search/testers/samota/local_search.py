@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from sklearn.cluster import HDBSCAN
 
 from drivora_service.search.components import IntArray
 from drivora_service.search.genes import FloatArray, GeneSpace
@@ -40,9 +39,14 @@ def clusters_of(features: FloatArray, least: int) -> tuple[IntArray, ...]:
     Returns:
         Rows of each group, in ascending order; one group of all where there are none.
     """
+    # scikit-learn takes a second to load; whoever only lists the testers is spared it.
+    from sklearn import config_context
+    from sklearn.cluster import HDBSCAN
+
     if len(features) < 2 * least:
         return (np.arange(len(features)),)
-    labels = HDBSCAN(min_cluster_size=least, copy=True).fit(features).labels_
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        labels = HDBSCAN(min_cluster_size=least, copy=True).fit(features).labels_
     groups = tuple(np.flatnonzero(labels == label) for label in range(labels.max() + 1))
     return groups or (np.arange(len(features)),)
 

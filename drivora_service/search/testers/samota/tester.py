@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 
 import numpy as np
-import sklearn
 from threadpoolctl import ThreadpoolController
 
 from drivora_service.feedback.measurement import FeedbackChoice
@@ -73,17 +70,18 @@ class SamotaSearch:
             population=parameters.local_population,
             breeding=breeding,
         )
-        self._threads = ThreadpoolController()
 
     def run(self) -> Script:
         """Searches without end."""
+        threads = ThreadpoolController()
         generation = 0
         yield from self._simulate(self._explored(self._parameters.initial, generation))
         while True:
             for search in (self._searched_globally, self._searched_locally):
                 generation += 1
                 targets = self._targets()
-                with _single_threaded(self._threads):
+                # More threads would add in another order, and take cores from the workers.
+                with threads.limit(limits=1):
                     found = search(targets, generation) if len(targets) else ()
                 # Where nothing can be learnt, or all that was found is known, look elsewhere.
                 yield from self._simulate(found or self._explored(max(len(targets), 1), generation))
@@ -181,16 +179,6 @@ class SamotaSearch:
         is_new = not self.database.knows(self._encoding.encode(values[None])[0])
         self.database.note(values)
         return is_new
-
-
-@contextmanager
-def _single_threaded(threads: ThreadpoolController) -> Iterator[None]:
-    """Computes in one thread: more would add in another order, and take cores from the workers."""
-    with (
-        threads.limit(limits=1),
-        sklearn.config_context(assume_finite=True, skip_parameter_validation=True),
-    ):
-        yield
 
 
 def _create(context: TesterContext, parameters: SamotaParameters, components: Components) -> Tester:
