@@ -1,0 +1,198 @@
+"""Campaigns of real runs: the same with any number of workers, paused and resumed."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivora_service.campaigns.conducting import Watcher
+from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
+from drivora_service.campaigns.local_evaluator import LOCAL
+from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.stored import CampaignFolder, ask_for, new_campaign, run_stored
+from drivora_service.errors import CampaignError, Conflict, UnknownName
+from drivora_service.execution.executor import Limits
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+    Confirmation,
+    EvaluationRecord,
+)
+from drivora_service.store.database import Database
+from tests.campaigns.analytic import sequence
+
+PAUSE, NONE = CampaignRequest.PAUSE, CampaignRequest.NONE
+
+
+class Campaigns:
+    """Campaigns in a database, run by local workers."""
+
+    def __init__(self, database: Database, catalogues: Catalogues, folder: Path) -> None:
+        self.database, self.catalogues, self.root = database, catalogues, folder
+
+    def create(self, content: dict[str, Any]) -> str:
+        valid = read_campaign(content, self.catalogues)
+        with self.database.write() as transaction:
+            return transaction.campaigns.create(new_campaign(valid)).id
+
+    def folder(self, campaign_id: str) -> CampaignFolder:
+        return CampaignFolder(self.root / "campaigns", campaign_id)
+
+    def run(self, campaign_id: str, workers: int, watcher: Watcher | None = None) -> CampaignRecord:
+        @contextlib.contextmanager
+        def evaluator(_wanted: int | None) -> Iterator[Evaluator]:
+            context = EvaluatorContext(
+                workers=workers,
+                setup=WorkerSetup(shipped_networks=shipped_networks()),
+                limits=Limits(),
+                folder=self.root / "workers",
+            )
+            with contextlib.closing(LOCAL.create(context)) as made:
+                yield made
+
+        return run_stored(
+            self.database,
+            campaign_id,
+            self.folder(campaign_id),
+            catalogues=self.catalogues,
+            evaluator=evaluator,
+            watcher=watcher or Watcher(),
+        )
+
+    def evaluations(self, campaign_id: str) -> list[EvaluationRecord]:
+        return list(StoreJournal(self.database, campaign_id).evaluations())
+
+    def record(self, campaign_id: str) -> CampaignRecord:
+        with self.database.read() as transaction:
+            return transaction.campaigns.get(campaign_id)
+
+
+@pytest.fixture
+def campaigns(database: Database, catalogues: Catalogues, tmp_path: Path) -> Campaigns:
+    return Campaigns(database, catalogues, tmp_path)
+
+
+def after(count: int) -> tuple[Watcher, Callable[[], int]]:
+    """A watcher that wants a pause after so many new evaluations."""
+    told: list[int] = []
+    watcher = Watcher(
+        requested=lambda: PAUSE if len(told) >= count else NONE,
+        on_told=lambda t: None if t.replayed else told.append(t.record.number),
+    )
+    return watcher, lambda: len(told)
+
+
+@pytest.mark.slow
+def test_workers_and_pauses_do_not_change_a_campaign(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    alone = campaigns.create(content)
+    assert campaigns.run(alone, 1).state is CampaignState.FINISHED
+    whole = campaigns.evaluations(alone)
+    assert campaigns.record(alone).counts.simulations == 12
+
+    paused = campaigns.create(content)
+    for count in (5, 3):
+        watcher, told = after(count)
+        assert campaigns.run(paused, 2, watcher).state is CampaignState.PAUSED
+        assert told() == count
+    record = campaigns.run(paused, 2)
+    assert record.state is CampaignState.FINISHED
+    assert record.active_s > 0.0
+    assert sequence(campaigns.evaluations(paused)) == sequence(whole)
+    hashes = [e.report.trace_sha256 for e in whole]
+    assert [e.report.trace_sha256 for e in campaigns.evaluations(paused)] == hashes
+    assert len(set(hashes)) > 10
+
+
+@pytest.mark.slow
+def test_failures_are_confirmed_and_their_traces_kept(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    campaign_id = campaigns.create(content)
+    campaigns.run(campaign_id, 2)
+    with campaigns.database.read() as transaction:
+        failures = transaction.evaluations.failures(campaign_id)
+    assert failures
+    by_number = {e.number: e for e in campaigns.evaluations(campaign_id)}
+    for failure in failures:
+        assert failure.confirmation is Confirmation.CONFIRMED
+        assert failure.cluster is not None
+        trace = read_trace(campaigns.folder(campaign_id).traces / failure.trace)
+        assert trace_sha256(trace) == by_number[failure.number].report.trace_sha256
+        assert failure.key.startswith(failure.verdict.oracle)
+    assert {f.number for f in failures} == {n for n, e in by_number.items() if e.violations}
+
+
+@pytest.mark.slow
+def test_a_campaign_that_cannot_go_on_says_why(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    content["agent"] = {"name": "idm", "parameters": {"speed": 3}}
+    content["budget"]["simulations"] = 30
+    campaign_id = campaigns.create(content)
+    with pytest.raises(CampaignError, match="no parameter 'speed'"):
+        campaigns.run(campaign_id, 2)
+    record = campaigns.record(campaign_id)
+    assert record.state is CampaignState.FAILED
+    assert "no parameter 'speed'" in record.message
+
+
+def test_one_process_works_on_a_campaign(campaigns: Campaigns, content: dict[str, Any]) -> None:
+    campaign_id = campaigns.create(content)
+    folder = campaigns.folder(campaign_id)
+    assert not folder.is_running
+    lock = folder.lock()
+    assert folder.is_running
+    with pytest.raises(Conflict, match="running campaign"):
+        campaigns.run(campaign_id, 1)
+    lock.release()
+    assert not folder.is_running
+
+
+def test_asking_a_campaign_whose_process_was_killed_takes_effect_at_once(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    campaign_id = campaigns.create(content)
+    folder = campaigns.folder(campaign_id)
+    with campaigns.database.write() as transaction:
+        transaction.campaigns.begin(campaign_id)
+    lock = folder.lock()
+    alive = ask_for(campaigns.database, campaign_id, folder, PAUSE)
+    assert (alive.state, alive.request) == (CampaignState.RUNNING, PAUSE)
+    lock.release()
+    dead = ask_for(campaigns.database, campaign_id, folder, PAUSE)
+    assert (dead.state, dead.request) == (CampaignState.PAUSED, NONE)
+
+
+def test_a_campaign_on_a_changed_network_is_refused(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    from dataclasses import replace
+
+    valid = read_campaign(content, campaigns.catalogues)
+    new = replace(new_campaign(valid), network_sha256="0" * 64)
+    with campaigns.database.write() as transaction:
+        campaign_id = transaction.campaigns.create(new).id
+    with pytest.raises(CampaignError, match="'tee-town' has changed"):
+        campaigns.run(campaign_id, 1)
+    assert campaigns.record(campaign_id).state is CampaignState.FAILED
+
+
+def test_what_is_over_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:
+    campaign_id = campaigns.create(content)
+    ask_for(campaigns.database, campaign_id, campaigns.folder(campaign_id), CampaignRequest.CANCEL)
+    with pytest.raises(Conflict, match="cancelled"):
+        campaigns.run(campaign_id, 1)
+    with pytest.raises(UnknownName):
+        campaigns.run("nothing", 1)

@@ -1,0 +1,208 @@
+"""``drivora campaign``, also killed in the middle."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.database import Database, open_database
+from tests.campaigns.analytic import sequence
+from tests.cli.conftest import Drivora
+
+CAMPAIGN = """
+name: crossing
+tester:
+  name: random
+agent:
+  name: idm
+scenario:
+  file: crossing.json
+space:
+  vehicles: 2
+  walkers: 2
+oracles: [collision, discomfort]
+budget:
+  simulations: 40
+seed: 3
+workers: 2
+"""
+
+
+@pytest.fixture
+def campaign_file(tmp_path: Path) -> Path:
+    (tmp_path / "crossing.json").write_text(json.dumps(SCENARIO))
+    path = tmp_path / "campaign.yaml"
+    path.write_text(CAMPAIGN)
+    return path
+
+
+def database(tmp_path: Path) -> Database:
+    return open_database(f"sqlite:///{tmp_path / 'data' / 'drivora.sqlite3'}")
+
+
+def evaluations(tmp_path: Path, campaign_id: str) -> list[EvaluationRecord]:
+    opened = database(tmp_path)
+    try:
+        return list(StoreJournal(opened, campaign_id).evaluations())
+    finally:
+        opened.close()
+
+
+def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
+    """Starts a command and does not wait for it."""
+    command = [sys.executable, "-m", "drivora_service.cli", "campaign", *map(str, arguments)]
+    with (tmp_path / "campaign.log").open("ab") as log:
+        return subprocess.Popen(
+            command,
+            stdout=log,
+            stderr=log,
+            cwd=tmp_path,
+            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")},
+        )
+
+
+def wait_until_told(tmp_path: Path, process: subprocess.Popen[bytes], more_than: int) -> str:
+    """Waits until the newest campaign has told more than so many evaluations; gives its id."""
+    opened = database(tmp_path)
+    try:
+        deadline = time.monotonic() + 120.0
+        while time.monotonic() < deadline and process.poll() is None:
+            with opened.read() as transaction:
+                for record in transaction.campaigns.page(limit=1).items:
+                    if record.counts.evaluations > more_than:
+                        return record.id
+            time.sleep(0.02)
+    finally:
+        opened.close()
+    raise AssertionError((tmp_path / "campaign.log").read_text())
+
+
+def test_a_bad_file_is_refused_with_every_place(drivora: Drivora, campaign_file: Path) -> None:
+    wrong = CAMPAIGN.replace("name: random", "name: randon").replace("seed: 3", "sed: 3")
+    campaign_file.write_text(wrong)
+    ended = drivora("campaign", "run", campaign_file)
+    assert ended.code == 2
+    assert "/tester/name: " in ended.err
+    assert "/sed: " in ended.err
+    assert drivora("campaign", "list", "--json").json() == []
+
+
+@pytest.mark.parametrize(
+    ("scenario", "said"),
+    [
+        ("{file: nowhere.json}", "nowhere.json cannot be read"),
+        ("{file: 3}", "found no file name"),
+        ("{file: [}", "not YAML"),
+        ("{map_region: {town: tee-town}}", "/scenario/ego_vehicles"),
+    ],
+)
+def test_a_bad_scenario_is_named(
+    drivora: Drivora, campaign_file: Path, scenario: str, said: str
+) -> None:
+    campaign_file.write_text(CAMPAIGN.replace("\n  file: crossing.json", f" {scenario}"))
+    ended = drivora("campaign", "run", campaign_file)
+    assert ended.code == 2
+    assert said in ended.err
+
+
+def test_what_is_not_there_is_wrong_use(drivora: Drivora, tmp_path: Path) -> None:
+    assert drivora("campaign", "run", tmp_path / "none.yaml").code == 2
+    for command in ("show", "resume", "pause", "cancel"):
+        ended = drivora("campaign", command, "0123")
+        assert ended.code == 2
+        assert "unknown campaign '0123'" in ended.err
+
+
+@pytest.mark.slow
+def test_a_campaign_from_its_file_to_its_failures(
+    drivora: Drivora, campaign_file: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    ended = drivora("campaign", "run", campaign_file, "--out", out, "--gate", "--json")
+    result = ended.json()
+    assert ended.code == (1 if result["violating"] else 0)
+    assert result["state"] == "finished"
+    assert result["simulations"] == result["budget"] == 40
+    assert result["violating"] > 0
+    assert sum(kind["failures"] for kind in result["kinds"]) == len(result["failures"])
+    assert json.loads((out / "campaign.json").read_text())["id"] == result["id"]
+
+    failing = result["failures"][0]["evaluation"]
+    scenario = out / f"{failing:06d}.json"
+    again = drivora("run", scenario, "--json").json()
+    shown = drivora("campaign", "show", result["id"], "--evaluation", failing, "--json").json()
+    (evaluation,) = shown["lineage"]
+    assert again["trace_sha256"] == evaluation["report"]["trace_sha256"]
+    assert (out / f"{failing:06d}.trace.parquet").is_file()
+    printed = drivora("campaign", "scenario", result["id"], failing)
+    assert printed.out == scenario.read_text()
+
+    (listed,) = drivora("campaign", "list", "--json").json()
+    assert listed["id"] == result["id"]
+    assert "Failures" in drivora("campaign", "show", result["id"]).out
+    assert "Lineage" in drivora("campaign", "show", result["id"], "--evaluation", 3).out
+    assert drivora("campaign", "resume", result["id"]).code == 3
+
+
+@pytest.mark.slow
+def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
+    drivora: Drivora, campaign_file: Path, tmp_path: Path
+) -> None:
+    luck = random.Random(5)
+    whole = drivora("campaign", "run", campaign_file, "--json").json()["id"]
+    process = start(tmp_path, "run", campaign_file)
+    killed: list[int] = []
+    campaign_id = ""
+    for kill in range(3):
+        told = len(evaluations(tmp_path, campaign_id)) if campaign_id else 0
+        found = wait_until_told(tmp_path, process, told + luck.randrange(8))
+        campaign_id = campaign_id or found
+        time.sleep(luck.uniform(0.0, 0.4))
+        process.kill()
+        process.wait()
+        killed.append(len(evaluations(tmp_path, campaign_id)))
+        assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "interrupted"
+        if kill < 2:
+            process = start(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
+    assert 0 < killed[0] < killed[1] < killed[2] < 40
+    result: dict[str, Any] = drivora("campaign", "resume", campaign_id, "--json").json()
+    assert result["state"] == "finished"
+    assert sequence(evaluations(tmp_path, campaign_id)) == sequence(evaluations(tmp_path, whole))
+    assert {f["confirmation"] for f in result["failures"]} == {"confirmed"}
+
+
+@pytest.mark.slow
+def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
+    drivora: Drivora, campaign_file: Path, tmp_path: Path
+) -> None:
+    process = start(tmp_path, "run", campaign_file)
+    campaign_id = wait_until_told(tmp_path, process, 2)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60.0) == 3
+    assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "paused"
+
+    told = len(evaluations(tmp_path, campaign_id))
+    process = start(tmp_path, "resume", campaign_id)
+    wait_until_told(tmp_path, process, told + 2)
+    asked = drivora("campaign", "pause", campaign_id, "--json").json()
+    assert asked["state"] in ("running", "paused")
+    assert process.wait(60.0) == 3
+    paused = drivora("campaign", "show", campaign_id, "--json").json()
+    assert paused["state"] == "paused"
+    assert told + 2 < paused["evaluations"] < 40
+    assert drivora("campaign", "cancel", campaign_id, "--json").json()["state"] == "cancelled"
+    ended = drivora("campaign", "resume", campaign_id)
+    assert ended.code == 3
+    assert "cancelled" in ended.err
