@@ -86,6 +86,7 @@ def run_stored(
     catalogues: Catalogues,
     evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
     watcher: Watcher = Watcher(),  # noqa: B008 # frozen
+    if_wanted: bool = False,
 ) -> CampaignRecord:
     """Runs a campaign, or goes on with it, until it is finished or somebody wants it to stop.
 
@@ -96,9 +97,10 @@ def run_stored(
         catalogues: Where its names are looked up.
         evaluator: Gives what evaluates, for the number of workers that the campaign wants.
         watcher: Whom to ask and to tell; the database is asked besides.
+        if_wanted: Whether to run it only if it waits to be run; see ``CampaignRepository.begin``.
 
     Raises:
-        Conflict: Another process runs it, or it is over.
+        Conflict: Another process runs it, it is over, or it does not wait to be run.
         CampaignError: It cannot go on; the store knows why.
         InvalidDocument: What it names is not there any more.
         UnknownName: There is no such campaign.
@@ -106,7 +108,7 @@ def run_stored(
     lock = folder.lock()
     try:
         with database.write() as transaction:
-            record = transaction.campaigns.begin(campaign_id)
+            record = transaction.campaigns.begin(campaign_id, if_wanted=if_wanted)
         journal = StoreJournal(database, campaign_id)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
         try:

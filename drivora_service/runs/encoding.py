@@ -1,4 +1,4 @@
-"""Reports and verdicts as JSON text, for the database and for programs."""
+"""Reports, verdicts and choices of feedback as JSON text, for the database and for programs."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
+from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunReport
 
@@ -30,6 +31,21 @@ def verdict_to_json(verdict: Verdict) -> str:
 def verdict_from_json(text: str | bytes) -> Verdict:
     """Reads what :func:`verdict_to_json` wrote."""
     return _verdict_adapter().validate_json(text)
+
+
+def choice_to_json(choice: FeedbackChoice) -> str:
+    """Writes a choice of feedback as JSON."""
+    return _choice_adapter().dump_json(choice, fallback=_plain).decode()
+
+
+def choice_from_json(text: str | bytes) -> FeedbackChoice:
+    """Reads what :func:`choice_to_json` wrote."""
+    return _choice_adapter().validate_json(text)
+
+
+@cache
+def _choice_adapter() -> TypeAdapter[FeedbackChoice]:
+    return TypeAdapter(FeedbackChoice)
 
 
 @cache

@@ -99,6 +99,22 @@ class CampaignCounts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignToRun:
+    """A campaign that waits for a process of the service, or has one."""
+
+    id: str
+    request: CampaignRequest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BestScore:
+    """The least value of an objective so far, and the number of the first evaluation with it."""
+
+    value: float
+    number: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignRecord:
     """A campaign and how far it is.
 
@@ -106,8 +122,10 @@ class CampaignRecord:
         seq: Its place among all campaigns, for page tokens.
         message: Why it failed, or "".
         request: What somebody wants of it while it runs.
+        batch_id: The batch of its runs, where the service runs it; "": some command does.
         active_s: Seconds for which it has searched, pauses left out.
         updated_at: When it last told its tester something, or changed its state.
+        best: The best scores by the objectives of its tester's feedback.
     """
 
     seq: int
@@ -129,6 +147,8 @@ class CampaignRecord:
     updated_at: datetime
     active_s: float
     counts: CampaignCounts
+    batch_id: str = ""
+    best: Mapping[str, BestScore] = field(default_factory=dict)
 
     @property
     def rate(self) -> float | None:

@@ -34,6 +34,7 @@ class CampaignRow(Base):
     state: Mapped[str] = mapped_column(String(16))
     message: Mapped[str] = mapped_column(Text, default="")
     request: Mapped[str] = mapped_column(String(16), default="")
+    batch_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
     created_at: Mapped[datetime]
     started_at: Mapped[datetime | None]
     ended_at: Mapped[datetime | None]
@@ -45,6 +46,7 @@ class CampaignRow(Base):
     failed: Mapped[int] = mapped_column(default=0)
     violating: Mapped[int] = mapped_column(default=0)
     at_fault: Mapped[int] = mapped_column(default=0)
+    best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
 
 
 class EvaluationRow(Base):

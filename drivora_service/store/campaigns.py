@@ -10,17 +10,23 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
+from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_records import (
+    BestScore,
     CampaignCounts,
     CampaignRecord,
     CampaignRequest,
     CampaignState,
+    CampaignToRun,
     NewCampaign,
 )
 from drivora_service.store.campaign_tables import CampaignRow
 from drivora_service.store.ids import new_id
 from drivora_service.store.paging import make_token, read_token
-from drivora_service.store.records import Page
+from drivora_service.store.records import BatchState, Page
+from drivora_service.store.tables import BatchRow
+
+_TO_RUN = (CampaignState.QUEUED, CampaignState.RUNNING)
 
 
 class CampaignRepository:
@@ -86,17 +92,38 @@ class CampaignRepository:
         more = make_token(scope, shown[-1].seq) if len(rows) > limit else ""
         return Page(items=tuple(_record(row) for row in shown), next_token=more)
 
-    def begin(self, campaign_id: str) -> CampaignRecord:
+    def to_run(self) -> tuple[CampaignToRun, ...]:
+        """Gives the campaigns that the service is to run, those that ran already first."""
+        query = (
+            select(CampaignRow.id, CampaignRow.state, CampaignRow.request)
+            .where(CampaignRow.batch_id != "", CampaignRow.state.in_(_TO_RUN))
+            .order_by(CampaignRow.state.desc(), CampaignRow.seq)
+        )
+        return tuple(
+            CampaignToRun(id=id_, request=CampaignRequest(request))
+            for id_, _state, request in self._session.execute(query)
+        )
+
+    def begin(self, campaign_id: str, *, if_wanted: bool = False) -> CampaignRecord:
         """Says that a campaign runs from now on; whatever was wanted of it before is forgotten.
+
+        Args:
+            campaign_id: Which.
+            if_wanted: Whether one that does not wait to be run is refused and what is wanted of it
+                is kept, since nobody asks for it at this moment.
 
         Raises:
             UnknownName: There is none of this id.
-            Conflict: It is over.
+            Conflict: It is over, or does not wait to be run.
         """
         row = campaign_row(self._session, campaign_id)
         _refuse_if_over(row)
+        if if_wanted and row.state not in _TO_RUN:
+            raise Conflict(f"campaign {campaign_id} is {row.state}; nobody wants it to run")
+        if not if_wanted:
+            row.request = CampaignRequest.NONE
         now = datetime.now(UTC)
-        row.state, row.message, row.request = CampaignState.RUNNING, "", CampaignRequest.NONE
+        row.state, row.message = CampaignState.RUNNING, ""
         row.started_at = row.started_at or now
         row.updated_at = now
         row.ended_at = None
@@ -105,7 +132,7 @@ class CampaignRepository:
     def end(
         self, campaign_id: str, state: CampaignState, *, message: str = "", active_s: float = 0.0
     ) -> CampaignRecord:
-        """Says how a campaign that ran has ended, or that it rests.
+        """Says how a campaign that ran has ended, or that it rests; then its runs do so as well.
 
         Args:
             campaign_id: Which.
@@ -123,6 +150,7 @@ class CampaignRepository:
         row.active_s += active_s
         if state.is_over or state is CampaignState.FAILED:
             row.ended_at = now
+        self._end_runs(row)
         return _record(row)
 
     def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
@@ -176,6 +204,15 @@ class CampaignRepository:
             raise UnknownName("campaign", campaign_id, ())
         return CampaignRequest(found)
 
+    def _end_runs(self, row: CampaignRow) -> None:
+        batch = self._session.scalar(select(BatchRow).where(BatchRow.id == row.batch_id))
+        if batch is None:
+            return
+        if row.state == CampaignState.CANCELLED:
+            BatchRepository(self._session).cancel(batch.id)
+        elif batch.state == BatchState.OPEN and row.state != CampaignState.FINISHED:
+            batch.state = BatchState.PAUSED
+
 
 def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
     """Gives the row of a campaign.
@@ -222,4 +259,14 @@ def _record(row: CampaignRow) -> CampaignRecord:
             violating=row.violating,
             at_fault=row.at_fault,
         ),
+        batch_id=row.batch_id,
+        best=best_scores(row),
     )
+
+
+def best_scores(row: CampaignRow) -> dict[str, BestScore]:
+    """Gives the best scores that a row holds."""
+    return {
+        name: BestScore(value=value, number=number)
+        for name, (value, number) in json.loads(row.best).items()
+    }

@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from drivora_service.errors import StoreError
 from drivora_service.store.batches import BatchRepository
+from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaigns import CampaignRepository
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.idempotency import IdempotencyRepository
@@ -54,6 +55,11 @@ class Transaction:
     def evaluations(self) -> EvaluationRepository:
         """What campaigns have evaluated."""
         return EvaluationRepository(self.session)
+
+    @property
+    def campaign_runs(self) -> CampaignRunRepository:
+        """The runs of campaigns."""
+        return CampaignRunRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:

@@ -38,7 +38,7 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
     """Writes the report of a run that has just become final."""
     row.ended_at = ended
     row.cause = report.failure.cause if report.failure is not None else ""
-    row.trace_sha256 = report.trace_sha256
+    row.trace_sha256 = report.trace_sha256 if row.keeps_trace else ""
     if report.status is RunStatus.FINISHED:
         violated = [v for v in report.verdicts if v.outcome is Outcome.VIOLATED]
         row.violations = len(violated)

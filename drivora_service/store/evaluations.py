@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 
@@ -11,6 +12,7 @@ from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
+from drivora_service.feedback.measurement import Measurement
 from drivora_service.runs.encoding import (
     report_from_json,
     report_to_json,
@@ -167,6 +169,29 @@ class EvaluationRepository:
             )
         return body
 
+    def documents(
+        self, campaign_id: str, *, after: int = -1, limit: int = 100
+    ) -> tuple[tuple[int, str], ...]:
+        """Gives numbers and scenarios (canonical JSON text) of evaluations that have one, in order.
+
+        Args:
+            campaign_id: Which campaign.
+            after: Only those of greater numbers.
+            limit: How many at most.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        rows = self._session.execute(
+            select(EvaluationRow.number, DocumentRow.body)
+            .join(DocumentRow, EvaluationRow.document_sha256 == DocumentRow.sha256)
+            .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number > after)
+            .order_by(EvaluationRow.number)
+            .limit(limit)
+        )
+        return tuple((number, body) for number, body in rows)
+
     def failures(self, campaign_id: str) -> tuple[FailureRecord, ...]:
         """Gives every failure of a campaign, in the order of their evaluations.
 
@@ -256,6 +281,23 @@ def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
             campaign.failed += 1
     campaign.violating += bool(record.violations)
     campaign.at_fault += record.at_fault
+    measurement = record.report.measurement
+    if measurement is not None and record.status is EvaluationStatus.JUDGED:
+        campaign.best = json.dumps(_better(json.loads(campaign.best), record.number, measurement))
+
+
+def _better(
+    best: dict[str, list[float]], number: int, measurement: Measurement
+) -> dict[str, list[float]]:
+    """Gives the least value of each objective, and the number of its evaluation."""
+    found = {
+        name: [value, number]
+        for name, value in measurement.objectives.items()
+        if value is not None
+        and math.isfinite(value)
+        and (name not in best or value < best[name][0])
+    }
+    return best | found
 
 
 def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> EvaluationRecord:

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.runs import lifecycle
 from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.encoding import choice_from_json
 from drivora_service.runs.lifecycle import RetryPolicy, Transition
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.store.endings import run_state, set_run_state, write_report
@@ -68,9 +69,10 @@ class QueueRepository:
                     RunSpec(
                         run_id=row.id,
                         document=document,
-                        trace_path=trace_path(row.id),
+                        trace_path=trace_path(row.id) if row.keeps_trace else "",
                         agent=row.agent_override,
                         seed=row.seed_override,
+                        feedback=choice_from_json(row.feedback) if row.feedback else None,
                     )
                 )
             batch.queued -= len(rows)

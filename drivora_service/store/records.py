@@ -8,6 +8,7 @@ from datetime import datetime
 from enum import IntEnum, StrEnum
 from typing import Generic, TypeVar
 
+from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
@@ -46,6 +47,9 @@ class NewRun:
         item: Place in the batch; -1: the place in the call.
         report: The end of a run that is not to be run, such as ``invalid``; its ``run_id`` is
             replaced by the new one.
+        feedback: What is to be measured besides, for a tester.
+        keeps_trace: Whether the worker writes a trace.
+        run_id: Names the run; "": an id is made.
     """
 
     document: str
@@ -57,6 +61,9 @@ class NewRun:
     label: str = ""
     item: int = -1
     report: RunReport | None = None
+    feedback: FeedbackChoice | None = None
+    keeps_trace: bool = True
+    run_id: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from sqlalchemy import func, insert, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, QueueFull, UnknownName
+from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.endings import write_report
@@ -35,12 +36,12 @@ def submit_runs(
     batch = _batch(session, batch_id or SINGLE_JOBS)
     if batch.state == BatchState.CANCELLED:
         raise Conflict(f"batch {batch.id} was cancelled; post its scenarios to a new one")
-    ids = tuple(new_id() for _ in runs)
+    ids = tuple(run.run_id or new_id() for run in runs)
     over = _already_over(session, runs, ids)
     waiting = len(runs) - len(over)
     if queue_limit is not None:
         _check_room(session, waiting, queue_limit)
-    _store_documents(session, runs)
+    store_documents(session, runs)
     _store_runs(session, batch, runs, ids, over)
     batch.size += len(runs)
     batch.queued += waiting
@@ -97,7 +98,8 @@ def _check_room(session: Session, more: int, limit: int) -> None:
         raise QueueFull(queued=queued, limit=limit, retry_after_s=max(1, min(wait, 600)))
 
 
-def _store_documents(session: Session, runs: Sequence[NewRun]) -> None:
+def store_documents(session: Session, runs: Sequence[NewRun]) -> None:
+    """Writes the scenarios of runs that are not known yet."""
     documents = {run.scenario_sha256: run.document for run in runs}
     hashes = list(documents)
     for start in range(0, len(hashes), 500):
@@ -137,6 +139,8 @@ def _store_runs(
                 "agent": run.agent,
                 "agent_override": run.agent_override,
                 "seed_override": run.seed_override,
+                "feedback": None if run.feedback is None else choice_to_json(run.feedback),
+                "keeps_trace": run.keeps_trace,
                 "status": over[run_id].status if run_id in over else RunStatus.QUEUED,
                 "created_at": now,
             }

@@ -21,6 +21,7 @@ from sqlalchemy import (
     Text,
     TypeDecorator,
     text,
+    true,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
@@ -141,6 +142,8 @@ class RunRow(Base):
     agent: Mapped[str] = mapped_column(String(200))
     agent_override: Mapped[str] = mapped_column(String(200))
     seed_override: Mapped[int | None]
+    feedback: Mapped[str | None] = mapped_column(Text)
+    keeps_trace: Mapped[bool] = mapped_column(default=True, server_default=true())
     status: Mapped[str] = mapped_column(String(24))
     cause: Mapped[str] = mapped_column(String(40), default="")
     created_at: Mapped[datetime]

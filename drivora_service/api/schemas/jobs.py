@@ -42,7 +42,7 @@ class JobSummary(Schema):
     steps: int | None
     sim_time_s: float | None
     wall_time_s: float | None
-    trace_sha256: str = Field(description="Empty unless finished.")
+    trace_sha256: str = Field(description="Empty where nothing was recorded.")
 
 
 class Job(JobSummary):

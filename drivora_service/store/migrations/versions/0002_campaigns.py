@@ -1,4 +1,4 @@
-"""Campaigns, their evaluations and failures; runs that are measured for a tester."""
+"""Campaigns, their evaluations and failures."""
 
 from __future__ import annotations
 

@@ -1,0 +1,132 @@
+"""Evaluating on the workers of a service, through the queue in its database."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+
+from drivora_service.campaigns.evaluator import Answer
+from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.store.campaign_records import CampaignRecord
+from drivora_service.store.database import Database
+from drivora_service.store.records import NewRun
+from drivora_service.store.traces import TraceFolder
+
+_FIRST_POLL_S = 0.01
+_LONGEST_POLL_S = 0.1
+_SLOWER = 1.5
+
+
+class QueueEvaluator:
+    """Queues each evaluation as a run of the campaign's batch, and looks for its report.
+
+    The runs are called as their specs are. So whoever goes on with a campaign after a kill asks for
+    runs that may be there already: what is queued, runs or has ended is not queued again.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        campaign: CampaignRecord,
+        traces: TraceFolder,
+        *,
+        most: int | None = None,
+        on_queued: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Has the runs of the campaign handed out.
+
+        Args:
+            database: Of the service.
+            campaign: Whose runs they are.
+            traces: Where the workers write traces.
+            most: Runs that may be queued or running at once; ``None``: any number.
+            on_queued: Called after a run was queued.
+        """
+        self._database, self._campaign, self._traces = database, campaign, traces
+        self._most, self._on_queued = most, on_queued
+        self._held: deque[tuple[int, RunSpec]] = deque()
+        self._open: dict[str, tuple[int, RunSpec]] = {}
+        with database.write() as transaction:
+            self._batch_id = transaction.campaign_runs.open(campaign.id)
+
+    def submit(self, number: int, spec: RunSpec) -> None:
+        """Queues a run, or holds it until there is room for it."""
+        self._held.append((number, spec))
+        self._queue()
+
+    def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
+        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most."""
+        until = None if timeout is None else time.monotonic() + timeout
+        pause = _FIRST_POLL_S
+        while self._open:
+            answers = self._answers()
+            if answers:
+                self._queue()
+                return answers
+            left = pause if until is None else until - time.monotonic()
+            if left <= 0.0:
+                break
+            time.sleep(min(pause, left))
+            pause = min(pause * _SLOWER, _LONGEST_POLL_S)
+        return ()
+
+    def close(self) -> None:
+        """Waits for nothing any more; the runs go on as long as their campaign does not rest."""
+        self._held.clear()
+        self._open.clear()
+
+    def _queue(self) -> None:
+        room = len(self._held) if self._most is None else self._most - len(self._open)
+        coming = [self._held.popleft() for _ in range(min(room, len(self._held)))]
+        if not coming:
+            return
+        with self._database.write() as transaction:
+            for number, spec in coming:
+                transaction.campaign_runs.put(self._batch_id, self._run(number, spec))
+        self._open.update((spec.run_id, (number, spec)) for number, spec in coming)
+        self._on_queued()
+
+    def _run(self, number: int, spec: RunSpec) -> NewRun:
+        return NewRun(
+            document=spec.document,
+            scenario_sha256=hashlib.sha256(spec.document.encode()).hexdigest(),
+            town=self._campaign.town,
+            agent=self._campaign.agent,
+            agent_override=spec.agent,
+            seed_override=spec.seed,
+            label=f"{self._campaign.name[:150]} #{number}",
+            item=number,
+            feedback=spec.feedback,
+            keeps_trace=bool(spec.trace_path),
+            run_id=spec.run_id,
+        )
+
+    def _answers(self) -> tuple[Answer, ...]:
+        with self._database.read() as transaction:
+            ended = transaction.campaign_runs.ended(list(self._open))
+            reports = transaction.jobs.reports(ended) if ended else {}
+        return tuple(self._answer(report) for report in reports.values())
+
+    def _answer(self, report: RunReport) -> Answer:
+        number, spec = self._open.pop(report.run_id)
+        if spec.trace_path and report.trace_sha256:
+            _share(self._traces.path(report.run_id), Path(spec.trace_path))
+        return Answer(number=number, report=report)
+
+
+def _share(written: Path, wanted: Path) -> None:
+    """Gives a trace a second name, or a copy where files cannot have two."""
+    wanted.parent.mkdir(parents=True, exist_ok=True)
+    wanted.unlink(missing_ok=True)
+    # A trace that was pruned meanwhile is missed by nobody but its readers.
+    with contextlib.suppress(FileNotFoundError):
+        try:
+            os.link(written, wanted)
+        except OSError:
+            shutil.copyfile(written, wanted)

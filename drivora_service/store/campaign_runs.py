@@ -1,0 +1,92 @@
+"""The runs of campaigns that the service runs: one batch a campaign, one run an evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from drivora_service.errors import Conflict
+from drivora_service.runs.encoding import choice_to_json
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.batches import BatchRepository
+from drivora_service.store.campaigns import campaign_row
+from drivora_service.store.records import BatchState, NewRun, Priority
+from drivora_service.store.revisions import latest_revision
+from drivora_service.store.submitting import store_documents, submit_runs
+from drivora_service.store.tables import BatchRow, ReportRow, RunRow, VerdictRow
+
+_SAYS_NOTHING = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
+"""Ends of runs that say nothing of what was run, so that it is to be run again."""
+
+
+class CampaignRunRepository:
+    """Queues the runs of campaigns, each once."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def open(self, campaign_id: str) -> str:
+        """Has the runs of a campaign handed out from now on.
+
+        Returns:
+            The id of their batch, which is made if there is none.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        batches = BatchRepository(self._session)
+        batch = self._session.scalar(select(BatchRow).where(BatchRow.id == campaign.batch_id))
+        if batch is None:
+            campaign.batch_id = batches.create(name=campaign.name, priority=Priority.CAMPAIGN).id
+        elif batch.state == BatchState.PAUSED:
+            batches.resume(batch.id)
+        else:
+            batch.state = BatchState.OPEN
+        return campaign.batch_id
+
+    def put(self, batch_id: str, run: NewRun) -> None:
+        """Queues a run under its own ``run_id``, unless that is queued, runs or has ended already.
+
+        One that ended without saying anything of the scenario, or that was another one when it was
+        queued, is queued again.
+
+        Raises:
+            UnknownName: There is no such batch.
+            Conflict: It runs as another one.
+        """
+        row = self._session.scalar(select(RunRow).where(RunRow.id == run.run_id))
+        if row is None:
+            submit_runs(self._session, [run], batch_id=batch_id, queue_limit=None)
+            return
+        feedback = None if run.feedback is None else choice_to_json(run.feedback)
+        if (row.document_sha256, row.feedback) != (run.scenario_sha256, feedback):
+            if row.status == RunStatus.RUNNING:
+                raise Conflict(
+                    f"run {run.run_id} is running with another scenario, because the program has "
+                    "changed since it was queued; try again when it has ended"
+                )
+            store_documents(self._session, [run])
+            row.document_sha256, row.feedback = run.scenario_sha256, feedback
+            if row.status != RunStatus.QUEUED:
+                self._queue_again(row)
+        elif row.status in _SAYS_NOTHING:
+            self._queue_again(row)
+
+    def ended(self, run_ids: Sequence[str]) -> tuple[str, ...]:
+        """Gives those of some runs that have ended."""
+        unfinished = (RunStatus.QUEUED, RunStatus.RUNNING)
+        query = select(RunRow.id).where(RunRow.id.in_(run_ids), RunRow.status.not_in(unfinished))
+        return tuple(self._session.scalars(query))
+
+    def _queue_again(self, row: RunRow) -> None:
+        self._session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
+        self._session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))
+        row.status, row.cause = RunStatus.QUEUED, ""
+        row.cancel_requested, row.ended_at = False, None
+        row.infrastructure_failures = row.crashes = row.interruptions = 0
+        row.revision = latest_revision(self._session) + 1
+        batch = self._session.get_one(BatchRow, row.batch_seq)
+        batch.queued += 1
