@@ -36,6 +36,8 @@ _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
 _RETRY_AFTER = 40
 """Steps after which a vehicle that was off its route is tried on it again."""
+_ARRIVAL_ZONE = 1.0
+"""Metres before the end of its route in which SUMO may take a standing vehicle as arrived."""
 _PROGRAM = "drivora"
 """Name of the programmes that the service gives to traffic lights."""
 _OBEYS_ALL = 31
@@ -223,7 +225,7 @@ class SumoWorld:
         for actor in actors:
             x, y, angle, moved = placements[actor.row]
             if moved == 0.0:
-                if not actor.stands and actor.retry_in <= 0:
+                if not actor.stands and actor.retry_in <= 0 and not _at_route_end(actor.id):
                     libsumo.vehicle.setSpeed(actor.id, 0.0)
                     actor.stands = True
                 if actor.stands:
@@ -307,6 +309,17 @@ class SumoWorld:
         except libsumo.TraCIException:
             # It left the road by itself in this very step.
             return
+
+
+def _at_route_end(actor_id: str) -> bool:
+    """Whether SUMO would take a vehicle off the road as arrived if it let it stand there."""
+    lane = libsumo.vehicle.getLaneID(actor_id)
+    if not lane:
+        return True
+    to_end = libsumo.lane.getLength(lane) - libsumo.vehicle.getLanePosition(actor_id)
+    return to_end < _ARRIVAL_ZONE and libsumo.vehicle.getRoute(actor_id)[-1] == (
+        libsumo.vehicle.getRoadID(actor_id)
+    )
 
 
 @lru_cache(maxsize=256)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -34,3 +35,18 @@ def test_a_route_that_sumo_refuses() -> None:
         )  # fmt: skip
     world.step()
     assert not world.knows("lost")
+
+
+def test_who_stands_at_the_end_of_its_route_does_not_leave_the_road() -> None:
+    world = open_world(network().path, step_length=0.05, seed=0, slippery=False)
+    lane = network().lane(ROAD)
+    x, y, yaw = lane.position_at(float(lane.arc[-1]) - 0.02)
+    actor = world.add_moved(
+        0, "waits", [lane.edge_id], length=4.5, width=1.8, is_walker=False, follows_route=True
+    )
+    angle = 90.0 - math.degrees(yaw)
+    for step in range(30):
+        moves = 1.0 if step in (0, 25) else 0.0
+        world.place([actor], [[x, y, angle, moves]])
+        world.step()
+    assert world.knows("waits")
