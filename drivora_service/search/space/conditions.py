@@ -8,11 +8,9 @@ from drivora_service.scenario.model import LightTimes, TrafficLights, Weather
 from drivora_service.search.genes import Block, FloatArray, Gene
 from drivora_service.search.space.layout import number
 
-_LOWEST_SUN = -30.0
-"""Degrees: the night from here on is no darker, so that a fifth of the range is night."""
-_DENSEST_FOG = 90.0
-"""Per cent: a visibility of 85 m. Together with heavy rain and night 30 m are left, in which a car
-stops from 50 km/h on a wet road."""
+_LOWEST_SUN = 0.0
+_DENSEST_FOG = 85.0
+"""Per cent: a visibility of 111 m. With heavy rain and glare 62 m of sight are left."""
 _GREENS = (5.0, 30.0)
 """Seconds; signal programmes give a green at least 5 s."""
 _LATEST_OFFSET = 60.0
@@ -21,8 +19,9 @@ _LATEST_OFFSET = 60.0
 def weather_genes() -> list[Gene]:
     """Gives the genes of the weather, named as the fields of ``Weather``.
 
-    Water that stands on the road is left to the seed: it can take so much of the grip that nobody
-    could drive, while rain and wetness leave 0.7.
+    Two things are left to the seed, since with the others they leave nothing to drive with: water
+    that stands on the road (rain and wetness leave a friction of 0.7, deposits 0.4), and the night
+    (in fog and rain a fifth of the sight, and so much noise that what stands seems to move).
     """
     return [
         number("precipitation", 0.0, 100.0, "%"),

@@ -21,6 +21,8 @@ BoolArray = NDArray[np.bool_]
 
 _COORDINATE_DIGITS = 3
 _YAW_DIGITS = 5
+_ROAD_INSET = 1.0
+"""Metres that places on a road keep from the junctions at its ends."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,6 +99,21 @@ class DrivenPath:
             for first, begin, end in zip(firsts, begins, ends, strict=True)
         )
 
+    @cached_property
+    def roads(self) -> tuple[tuple[float, float], ...]:
+        """Arc lengths between which the path is outside junctions, a little inside its ends."""
+        roads = []
+        for begin, end in _stretches(self.arc, ~self.in_junction):
+            inset = min(_ROAD_INSET, 0.5 * (end - begin))
+            low = begin if begin == 0.0 else begin + inset
+            roads.append((low, end if end == self.length else end - inset))
+        return tuple(roads)
+
+    def on_road(self, s: float, after: float) -> float:
+        """Gives the nearest place to ``s`` that is on a road and not before ``after``."""
+        places = [min(max(s, after, low), high) for low, high in self.roads if high >= after]
+        return min(places, key=lambda place: abs(place - s)) if places else self.length
+
     def at(self, s: float) -> Pose:
         """Gives the place at arc length ``s``, clamped to the path."""
         x = float(np.interp(s, self.arc, self.line[:, 0]))
@@ -123,6 +140,15 @@ class DrivenPath:
     def _index(self, s: float) -> int:
         index = int(np.searchsorted(self.arc, s, side="right")) - 1
         return min(max(index, 0), len(self.arc) - 1)
+
+
+def _stretches(arc: FloatArray, inside: BoolArray) -> list[tuple[float, float]]:
+    """Gives the arc lengths between which points are marked."""
+    edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
+    return [
+        (float(arc[first]), float(arc[min(end, len(arc) - 1)]))
+        for first, end in zip(edges[::2], edges[1::2], strict=True)
+    ]
 
 
 def plan_walk(network: RoadNetwork, walk: LaneWalk) -> DrivenPath | None:

@@ -93,8 +93,8 @@ def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
     """Says what a route lacks; "" if nothing."""
     if options.walkers and not len(route.roadside.crossings):
         return "leads nowhere along a road that a walker can cross: use no walkers"
-    if options.obstacles and not len(route.roadside.open_road):
-        return "is inside junctions, with no place for an obstacle: use no obstacles"
+    if options.obstacles and not len(route.roadside.straights):
+        return "is nowhere straight, with no place for an obstacle: use no obstacles"
     return ""
 
 

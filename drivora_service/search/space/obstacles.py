@@ -31,9 +31,11 @@ MODELS = (
 MAX_LATERAL = 5.0
 """Metres from the lane's centre."""
 MAX_YAW = 0.5 * math.pi
-CLEARANCE = 0.3
-"""Metres that an ego in the middle of its lane has to an obstacle that reaches into it: one that
-shut the lane would make every ADS fail alike."""
+CLEARANCE = 0.8
+"""Metres that an ego in the middle of its lane has to an obstacle at least: one that shut the lane
+would make every ADS fail alike."""
+_TOLERATED = 0.9
+"""Share of the clearance that is left where the road bends a little."""
 AHEAD_OF_EGO = 15.0
 """Metres ahead of an ego's start where the first obstacle stands."""
 _BEFORE_DESTINATION = 8.0
@@ -71,6 +73,11 @@ class ObstacleDecoder:
         places = self._places(self._ego(egos, values))
         return float(places[-1] - places[0])
 
+    def other_sides(self, values: FloatArray) -> tuple[tuple[int, float], ...]:
+        """Gives other values of the lateral gene: the other side, and as far away as can be."""
+        own = float(values[self._lateral])
+        return tuple((self._lateral, value) for value in (-own, -MAX_LATERAL, MAX_LATERAL))
+
     def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
         """Gives where it stands."""
         model = self._model_of(values)
@@ -94,7 +101,7 @@ class ObstacleDecoder:
         return egos[int(values[self._path]) % len(egos)]
 
     def _places(self, ego: PlacedEgo) -> FloatArray:
-        places = ego.route.roadside.open_road
+        places = ego.route.roadside.straights
         last = ego.route.path.length - _BEFORE_DESTINATION
         before = places[: max(int(np.searchsorted(places, last)), 1)]
         return places_from(before, ego.s + AHEAD_OF_EGO)
@@ -121,6 +128,6 @@ def shuts_a_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
         along = np.abs(dx * cos + dy * sin) - 0.5 * start.length
         across = np.abs(dy * cos - dx * sin) - 0.5 * start.width
         gap = np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)).min()
-        if gap < 0.5 * ego.width + 0.5 * CLEARANCE:
+        if gap < 0.5 * ego.width + _TOLERATED * CLEARANCE:
             return True
     return False

@@ -20,24 +20,23 @@ class Mover:
         start: Gives where it appears, from the values of all genes.
         room: Gives the metres that the shift gene moves it by from 0 to 1.
         shift_gene: Index of the gene that moves it.
-        path_gene: Index of the gene that chooses its path; ``None`` where only the seed's is meant.
-        paths: How many paths there are to choose from.
+        alternatives: Indices and values of genes to be tried one by one, in order, where it has no
+            free place as it is.
         is_refused: Tells whether a start is bad for another reason than those who are near it.
     """
 
     start: Callable[[FloatArray], Start]
     room: Callable[[FloatArray], float]
     shift_gene: int
-    path_gene: int | None = None
-    paths: int = 1
+    alternatives: tuple[tuple[int, float], ...] = ()
     is_refused: Callable[[Start], bool] | None = None
 
 
 def settle(values: FloatArray, mover: Mover, taken: list[Start]) -> None:
     """Moves an actor to the nearest free place, and notes in ``taken`` where it is then.
 
-    It is moved along its path, backwards and forwards in growing steps; where all of it is taken,
-    along the next paths. Where nothing is free it stays as it was.
+    It is moved along its path, forwards and backwards in growing steps; where all of it is taken,
+    so it is done with each of its alternatives. Where nothing is free it stays as it was.
 
     Args:
         values: (d,) genes; those of the actor are changed.
@@ -58,13 +57,21 @@ def settle(values: FloatArray, mover: Mover, taken: list[Start]) -> None:
 def _tries(values: FloatArray, mover: Mover) -> Iterator[Start]:
     """Changes the values from one place to the next, and gives each place."""
     wanted = float(values[mover.shift_gene])
-    path = 0 if mover.path_gene is None else int(values[mover.path_gene])
-    for onward in range(1 if mover.path_gene is None else mover.paths):
-        if mover.path_gene is not None:
-            values[mover.path_gene] = float((path + onward) % mover.paths)
+    unchanged = (mover.shift_gene, wanted)
+    for gene, value in (unchanged, *mover.alternatives):
+        before = values[gene]
+        values[gene] = value
         for share in _shares(wanted, mover.room(values)):
             values[mover.shift_gene] = share
             yield mover.start(values)
+        values[mover.shift_gene] = wanted
+        values[gene] = before
+
+
+def other_choices(gene: int, values: FloatArray, count: int) -> tuple[tuple[int, float], ...]:
+    """Gives the other values of a gene that chooses one of ``count``, the next ones first."""
+    own = int(values[gene])
+    return tuple((gene, float((own + onward) % count)) for onward in range(1, count))
 
 
 def _shares(wanted: float, room: float) -> Iterator[float]:

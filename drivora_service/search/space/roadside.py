@@ -11,11 +11,14 @@ from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.road_network import FloatArray, RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath
 
-OFF_ROAD = 0.5
+OFF_ROAD = 2.0
 """Metres beside the drivable area from which on one stands beside the road."""
 WIDEST = 25.0
 """Metres from the route's line to the edge of the carriageway, at most."""
 _STEP = 0.5
+_AROUND = 10.0
+_STRAIGHT = 0.2
+"""Radians by which a road may turn 10 metres before and behind a place where it is straight."""
 _JUNCTION_MARGIN = 4.0
 """Metres that places keep from junctions, where the carriageway widens."""
 
@@ -41,6 +44,16 @@ class Roadside:
         ahead = np.abs(inside[np.minimum(after, len(inside) - 1)] - s)
         behind = np.abs(inside[np.maximum(after - 1, 0)] - s)
         return s[np.minimum(ahead, behind) >= _JUNCTION_MARGIN]
+
+    @cached_property
+    def straights(self) -> FloatArray:
+        """(n,) arc lengths of those around which the road is straight, or nearly so."""
+        s, path = self.open_road, self.path
+        yaw = np.column_stack(
+            [np.interp(s + aside, path.arc, path.yaw) for aside in (-_AROUND, 0.0, _AROUND)]
+        )
+        turn: FloatArray = np.ptp(yaw, axis=1)
+        return s[turn <= _STRAIGHT]
 
     @cached_property
     def crossings(self) -> FloatArray:

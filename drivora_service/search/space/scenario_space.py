@@ -23,7 +23,7 @@ from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
 from drivora_service.search.space.obstacles import ObstacleDecoder, obstacle_genes, shuts_a_lane
 from drivora_service.search.space.option_checks import check_options
 from drivora_service.search.space.options import SpaceOptions
-from drivora_service.search.space.repair import Mover, settle
+from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
 from drivora_service.search.space.vehicles import VehicleDecoder, vehicle_genes
 from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
@@ -177,8 +177,7 @@ class ScenarioSpace:
                     start=ego.start,
                     room=ego.shift_room,
                     shift_gene=ego.shift_gene,
-                    path_gene=ego.path_gene,
-                    paths=len(self.routes),
+                    alternatives=other_choices(ego.path_gene, values, len(self.routes)),
                 )
         for vehicle in self._vehicles:
             if vehicle.is_present(values):
@@ -186,8 +185,7 @@ class ScenarioSpace:
                     start=vehicle.start,
                     room=vehicle.shift_room,
                     shift_gene=vehicle.shift_gene,
-                    path_gene=vehicle.path_gene,
-                    paths=len(self.paths),
+                    alternatives=other_choices(vehicle.path_gene, values, len(self.paths)),
                 )
 
     def _roadside_movers(self, values: FloatArray, egos: tuple[PlacedEgo, ...]) -> Iterator[Mover]:
@@ -197,6 +195,7 @@ class ScenarioSpace:
                     start=partial(obstacle.start, egos),
                     room=partial(obstacle.shift_room, egos),
                     shift_gene=obstacle.shift_gene,
+                    alternatives=obstacle.other_sides(values),
                     is_refused=lambda start: shuts_a_lane(start, egos),
                 )
         for walker in self._walkers:

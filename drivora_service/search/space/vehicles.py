@@ -9,6 +9,7 @@ from itertools import pairwise
 
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
+from drivora_service.scenario.route_checks import JOIN_DISTANCE
 from drivora_service.search.genes import Block, FloatArray, Gene
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.layout import choice, number, presence, whole
@@ -33,9 +34,13 @@ MAX_SHIFT = 12.0
 """Metres by which a waypoint may be moved along the path."""
 _LEAST_SPACING = 15.0
 """Metres between waypoints, where there is room: enough for a lane change."""
+_LEAST_STEP = 2.0
+"""Metres between waypoints at the least."""
 _CHANGE_ROOM = 12.0
 """Metres that a waypoint on the neighbouring lane keeps from the waypoints before and behind it,
 and from the ends of its lane, so that it can be reached and left on the way."""
+_TURN = 1.3
+"""How much longer than a straight line a way may be that a straight line stands for."""
 _REPLAY_SPACING = 4.0
 """Metres between the waypoints of a vehicle that joins them by straight lines."""
 
@@ -139,20 +144,15 @@ class VehicleDecoder:
     def _stops(
         self, values: FloatArray, path: DrivenPath, model: ActorModel, begin: float
     ) -> list[_Stop]:
-        """Gives the waypoints behind the start: evenly spaced, shifted, in order, on the path."""
-        count = len(self._speeds)
-        spacing = (path.length - begin) / count
-        least = min(_LEAST_SPACING, 0.6 * spacing)
-        places = []
-        last = begin
-        for k in range(count):
-            wanted = begin + (k + 1) * spacing + float(values[self._shifts[k]])
-            last = min(max(wanted, last + least), path.length - (count - 1 - k) * least)
-            places.append(last)
+        """Gives the waypoints behind the start."""
+        places = self._places(values, path, begin)
         stops = []
         for k, s in enumerate(places):
             before = places[k - 1] if k else begin
-            behind = places[k + 1] if k + 1 < count else s + _CHANGE_ROOM
+            if s - before < 0.5 * _LEAST_STEP:
+                # The road ends before all waypoints had room on it.
+                continue
+            behind = places[k + 1] if k + 1 < len(places) else math.inf
             room = min(s - before, behind - s)
             side = int(values[self._lanes[k]]) if room >= _CHANGE_ROOM else 0
             stops.append(
@@ -163,6 +163,24 @@ class VehicleDecoder:
                 )
             )
         return stops
+
+    def _places(self, values: FloatArray, path: DrivenPath, begin: float) -> list[float]:
+        """Gives the arc lengths of the waypoints: evenly spaced, shifted, in order, on roads.
+
+        None is inside a junction, where lanes lie upon one another and the planner might take it
+        for one on another lane.
+        """
+        count = len(self._shifts)
+        spacing = (path.length - begin) / count
+        least = min(_LEAST_SPACING, 0.6 * spacing)
+        places: list[float] = []
+        last = begin
+        for k, shift in enumerate(values[self._shifts].tolist()):
+            wanted = begin + (k + 1) * spacing + shift
+            wanted = min(max(wanted, last + least), path.length - (count - 1 - k) * least)
+            last = path.on_road(wanted, last + min(least, _LEAST_STEP))
+            places.append(last)
+        return places
 
 
 def _has_room_beside(path: DrivenPath, s: float, side: int) -> bool:
@@ -186,22 +204,34 @@ def _offset(path: DrivenPath, stop: _Stop) -> float:
 
 
 def _joined(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
-    """Gives waypoints between which the planner finds the path again.
-
-    Where two follow each other on roads that do not, one lies on the longest road between them.
-    """
+    """Gives waypoints between which the planner finds the path again."""
     route = [_waypoint(path, stops[0])]
     for before, stop in pairwise(stops):
-        first, last = path.range_at(before.s), path.range_at(stop.s)
-        skipped = [
-            (end - begin, 0.5 * (begin + end))
-            for lane, begin, end in path.lane_ranges[first + 1 : last]
-            if not path.network.lanes[lane].is_internal
-        ]
-        if skipped:
-            route.append(path.at(max(skipped)[1]).waypoint(stop.speed))
+        route.extend(path.at(s).waypoint(stop.speed) for s in _ties(path, before.s, stop.s))
         route.append(_waypoint(path, stop))
     return tuple(route)
+
+
+def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
+    """Gives the places to pass between two waypoints, so that there is no other way.
+
+    Where the waypoints are on roads that do not follow each other, it is the middle of the longest
+    road between them; where they are so near to one another that they would be joined by a straight
+    line, though the path takes a turn, the middle of the turn.
+    """
+    first, last = path.range_at(begin), path.range_at(end)
+    roads = [
+        (high - low, 0.5 * (low + high))
+        for lane, low, high in path.lane_ranges[first + 1 : last]
+        if not path.network.lanes[lane].is_internal
+    ]
+    if roads:
+        return [max(roads)[1]]
+    here, there = path.at(begin), path.at(end)
+    straight = math.hypot(there.x - here.x, there.y - here.y)
+    if straight <= JOIN_DISTANCE and end - begin > _TURN * straight + _LEAST_STEP:
+        return [0.5 * (begin + end)]
+    return []
 
 
 def _drawn(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
