@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.cluster import DBSCAN
 
 from drivora_service.oracles.verdict import Verdict
 
@@ -51,9 +50,23 @@ class Clustering:
             labels[indices] = self._label(features)
         return tuple(labels.tolist())
 
+    def count_each(self, samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
+        """Counts the groups that each of several samples of violations is in.
+
+        All violations are grouped together: groups that were made sample by sample could not be
+        compared, as each would have a scale of its own.
+        """
+        labels = iter(self.label([verdict for sample in samples for verdict in sample]))
+        return tuple(
+            len({(verdict.oracle, next(labels)) for verdict in sample}) for sample in samples
+        )
+
     def _label(self, features: FloatArray) -> NDArray[np.int64]:
         if not features.shape[1]:
             return np.zeros(len(features), dtype=np.int64)
+        # Loading it takes a second, and only the end of a campaign needs it.
+        from sklearn.cluster import DBSCAN
+
         # A root mean square instead of a sum, so that the radius means the same for every oracle.
         scaled = scale(features) / math.sqrt(features.shape[1])
         found: NDArray[np.int64] = DBSCAN(eps=self.radius, min_samples=self.least).fit_predict(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,11 @@ import pytest
 
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
+from drivora_service.campaigns.folder import CampaignFolder, ask_for
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.reading import Catalogues, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.campaigns.stored import CampaignFolder, ask_for, new_campaign, run_stored
+from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.errors import CampaignError, Conflict, UnknownName
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import shipped_networks
@@ -178,8 +180,6 @@ def test_asking_a_campaign_whose_process_was_killed_takes_effect_at_once(
 def test_a_campaign_on_a_changed_network_is_refused(
     campaigns: Campaigns, content: dict[str, Any]
 ) -> None:
-    from dataclasses import replace
-
     valid = read_campaign(content, campaigns.catalogues)
     new = replace(new_campaign(valid), network_sha256="0" * 64)
     with campaigns.database.write() as transaction:

@@ -34,7 +34,7 @@ space:
   walkers: 2
 oracles: [collision, discomfort]
 budget:
-  simulations: 40
+  simulations: 24
 seed: 3
 workers: 2
 """
@@ -134,7 +134,7 @@ def test_a_campaign_from_its_file_to_its_failures(
     result = ended.json()
     assert ended.code == (1 if result["violating"] else 0)
     assert result["state"] == "finished"
-    assert result["simulations"] == result["budget"] == 40
+    assert result["simulations"] == result["budget"] == 24
     assert result["violating"] > 0
     assert sum(kind["failures"] for kind in result["kinds"]) == len(result["failures"])
     assert json.loads((out / "campaign.json").read_text())["id"] == result["id"]
@@ -167,7 +167,7 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
     campaign_id = ""
     for kill in range(3):
         told = len(evaluations(tmp_path, campaign_id)) if campaign_id else 0
-        found = wait_until_told(tmp_path, process, told + luck.randrange(8))
+        found = wait_until_told(tmp_path, process, told + luck.randrange(5))
         campaign_id = campaign_id or found
         time.sleep(luck.uniform(0.0, 0.4))
         process.kill()
@@ -176,7 +176,7 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
         assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "interrupted"
         if kill < 2:
             process = start(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
-    assert 0 < killed[0] < killed[1] < killed[2] < 40
+    assert 0 < killed[0] < killed[1] < killed[2] < 24
     result: dict[str, Any] = drivora("campaign", "resume", campaign_id, "--json").json()
     assert result["state"] == "finished"
     assert sequence(evaluations(tmp_path, campaign_id)) == sequence(evaluations(tmp_path, whole))
@@ -187,6 +187,8 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
 def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
+    # It must not end before the command that asks for a pause has got ready.
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 2000"))
     process = start(tmp_path, "run", campaign_file)
     campaign_id = wait_until_told(tmp_path, process, 2)
     process.send_signal(signal.SIGINT)
@@ -201,7 +203,7 @@ def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
     assert process.wait(60.0) == 3
     paused = drivora("campaign", "show", campaign_id, "--json").json()
     assert paused["state"] == "paused"
-    assert told + 2 < paused["evaluations"] < 40
+    assert told + 2 < paused["evaluations"] < 2000
     assert drivora("campaign", "cancel", campaign_id, "--json").json()["state"] == "cancelled"
     ended = drivora("campaign", "resume", campaign_id)
     assert ended.code == 3

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 from drivora_service.errors import InvalidDocument
 
 if TYPE_CHECKING:
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
     from drivora_service.store.campaign_records import CampaignRequest
 
 app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
@@ -44,11 +45,12 @@ def run(
     as_json: JsonOption = False,
 ) -> None:
     """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 3."""
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.local_campaigns import create_campaign
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         try:
-            record, notes = campaigns.create(file)
+            record, notes = create_campaign(campaigns, file)
         except InvalidDocument as error:
             fail(f"{file}: {len(error.problems)} problem(s)")
             for problem in error.problems:
@@ -79,9 +81,9 @@ def resume(
     as_json: JsonOption = False,
 ) -> None:
     """Goes on with a campaign that was paused, failed or killed, as if nothing had happened."""
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         _work(
             campaigns,
             campaign_id,
@@ -101,9 +103,9 @@ def list_campaigns(
 ) -> None:
     """Lists campaigns, newest first."""
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         listed = [(record, campaigns.is_running(record)) for record in campaigns.newest(limit)]
     if as_json:
         print_json([campaign_results.summary(record, running=on) for record, on in listed])
@@ -123,9 +125,9 @@ def show(
 ) -> None:
     """Shows a campaign and the failures that it has found, or one of its evaluations."""
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         if evaluation is None:
             _show(campaigns, campaign_id, as_json=as_json)
             return
@@ -146,9 +148,9 @@ def scenario(
     data_dir: DataDirOption = None,
 ) -> None:
     """Gives the scenario of an evaluation, for `drivora run`."""
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         text = campaigns.scenario(campaign_id, number)
     if out is None:
         typer.echo(text, nl=False)
@@ -178,8 +180,12 @@ def cancel(
     _ask_for(campaign_id, CampaignRequest.CANCEL, data_dir, as_json=as_json)
 
 
+app.command()(compare)
+app.command()(report)
+
+
 def _work(
-    campaigns: LocalCampaigns,
+    campaigns: StoredCampaigns,
     campaign_id: str,
     *,
     workers: int | None,
@@ -188,11 +194,12 @@ def _work(
     gate: bool,
     as_json: bool,
 ) -> None:
+    from drivora_service.cli.local_campaigns import export_campaign, run_campaign
     from drivora_service.store.campaign_records import CampaignState
 
-    record = campaigns.run(campaign_id, workers=workers, evaluator=evaluator)
+    record = run_campaign(campaigns, campaign_id, workers=workers, evaluator=evaluator)
     if out is not None:
-        campaigns.export(campaign_id, out)
+        export_campaign(campaigns, campaign_id, out)
     _show(campaigns, campaign_id, as_json=as_json)
     if record.state is CampaignState.PAUSED:
         note(f"paused; go on with: drivora campaign resume {campaign_id}")
@@ -202,7 +209,7 @@ def _work(
         raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _show(campaigns: LocalCampaigns, campaign_id: str, *, as_json: bool) -> None:
+def _show(campaigns: StoredCampaigns, campaign_id: str, *, as_json: bool) -> None:
     from drivora_service.cli import campaign_results
 
     record, failures = campaigns.show(campaign_id)
@@ -217,9 +224,9 @@ def _ask_for(
     campaign_id: str, request: CampaignRequest, data_dir: Path | None, *, as_json: bool
 ) -> None:
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.local_campaigns import LocalCampaigns
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    with LocalCampaigns(data_dir) as campaigns:
+    with StoredCampaigns(data_dir) as campaigns:
         record = campaigns.ask_for(campaign_id, request)
         running = campaigns.is_running(record)
     if as_json:

@@ -1,0 +1,69 @@
+"""The folder of a campaign, and whether somebody works in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
+from drivora_service.store.database import Database
+from drivora_service.store.file_lock import FileLock, is_locked
+
+
+class CampaignFolder:
+    """The folder of a campaign's files: its lock, and the traces of its failures."""
+
+    def __init__(self, root: Path, campaign_id: str) -> None:
+        """Prepares the folder of a campaign.
+
+        Args:
+            root: Folder of all campaigns.
+            campaign_id: As the store gave it.
+        """
+        self.path = root / campaign_id
+        self._id = campaign_id
+
+    @property
+    def traces(self) -> Path:
+        """Where the traces of its failures are."""
+        return self.path / "traces"
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a process works on the campaign."""
+        return self._lock_path.is_file() and is_locked(self._lock_path)
+
+    def lock(self) -> FileLock:
+        """Takes the campaign for this process.
+
+        Raises:
+            Conflict: Another process works on it.
+        """
+        return FileLock(
+            self._lock_path,
+            refusal=lambda holder: f"process {holder} is running campaign {self._id} already",
+        )
+
+    @property
+    def _lock_path(self) -> Path:
+        return self.path / "lock"
+
+
+def ask_for(
+    database: Database, campaign_id: str, folder: CampaignFolder, request: CampaignRequest
+) -> CampaignRecord:
+    """Pauses or cancels a campaign, whether or not a process works on it.
+
+    Raises:
+        UnknownName: There is no such campaign.
+        Conflict: It is over, so that it cannot be paused.
+    """
+    with database.write() as transaction:
+        record = transaction.campaigns.ask_for(campaign_id, request)
+        if record.state is CampaignState.RUNNING and not folder.is_running:
+            # Its process was killed: nobody would heed.
+            ended = {
+                CampaignRequest.PAUSE: CampaignState.PAUSED,
+                CampaignRequest.CANCEL: CampaignState.CANCELLED,
+            }
+            record = transaction.campaigns.end(campaign_id, ended[request])
+    return record
