@@ -19,6 +19,10 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
+from drivora_service.campaigns.engine_process import EngineSetup
+from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.local import LocalExecutor
@@ -26,6 +30,7 @@ from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.scenario.warm_up import warm_up_checks
+from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
@@ -61,6 +66,13 @@ def create_app(settings: Settings) -> FastAPI:
         limits=run_limits(settings),
     )
     dispatcher = Dispatcher(database, executor, traces, exclusive=exclusive)
+    engine_setup = _engine_setup(settings)
+    campaigns = CampaignSupervisor(
+        database,
+        engine_setup,
+        at_once=settings.campaigns_at_once,
+        on_queued=dispatcher.wake,
+    )
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -68,18 +80,24 @@ def create_app(settings: Settings) -> FastAPI:
         try:
             # Else the first document would wait for the kernels that check it.
             await asyncio.to_thread(warm_up_checks, NetworkCatalogue(shipped_networks()))
+            campaigns.start()
             _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
             yield
         finally:
+            campaigns.stop()
             dispatcher.stop()
             executor.close()
             database.close()
             lock.release()
 
-    context = ApiContext(
-        database=database,
+    catalogues = Catalogues(
         networks=NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         agents=AgentCatalogue(),
+        testers=TesterCatalogue(),
+    )
+    context = ApiContext(
+        database=database,
+        catalogues=catalogues,
         oracles=default_oracles(),
         tokens=tokens,
         limits=Limits(
@@ -88,7 +106,10 @@ def create_app(settings: Settings) -> FastAPI:
             queued_runs=settings.queue_limit,
         ),
         trace_path=traces.path,
+        gene_spaces=GeneSpaces(catalogues),
+        campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,
+        wake_campaigns=campaigns.wake,
         workers_alive=lambda: dispatcher.is_alive,
     )
     return create_api(context, lifespan)
@@ -136,6 +157,17 @@ def _announce(path: Path, url: str) -> None:
     partial.write_text(json.dumps({"url": url, "pid": os.getpid()}))
     partial.replace(path)
     _log.info("listening", url=url)
+
+
+def _engine_setup(settings: Settings) -> EngineSetup:
+    return EngineSetup(
+        database_url=settings.resolved_database_url,
+        campaigns=settings.campaigns_dir,
+        traces=settings.traces_dir,
+        shipped_networks=shipped_networks(),
+        imported_networks=settings.imported_networks_dir,
+        workers=settings.workers,
+    )
 
 
 def _tokens(settings: Settings) -> TokenFile | None:

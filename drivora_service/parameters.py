@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -15,6 +17,46 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 P = TypeVar("P", bound="DataclassInstance")
+
+_ATTRIBUTE = re.compile(r"^    (\w+): (.+(?:\n     .+)*)", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterDescription:
+    """A parameter that a plug-in takes.
+
+    Attributes:
+        default: Its value unless it is set, as it stands in JSON.
+        schema: JSON Schema of the values that it may have.
+        description: For people; "" where its author says nothing.
+    """
+
+    name: str
+    default: Any
+    schema: Mapping[str, Any]
+    description: str
+
+
+def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescription, ...]:
+    """Describes the fields of a dataclass as :func:`read_parameters` takes them.
+
+    The descriptions come from the section ``Attributes`` of its docstring.
+    """
+    described = TypeAdapter(type_).json_schema()
+    section = (inspect.getdoc(type_) or "").partition("Attributes:\n")[2]
+    texts = {name: " ".join(text.split()) for name, text in _ATTRIBUTE.findall(section)}
+    return tuple(
+        ParameterDescription(
+            name=name,
+            default=schema.get("default"),
+            schema={key: value for key, value in schema.items() if key not in _NOT_TYPE},
+            description=texts.get(name, ""),
+        )
+        for name, schema in described.get("properties", {}).items()
+    )
+
+
+_NOT_TYPE = frozenset({"default", "title", "description"})
 
 
 def read_parameters(type_: type[P], parameters: Mapping[str, Any], *, of: str) -> P:

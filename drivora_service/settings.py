@@ -68,6 +68,12 @@ class Settings(BaseSettings):
     max_batch_items: int = Field(
         default=10_000, ge=1, description="Scenarios that one batch may hold."
     )
+    campaigns_at_once: int = Field(
+        default=4,
+        ge=1,
+        le=1024,
+        description="Campaigns that the service runs at once, each in a process; others wait.",
+    )
     log_format: Literal["console", "json"] = Field(
         default="console", description="How log lines look."
     )

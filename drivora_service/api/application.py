@@ -15,7 +15,9 @@ from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
 from drivora_service.api.routes import (
     batches,
+    campaigns,
     catalogues,
+    evaluations,
     health,
     jobs,
     networks,
@@ -43,7 +45,8 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         lifespan=lifespan,
     )
     api.state.context = context
-    for module in (scenarios, jobs, batches, runs, networks, catalogues):
+    modules = (scenarios, jobs, batches, runs, campaigns, evaluations, networks, catalogues)
+    for module in modules:
         api.include_router(module.router, prefix=PREFIX, responses={422: problem_answer(422)})
     api.include_router(health.router)
     api.include_router(health.router, prefix=PREFIX, include_in_schema=False)

@@ -11,6 +11,9 @@ from fastapi import Depends, Request
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.tokens import TokenFile
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.reading import Catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.store.database import Database
@@ -38,21 +41,37 @@ class ApiContext:
     """Everything below the HTTP layer.
 
     Attributes:
+        catalogues: Where names in documents are looked up.
         tokens: Who may use the service; ``None``: everyone who reaches it.
         trace_path: Where the trace of a run lies, by the run's id.
+        gene_spaces: Names the genes of campaigns.
+        campaign_folder: Gives the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
+        wake_campaigns: Tells the supervisor of campaigns that one is to be run.
         workers_alive: Whether the dispatcher hands out runs.
     """
 
     database: Database
-    networks: NetworkCatalogue
-    agents: AgentCatalogue
+    catalogues: Catalogues
     oracles: tuple[Oracle, ...]
     tokens: TokenFile | None
     limits: Limits
     trace_path: Callable[[str], Path]
+    gene_spaces: GeneSpaces
+    campaign_folder: Callable[[str], CampaignFolder]
     wake: Callable[[], None]
+    wake_campaigns: Callable[[], None]
     workers_alive: Callable[[], bool]
+
+    @property
+    def networks(self) -> NetworkCatalogue:
+        """Road networks by name."""
+        return self.catalogues.networks
+
+    @property
+    def agents(self) -> AgentCatalogue:
+        """ADSs by name."""
+        return self.catalogues.agents
 
 
 def context_of(request: Request) -> ApiContext:

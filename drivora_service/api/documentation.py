@@ -11,12 +11,13 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 
 from drivora_service.api import problems
+from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
 
 _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
-_DESCRIPTION = """Post scenarios, follow their runs, fetch what was recorded and judged.
+_DESCRIPTION = """Post scenarios and campaigns, follow them, fetch what was recorded and judged.
 
 Every error is `application/problem+json` (RFC 9457); `problems` names each single thing that is
 wrong with its JSON pointer. Lists come in pages: pass `next_page_token` as `page_token`. Answers
@@ -79,6 +80,17 @@ def batch_body(example: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def campaign_body(example: Mapping[str, Any]) -> dict[str, Any]:
+    """Documents a body that is one campaign."""
+    content = {"schema": {"$ref": _SCHEMAS + "CampaignDocument"}, "example": example}
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {"application/json": content, "application/yaml": content},
+        }
+    }
+
+
 def install_openapi(api: FastAPI) -> None:
     """Makes the application's OpenAPI document complete with the schemas it refers to."""
 
@@ -92,7 +104,7 @@ def install_openapi(api: FastAPI) -> None:
             )
             _unpack_examples(document["paths"])
             schemas = document.setdefault("components", {}).setdefault("schemas", {})
-            for model in (ScenarioDocument, problems.ProblemDetails):
+            for model in (ScenarioDocument, CampaignDocument, problems.ProblemDetails):
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema

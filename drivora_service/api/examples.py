@@ -205,6 +205,28 @@ AGENTS = catalogues.AgentList(
         ),
     )
 )
+TESTERS = catalogues.TesterList(
+    items=(
+        catalogues.Tester(
+            name="avfuzzer",
+            title="AVFuzzer",
+            description="evolves scenarios by a genetic algorithm with restarts",
+            source="Li et al., ISSRE 2020",
+            generational=True,
+            feedback="avfuzzer",
+            parameters=(
+                catalogues.TesterParameter(
+                    name="population",
+                    default=4,
+                    values={"type": "integer", "minimum": 2},
+                    description="Scenarios of a generation (paper: 4).",
+                ),
+            ),
+            installed=True,
+            reason="",
+        ),
+    )
+)
 ORACLES = catalogues.OracleList(
     items=(
         catalogues.Oracle(

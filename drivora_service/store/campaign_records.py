@@ -194,6 +194,70 @@ class EvaluationRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EvaluationSummary:
+    """An evaluation in a list.
+
+    Attributes:
+        failure_keys: One a violation.
+        objectives: What the tester's feedback measured, by name; ``None`` is not measurable.
+        cause: Why there is no result, as in ``RunFailure.cause``, or "".
+        told_at: When the tester was told.
+    """
+
+    number: int
+    generation: int
+    origin: str
+    parents: tuple[int, ...]
+    status: EvaluationStatus
+    scenario_sha256: str
+    violations: int
+    at_fault_violations: int
+    failure_keys: tuple[str, ...]
+    objectives: Mapping[str, float | None]
+    cause: str
+    sim_time_s: float
+    wall_time_s: float
+    told_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EvaluationFilter:
+    """Which evaluations are wanted; ``None`` does not restrict."""
+
+    status: EvaluationStatus | None = None
+    violating: bool | None = None
+    generation: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureFilter:
+    """Which failures are wanted; what is left out does not restrict."""
+
+    key: str = ""
+    oracle: str = ""
+    at_fault: bool | None = None
+    confirmation: Confirmation | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureKind:
+    """Failures of one key.
+
+    Attributes:
+        first: Number of the first evaluation that showed it.
+        clusters: Groups of similar ones; ``None`` if they were not grouped.
+    """
+
+    key: str
+    failures: int
+    at_fault: int
+    confirmed: int
+    flaky: int
+    first: int
+    clusters: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FailureRecord:
     """A violation that a campaign found.
 

@@ -97,6 +97,7 @@ class CampaignRepository:
         query = (
             select(CampaignRow.id, CampaignRow.state, CampaignRow.request)
             .where(CampaignRow.batch_id != "", CampaignRow.state.in_(_TO_RUN))
+            # "running" comes behind "queued" in the alphabet.
             .order_by(CampaignRow.state.desc(), CampaignRow.seq)
         )
         return tuple(

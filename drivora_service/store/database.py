@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session, sessionmaker
 from drivora_service.errors import StoreError
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
+from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.idempotency import IdempotencyRepository
@@ -60,6 +61,11 @@ class Transaction:
     def campaign_runs(self) -> CampaignRunRepository:
         """The runs of campaigns."""
         return CampaignRunRepository(self.session)
+
+    @property
+    def campaign_views(self) -> CampaignViewRepository:
+        """Campaigns as lists show them."""
+        return CampaignViewRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:

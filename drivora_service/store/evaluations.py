@@ -63,7 +63,7 @@ class EvaluationRepository:
             self._session.add(DocumentRow(sha256=record.document_sha256, body=document))
             self._session.flush()
         now = datetime.now(UTC)
-        self._session.add(_evaluation_row(campaign.seq, record, now))
+        self._session.add(_new_row(campaign.seq, record, now))
         self._session.add_all(
             FailureRow(
                 campaign_seq=campaign.seq,
@@ -115,9 +115,7 @@ class EvaluationRepository:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
         """
         campaign = campaign_row(self._session, campaign_id)
-        row = self._session.get(EvaluationRow, (campaign.seq, number))
-        if row is None:
-            raise UnknownName("evaluation", str(number), (f"0 to {campaign.evaluations - 1}",))
+        row = evaluation_row(self._session, campaign, number)
         return self._records(campaign.seq, [row])[0]
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
@@ -204,7 +202,7 @@ class EvaluationRepository:
             .where(FailureRow.campaign_seq == campaign.seq)
             .order_by(FailureRow.number, FailureRow.place)
         )
-        return tuple(_failure(row) for row in self._session.scalars(query))
+        return tuple(failure_record(row) for row in self._session.scalars(query))
 
     def confirm(
         self, campaign_id: str, number: int, confirmation: Confirmation, *, trace: str
@@ -249,7 +247,20 @@ class EvaluationRepository:
         return tuple(_evaluation(row, failures.get(row.number, [])) for row in rows)
 
 
-def _evaluation_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> EvaluationRow:
+def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> EvaluationRow:
+    """Gives the row of an evaluation.
+
+    Raises:
+        UnknownName: There is none of this number.
+    """
+    row = session.get(EvaluationRow, (campaign.seq, number))
+    if row is None:
+        known = (f"0 to {campaign.evaluations - 1}",) if campaign.evaluations else ()
+        raise UnknownName("evaluation", str(number), known)
+    return row
+
+
+def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> EvaluationRow:
     return EvaluationRow(
         campaign_seq=campaign_seq,
         number=record.number,
@@ -319,7 +330,8 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
     )
 
 
-def _failure(row: FailureRow) -> FailureRecord:
+def failure_record(row: FailureRow) -> FailureRecord:
+    """Makes the record of a row."""
     return FailureRecord(
         number=row.number,
         place=row.place,

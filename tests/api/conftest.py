@@ -21,8 +21,12 @@ from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.tokens import TokenFile
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.reading import Catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 
@@ -90,15 +94,22 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
     def make(*, queued_runs: int = 1000, tokens: TokenFile | None = None) -> Offline:
         database = open_database(f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}")
         woken: list[int] = []
-        context = ApiContext(
-            database=database,
+        catalogues = Catalogues(
             networks=NetworkCatalogue(shipped_networks()),
             agents=AgentCatalogue(),
+            testers=TesterCatalogue(),
+        )
+        context = ApiContext(
+            database=database,
+            catalogues=catalogues,
             oracles=default_oracles(),
             tokens=tokens,
             limits=Limits(body_bytes=BODY_LIMIT, batch_items=50, queued_runs=queued_runs),
             trace_path=TraceFolder(tmp_path / "traces").path,
+            gene_spaces=GeneSpaces(catalogues),
+            campaign_folder=lambda campaign_id: CampaignFolder(tmp_path / "campaigns", campaign_id),
             wake=lambda: woken.append(1),
+            wake_campaigns=lambda: woken.append(1),
             workers_alive=lambda: False,
         )
         app = create_api(context)

@@ -1,4 +1,4 @@
-"""What can drive, and what every run is judged by."""
+"""What can drive, what can search, and what every run is judged by."""
 
 from __future__ import annotations
 
@@ -10,9 +10,20 @@ from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
-from drivora_service.api.schemas.catalogues import Agent, AgentList, Oracle, OracleList
+from drivora_service.api.schemas.catalogues import (
+    Agent,
+    AgentList,
+    Oracle,
+    OracleList,
+    Tester,
+    TesterList,
+    TesterParameter,
+)
 from drivora_service.api.security import reader
+from drivora_service.errors import SearchError
 from drivora_service.oracles import verdict
+from drivora_service.parameters import describe_parameters
+from drivora_service.search.catalogue import TesterCatalogue
 
 router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
 
@@ -36,11 +47,55 @@ def list_agents(request: Request, context: Context) -> Response:
     return json_answer(request, AgentList(items=items))
 
 
+@router.get("/testers", response_model=TesterList, responses=answers(examples.TESTERS, 401, 403))
+def list_testers(request: Request, context: Context) -> Response:
+    """Lists the testing methods that a campaign can name, with their parameters."""
+    catalogue = context.catalogues.testers
+    items = tuple(_tester(catalogue, name) for name in catalogue.names())
+    return json_answer(request, TesterList(items=items))
+
+
 @router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
 def list_oracles(request: Request, context: Context) -> Response:
     """Lists the rules that every run is judged by, with their thresholds."""
     return json_answer(
         request, OracleList(items=tuple(_oracle(oracle) for oracle in context.oracles))
+    )
+
+
+def _tester(catalogue: TesterCatalogue, name: str) -> Tester:
+    try:
+        plugin = catalogue.plugin(name)
+    except SearchError as error:
+        return Tester(
+            name=name,
+            title=name,
+            description="",
+            source="",
+            generational=False,
+            feedback="",
+            parameters=(),
+            installed=False,
+            reason=str(error),
+        )
+    return Tester(
+        name=plugin.name,
+        title=plugin.title,
+        description=plugin.description,
+        source=plugin.source,
+        generational=plugin.is_generational,
+        feedback=plugin.feedback.name,
+        parameters=tuple(
+            TesterParameter(
+                name=parameter.name,
+                default=parameter.default,
+                values=dict(parameter.schema),
+                description=parameter.description,
+            )
+            for parameter in describe_parameters(plugin.parameters)
+        ),
+        installed=True,
+        reason="",
     )
 
 

@@ -1,4 +1,4 @@
-"""What can be named in a scenario: networks and agents; and the rules it is judged by."""
+"""What documents can name: networks, agents and testers; and the rules that runs are judged by."""
 
 from __future__ import annotations
 
@@ -79,6 +79,35 @@ class NetworkList(Schema):
     """All networks."""
 
     items: tuple[NetworkSummary, ...]
+
+
+class TesterParameter(Schema):
+    """A parameter of a tester."""
+
+    name: str
+    default: Any = Field(description="Its value unless a campaign sets it.")
+    values: dict[str, Any] = Field(description="JSON Schema of the values that it may have.")
+    description: str
+
+
+class Tester(Schema):
+    """A testing method that a campaign can name."""
+
+    name: str
+    title: str = Field(description="The method's own name.")
+    description: str
+    source: str = Field(description="Paper or package that it follows.")
+    generational: bool = Field(description="Whether it waits for a whole generation.")
+    feedback: str = Field(description="What its evaluations are measured by.")
+    parameters: tuple[TesterParameter, ...]
+    installed: bool
+    reason: str = Field(description="Why it cannot be used here; empty if it can.")
+
+
+class TesterList(Schema):
+    """All testers."""
+
+    items: tuple[Tester, ...]
 
 
 class Oracle(Schema):

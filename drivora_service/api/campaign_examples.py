@@ -1,0 +1,188 @@
+"""One example of everything about campaigns that the API takes and gives."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.api.schemas import campaigns
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.runs import VerdictView
+from drivora_service.oracles.verdict import Outcome
+from drivora_service.search.genes import GeneKind, Part
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import (
+    CampaignRequest,
+    CampaignState,
+    Confirmation,
+)
+
+_ID = "0193a5b0c4d29f3e7a61c8d1"
+_BATCH_ID = "0193a5b0c4d1e2b7905f4c3b"
+_URL = f"/api/v1/campaigns/{_ID}"
+_SHA256 = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+_POSTED = datetime(2026, 3, 2, 9, 30, tzinfo=UTC)
+_STARTED = datetime(2026, 3, 2, 9, 30, 4, tzinfo=UTC)
+_NOW = datetime(2026, 3, 2, 9, 30, 21, tzinfo=UTC)
+_KEY = "collision|junction centre|vehicle, front"
+
+DOCUMENT: dict[str, Any] = {
+    "name": "tee, AVFuzzer",
+    "tester": {"name": "avfuzzer"},
+    "agent": {"name": "idm"},
+    "scenario": SCENARIO,
+    "space": {"vehicles": 3, "walkers": 1},
+    "budget": {"simulations": 200},
+    "seed": 1,
+}
+
+_SUMMARY: dict[str, Any] = {
+    "id": _ID,
+    "name": "tee, AVFuzzer",
+    "state": CampaignState.QUEUED,
+    "message": "",
+    "request": CampaignRequest.NONE,
+    "tester": "avfuzzer",
+    "agent": "idm",
+    "town": "tee-town",
+    "budget": 200,
+    "simulations": 0,
+    "counts": campaigns.Counts(
+        evaluations=0, judged=0, invalid=0, failed=0, violating=0, at_fault=0
+    ),
+    "rate": None,
+    "left_s": None,
+    "active_s": 0.0,
+    "created_at": _POSTED,
+    "started_at": None,
+    "ended_at": None,
+    "updated_at": _POSTED,
+}
+_RUNNING: dict[str, Any] = {
+    **_SUMMARY,
+    "state": CampaignState.RUNNING,
+    "simulations": 118,
+    "counts": campaigns.Counts(
+        evaluations=120, judged=118, invalid=2, failed=0, violating=7, at_fault=5
+    ),
+    "rate": 9.44,
+    "left_s": 8.69,
+    "active_s": 12.5,
+    "started_at": _STARTED,
+    "updated_at": _NOW,
+}
+_REST: dict[str, Any] = {
+    "document": {**DOCUMENT, "version": "1.0", "lookahead": 8},
+    "network_sha256": _SHA256,
+    "versions": {"drivora": "0.1.0", "numpy": "2.2.6"},
+    "batch_id": _BATCH_ID,
+    "evaluations_url": f"{_URL}/evaluations",
+    "failures_url": f"{_URL}/failures",
+    "runs_url": f"/api/v1/runs?batch={_BATCH_ID}",
+}
+
+QUEUED = campaigns.Campaign(**_SUMMARY, **_REST, best={}, kinds=())
+RUNNING = campaigns.Campaign(
+    **_RUNNING,
+    **_REST,
+    best={"min_gap": campaigns.BestValue(value=0.0, evaluation=41)},
+    kinds=(
+        campaigns.Kind(
+            key=_KEY, failures=5, at_fault=5, confirmed=0, flaky=0, first=41, clusters=None
+        ),
+    ),
+)
+CAMPAIGNS = PageOf[campaigns.CampaignSummary](items=(campaigns.CampaignSummary(**_RUNNING),))
+VALIDATION = campaigns.CampaignValidation(
+    valid=True, tester="avfuzzer", town="tee-town", genes=70, notes=()
+)
+
+_EVALUATION: dict[str, Any] = {
+    "number": 41,
+    "generation": 3,
+    "origin": "mutation",
+    "parents": (17,),
+    "status": EvaluationStatus.JUDGED,
+    "scenario_sha256": _SHA256,
+    "violations": 1,
+    "at_fault_violations": 1,
+    "failure_keys": (_KEY,),
+    "objectives": {"min_gap": 0.0},
+    "cause": "",
+    "sim_time_s": 21.0,
+    "wall_time_s": 0.11,
+    "told_at": _NOW,
+}
+_VERDICT = VerdictView(
+    oracle="collision",
+    ego="ego",
+    outcome=Outcome.VIOLATED,
+    message="hit vehicle_1 with its front at 7.4 m/s",
+    at_fault=True,
+    time=20.95,
+    step=419,
+    location=(120.4, 98.4),
+    counterpart="vehicle_1",
+    evidence={"counterpart_role": "vehicle", "face": "front", "ego_speed": 7.4},
+)
+_PARENT = campaigns.Evaluation(
+    **{
+        **_EVALUATION,
+        "number": 17,
+        "generation": 2,
+        "origin": "initial",
+        "parents": (),
+        "violations": 0,
+        "at_fault_violations": 0,
+        "failure_keys": (),
+        "objectives": {"min_gap": 1.7},
+    }
+)
+
+EVALUATIONS = PageOf[campaigns.Evaluation](items=(campaigns.Evaluation(**_EVALUATION),))
+EVALUATION = campaigns.EvaluationDetail(
+    **_EVALUATION,
+    genes=(
+        campaigns.Block(
+            name="weather",
+            part=Part.WEATHER,
+            genes=(
+                campaigns.Gene(
+                    name="precipitation",
+                    value=37.5,
+                    low=0.0,
+                    high=100.0,
+                    unit="%",
+                    kind=GeneKind.CONTINUOUS,
+                ),
+            ),
+        ),
+    ),
+    values=(37.5,),
+    lineage=(_PARENT,),
+    error=None,
+    failures=(_VERDICT,),
+    verdicts=(_VERDICT,),
+    scores={"min_gap": 0.0, "time_to_collision": None},
+    metrics={"route_completion": 63.0},
+    trace_sha256=_SHA256,
+    search_s=0.0012,
+    prepare_s=0.0041,
+    scenario_url=f"{_URL}/evaluations/41/scenario",
+    observations_url=f"{_URL}/evaluations/41/observations",
+    run_url=f"/api/v1/runs/{_ID}-41",
+)
+FAILURES = PageOf[campaigns.FailureView](
+    items=(
+        campaigns.FailureView(
+            evaluation=41,
+            key=_KEY,
+            confirmation=Confirmation.CONFIRMED,
+            cluster=0,
+            verdict=_VERDICT,
+            scenario_url=f"{_URL}/evaluations/41/scenario",
+            observations_url=f"{_URL}/evaluations/41/observations",
+        ),
+    )
+)

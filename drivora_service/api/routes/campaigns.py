@@ -1,0 +1,196 @@
+"""Campaigns: post them, follow them, pause them, give them up."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from drivora_service.api import bodies, campaign_examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.documentation import answers, campaign_body
+from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.campaigns import (
+    Campaign,
+    CampaignSummary,
+    CampaignValidation,
+    campaign_summary,
+    campaign_view,
+)
+from drivora_service.api.security import reader, submitter
+from drivora_service.campaigns.folder import ask_for
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import ValidCampaign, read_campaign
+from drivora_service.campaigns.stored import hand_over, new_campaign
+from drivora_service.errors import Conflict
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState
+from drivora_service.store.database import Transaction
+
+router = APIRouter(tags=["campaigns"])
+
+_POLL_AFTER_S = "2"
+
+
+@router.post(
+    "/campaigns",
+    status_code=202,
+    response_model=Campaign,
+    responses=answers(campaign_examples.QUEUED, 401, 403, 409, 413, 415, 422, status=202),
+    openapi_extra=campaign_body(campaign_examples.DOCUMENT),
+    dependencies=[Depends(submitter)],
+)
+def post_campaign(
+    request: Request,
+    context: Context,
+    body: bodies.RawBody,
+    idempotency_key: IdempotencyKey = "",
+) -> Response:
+    """Has the service run the campaign in the body; `Location` is where to follow it."""
+    form = bodies.document_format(request)
+
+    def prepare() -> Work:
+        valid = read_campaign(body, context.catalogues, form)
+        # What the space and the tester refuse, they shall refuse now.
+        prepare_search(valid, context.catalogues, run_prefix="")
+
+        def commit(transaction: Transaction) -> Answer:
+            campaign_id = transaction.campaigns.create(new_campaign(valid)).id
+            transaction.campaign_runs.open(campaign_id)
+            campaign = _campaign(transaction, campaign_id, valid)
+            headers = {
+                "Location": f"{PREFIX}/campaigns/{campaign_id}",
+                "Retry-After": _POLL_AFTER_S,
+            }
+            return Answer(status=202, headers=headers, body=campaign.model_dump_json())
+
+        return Work(commit=commit)
+
+    response = done_once(request, context, idempotency_key, body, prepare)
+    context.wake_campaigns()
+    return response
+
+
+@router.post(
+    "/campaigns:validate",
+    response_model=CampaignValidation,
+    responses=answers(campaign_examples.VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=campaign_body(campaign_examples.DOCUMENT),
+    dependencies=[Depends(submitter)],
+)
+def validate_campaign(
+    request: Request, context: Context, body: bodies.RawBody
+) -> CampaignValidation:
+    """Checks a campaign as posting it would, and answers with the same problems."""
+    form = bodies.document_format(request)
+    valid = read_campaign(body, context.catalogues, form)
+    search = prepare_search(valid, context.catalogues, run_prefix="")
+    return CampaignValidation(
+        valid=True,
+        tester=valid.campaign.tester.name,
+        town=valid.network.name,
+        genes=len(search.candidates.genes),
+        notes=valid.notes,
+    )
+
+
+@router.get(
+    "/campaigns",
+    response_model=PageOf[CampaignSummary],
+    responses=answers(campaign_examples.CAMPAIGNS, 401, 403, 422),
+    dependencies=[Depends(reader)],
+)
+def list_campaigns(
+    request: Request,
+    context: Context,
+    state: Annotated[
+        list[CampaignState] | None, Query(description="In any of these states.")
+    ] = None,
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists campaigns, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.campaigns.page(
+            states=frozenset(state or ()), limit=limit, page_token=page_token
+        )
+    items = tuple(campaign_summary(record) for record in page.items)
+    body = PageOf[CampaignSummary](items=items, next_page_token=page.next_token)
+    return json_answer(request, body)
+
+
+@router.get(
+    "/campaigns/{campaign_id}",
+    response_model=Campaign,
+    responses=answers(campaign_examples.RUNNING, 401, 403, 404),
+    dependencies=[Depends(reader)],
+)
+def get_campaign(request: Request, context: Context, campaign_id: str) -> Response:
+    """Tells how far a campaign is and what it has found."""
+    with context.database.read() as transaction:
+        campaign = _campaign(transaction, campaign_id)
+    response = json_answer(request, campaign)
+    if campaign.state in (CampaignState.QUEUED, CampaignState.RUNNING):
+        response.headers["Retry-After"] = _POLL_AFTER_S
+    return response
+
+
+@router.post(
+    "/campaigns/{campaign_id}:pause",
+    status_code=202,
+    response_model=Campaign,
+    responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def pause_campaign(context: Context, campaign_id: str) -> Campaign:
+    """Pauses a campaign after the evaluation that is being told; it can be resumed."""
+    return _asked(context, campaign_id, CampaignRequest.PAUSE)
+
+
+@router.post(
+    "/campaigns/{campaign_id}:cancel",
+    status_code=202,
+    response_model=Campaign,
+    responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
+    """Gives a campaign up for good; what it has found stays."""
+    return _asked(context, campaign_id, CampaignRequest.CANCEL)
+
+
+@router.post(
+    "/campaigns/{campaign_id}:resume",
+    status_code=202,
+    response_model=Campaign,
+    responses=answers(campaign_examples.QUEUED, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def resume_campaign(context: Context, campaign_id: str) -> Campaign:
+    """Goes on with a campaign that was paused or has failed, as if nothing had happened."""
+    hand_over(context.database, campaign_id, context.campaign_folder(campaign_id))
+    context.wake_campaigns()
+    with context.database.read() as transaction:
+        return _campaign(transaction, campaign_id)
+
+
+def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> Campaign:
+    with context.database.read() as transaction:
+        record = transaction.campaigns.get(campaign_id)
+    if record.state is CampaignState.FINISHED:
+        raise Conflict(f"campaign {campaign_id} is finished")
+    ask_for(context.database, campaign_id, context.campaign_folder(campaign_id), request)
+    context.wake_campaigns()
+    context.wake()
+    with context.database.read() as transaction:
+        return _campaign(transaction, campaign_id)
+
+
+def _campaign(
+    transaction: Transaction, campaign_id: str, valid: ValidCampaign | None = None
+) -> Campaign:
+    record = transaction.campaigns.get(campaign_id)
+    kinds = transaction.campaign_views.kinds(campaign_id)
+    return campaign_view(record, kinds, PREFIX, notes=() if valid is None else valid.notes)

@@ -1,0 +1,207 @@
+"""Evaluations of campaigns, their lineage, and the failures among them."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path, Query, Request, Response
+
+from drivora_service.api import campaign_examples, examples
+from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
+from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.documentation import answers, problem_answer
+from drivora_service.api.observations import NDJSON, PARQUET, StepRange, observations_answer
+from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.schemas.base import PageOf
+from drivora_service.api.schemas.campaigns import (
+    Evaluation,
+    EvaluationDetail,
+    FailureView,
+    evaluation_detail,
+    evaluation_view,
+    failure_view,
+)
+from drivora_service.api.security import reader
+from drivora_service.campaigns.confirming import trace_name
+from drivora_service.errors import UnknownName
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.exporting import to_document
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import (
+    Confirmation,
+    EvaluationFilter,
+    FailureFilter,
+)
+from drivora_service.store.database import Transaction
+
+router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
+
+_MOST_ANCESTORS = 500
+
+Number = Annotated[int, Path(ge=0, le=10**9, description="Of the evaluation, from 0.")]
+
+
+class Order(StrEnum):
+    """Which evaluations come first."""
+
+    OLDEST_FIRST = "number"
+    NEWEST_FIRST = "-number"
+
+
+@router.get(
+    "/campaigns/{campaign_id}/evaluations",
+    response_model=PageOf[Evaluation],
+    responses=answers(campaign_examples.EVALUATIONS, 401, 403, 404, 422),
+)
+def list_evaluations(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    status: Annotated[EvaluationStatus | None, Query(description="What became of it.")] = None,
+    violating: Annotated[bool | None, Query(description="With, or without, any failure.")] = None,
+    generation: Annotated[
+        int | None, Query(ge=0, le=10**9, description="Of this generation.")
+    ] = None,
+    order: Annotated[Order, Query(description="Which come first.")] = Order.OLDEST_FIRST,
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists what a campaign has evaluated, in the order in which its tester was told."""
+    wanted = EvaluationFilter(status=status, violating=violating, generation=generation)
+    with context.database.read() as transaction:
+        page = transaction.campaign_views.evaluations(
+            campaign_id,
+            wanted,
+            newest_first=order is Order.NEWEST_FIRST,
+            limit=limit,
+            page_token=page_token,
+        )
+    items = tuple(evaluation_view(summary) for summary in page.items)
+    return json_answer(request, PageOf[Evaluation](items=items, next_page_token=page.next_token))
+
+
+@router.get(
+    "/campaigns/{campaign_id}/evaluations/{number}",
+    response_model=EvaluationDetail,
+    responses=answers(campaign_examples.EVALUATION, 401, 403, 404),
+)
+def get_evaluation(
+    request: Request, context: Context, campaign_id: str, number: Number
+) -> Response:
+    """Gives a candidate: its genes, what it descends from, and what came of it."""
+    with context.database.read() as transaction:
+        campaign = transaction.campaigns.get(campaign_id)
+        record = transaction.evaluations.get(campaign_id, number)
+        summary = transaction.campaign_views.evaluation(campaign_id, number)
+        lineage = transaction.campaign_views.ancestors(campaign_id, number, most=_MOST_ANCESTORS)
+        run_url = _run_url(transaction, record.report.run_id)
+    trace = context.campaign_folder(campaign_id).traces / trace_name(number)
+    detail = evaluation_detail(
+        summary,
+        record,
+        lineage,
+        context.gene_spaces.of(campaign),
+        f"{PREFIX}/campaigns/{campaign_id}/evaluations/{number}",
+        run_url=run_url,
+        has_trace=trace.is_file(),
+    )
+    return json_answer(request, detail)
+
+
+@router.get(
+    "/campaigns/{campaign_id}/evaluations/{number}/scenario",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The scenario",
+            "content": {
+                JSON: {
+                    "schema": {"$ref": "#/components/schemas/ScenarioDocument"},
+                    "example": examples.SCENARIO,
+                }
+            },
+        },
+        **{status: problem_answer(status) for status in (401, 403, 404)},
+    },
+)
+def get_scenario(request: Request, context: Context, campaign_id: str, number: Number) -> Response:
+    """Gives the scenario of a candidate as a document that can be posted."""
+    with context.database.read() as transaction:
+        text = transaction.evaluations.document(campaign_id, number)
+    content = document_text(to_document(from_canonical(text))).encode()
+    return bytes_answer(request, content, media_type=JSON, etag=digest(content))
+
+
+@router.get(
+    "/campaigns/{campaign_id}/evaluations/{number}/observations",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "One frame a step",
+            "content": {
+                NDJSON: {"schema": {"type": "string"}, "example": examples.FRAME_LINE},
+                PARQUET: {"schema": {"type": "string", "format": "binary"}},
+            },
+        },
+        **{status: problem_answer(status) for status in (401, 403, 404, 406, 422)},
+    },
+)
+def get_observations(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    number: Number,
+    first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
+    last: Annotated[
+        int | None, Query(ge=0, le=10**9, description="Last step, itself included.")
+    ] = None,
+) -> Response:
+    """Gives what the second, identical run of a failing candidate recorded."""
+    with context.database.read() as transaction:
+        record = transaction.evaluations.get(campaign_id, number)
+    path = context.campaign_folder(campaign_id).traces / trace_name(number)
+    if not path.is_file():
+        raise UnknownName(
+            "trace of evaluation", str(number), (), "only failures that were run again have one"
+        )
+    steps = StepRange(first=first, last=last)
+    return observations_answer(request, path, record.report.trace_sha256, steps)
+
+
+@router.get(
+    "/campaigns/{campaign_id}/failures",
+    response_model=PageOf[FailureView],
+    responses=answers(campaign_examples.FAILURES, 401, 403, 404, 422),
+)
+def list_failures(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    key: Annotated[str, Query(max_length=400, description="Of this kind.")] = "",
+    oracle: Annotated[str, Query(max_length=60, description="Of this rule.")] = "",
+    at_fault: Annotated[bool | None, Query(description="By the fault of an ego, or not.")] = None,
+    confirmation: Annotated[
+        Confirmation | None, Query(description="Whether it happened again.")
+    ] = None,
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists the failures that a campaign has found, in the order of their evaluations."""
+    wanted = FailureFilter(key=key, oracle=oracle, at_fault=at_fault, confirmation=confirmation)
+    with context.database.read() as transaction:
+        page = transaction.campaign_views.failures(
+            campaign_id, wanted, limit=limit, page_token=page_token
+        )
+    url = f"{PREFIX}/campaigns/{campaign_id}"
+    items = tuple(failure_view(record, url) for record in page.items)
+    return json_answer(request, PageOf[FailureView](items=items, next_page_token=page.next_token))
+
+
+def _run_url(transaction: Transaction, run_id: str) -> str:
+    try:
+        transaction.jobs.get(run_id)
+    except UnknownName:
+        return ""
+    return f"{PREFIX}/runs/{run_id}"

@@ -1,0 +1,131 @@
+"""The process of its own in which the service runs a campaign."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.queue_evaluator import QueueEvaluator
+from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.stored import run_stored
+from drivora_service.errors import Conflict, DrivoraError
+from drivora_service.execution.parent_death import die_with_parent
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.store.database import open_database
+from drivora_service.store.traces import TraceFolder
+
+NOT_MINE = 75
+"""Exit code of a process that may not run its campaign: another does, or nobody wants it to run."""
+
+_FAILED = 1
+_LOG_BYTES = 1 << 20
+_TAIL_BYTES = 16_384
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EngineSetup:
+    """What every engine's process is told.
+
+    Attributes:
+        database_url: Of the service.
+        campaigns: Folder of all campaigns.
+        traces: Folder of the service's traces.
+        workers: Runs that the service can have at once.
+    """
+
+    database_url: str
+    campaigns: Path
+    traces: Path
+    shipped_networks: Path
+    imported_networks: Path | None
+    workers: int
+
+    def folder(self, campaign_id: str) -> CampaignFolder:
+        """Gives the folder of a campaign."""
+        return CampaignFolder(self.campaigns, campaign_id)
+
+    def log(self, campaign_id: str) -> Path:
+        """Gives the file that takes what the process of a campaign prints."""
+        return self.folder(campaign_id).path / "engine.log"
+
+
+def log_tail(path: Path, lines: int) -> str:
+    """Gives the last lines of a log; "" where there is none."""
+    try:
+        with path.open("rb") as log:
+            log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))
+            text = log.read().decode(errors="replace")
+    except FileNotFoundError:
+        return ""
+    return "\n".join(text.splitlines()[-lines:])
+
+
+def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None:
+    """Runs a campaign until it ends, rests, or the service does; the store knows how it ended.
+
+    Args:
+        setup: What every engine is told.
+        campaign_id: Which campaign.
+        queued: Gets a message whenever a run was queued.
+    """
+    die_with_parent()
+    # A session of its own: an interrupt typed at a terminal is the service's to handle.
+    os.setsid()
+    _print_to(setup.log(campaign_id))
+    faulthandler.enable()
+    database = open_database(setup.database_url)
+    with database.read() as transaction:
+        record = transaction.campaigns.get(campaign_id)
+
+    @contextlib.contextmanager
+    def evaluating(workers: int | None) -> Iterator[Evaluator]:
+        few = workers is not None and workers < setup.workers
+        evaluator = QueueEvaluator(
+            database,
+            record,
+            TraceFolder(setup.traces),
+            most=workers if few else None,
+            on_queued=lambda: queued.send_bytes(b"queued"),
+        )
+        with contextlib.closing(evaluator):
+            yield evaluator
+
+    try:
+        ended = run_stored(
+            database,
+            campaign_id,
+            setup.folder(campaign_id),
+            catalogues=Catalogues(
+                networks=NetworkCatalogue(setup.shipped_networks, setup.imported_networks),
+                agents=AgentCatalogue(),
+                testers=TesterCatalogue(),
+            ),
+            evaluator=evaluating,
+            if_wanted=True,
+        )
+    except DrivoraError as error:
+        print(f"campaign {campaign_id}: {error}", flush=True)
+        sys.exit(NOT_MINE if isinstance(error, Conflict) else _FAILED)
+    finally:
+        database.close()
+    print(f"campaign {campaign_id} is {ended.state}", flush=True)
+
+
+def _print_to(path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    if os.fstat(log).st_size > _LOG_BYTES:
+        os.ftruncate(log, 0)
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    os.close(log)

@@ -1,0 +1,50 @@
+"""The genes of campaigns that are in the database."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+
+from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.errors import InvalidDocument, NetworkError, SearchError
+from drivora_service.search.genes import GeneSpace
+from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.store.campaign_records import CampaignRecord
+
+_MOST = 64
+
+
+class GeneSpaces:
+    """Builds the gene spaces of campaigns, each once, and keeps the last ones that were asked for.
+
+    Safe to use from several threads.
+    """
+
+    def __init__(self, catalogues: Catalogues) -> None:
+        """Begins with none.
+
+        Args:
+            catalogues: Where the names in a campaign are looked up.
+        """
+        self._catalogues = catalogues
+        self._known: OrderedDict[str, GeneSpace | None] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def of(self, record: CampaignRecord) -> GeneSpace | None:
+        """Gives the genes of a campaign; ``None`` if what it was made on is not there any more."""
+        with self._lock:
+            if record.id not in self._known:
+                self._known[record.id] = self._build(record)
+                if len(self._known) > _MOST:
+                    self._known.popitem(last=False)
+            self._known.move_to_end(record.id)
+            return self._known[record.id]
+
+    def _build(self, record: CampaignRecord) -> GeneSpace | None:
+        try:
+            valid = read_campaign(record.document, self._catalogues)
+            if valid.network.sha256 != record.network_sha256:
+                return None
+            return ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes
+        except (InvalidDocument, NetworkError, SearchError):
+            return None

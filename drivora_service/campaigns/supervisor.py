@@ -1,0 +1,242 @@
+"""Keeps a process for every campaign that the service runs."""
+
+from __future__ import annotations
+
+import multiprocessing
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+
+import structlog
+
+from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
+from drivora_service.errors import StoreError
+from drivora_service.execution.deaths import signal_name
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState
+from drivora_service.store.database import Database
+
+_LOOK_S = 0.5
+"""Seconds between two looks at what is to be run."""
+
+_RETRY_S = 1.0
+"""Seconds after which an engine is started again, twice as long with each death."""
+
+_MOST_DEATHS = 4
+"""Deaths of its engine, without an evaluation between them, after which a campaign has failed."""
+
+_TAIL_LINES = 20
+
+_log = structlog.get_logger(__name__)
+
+_ENDS = {
+    CampaignRequest.PAUSE: CampaignState.PAUSED,
+    CampaignRequest.CANCEL: CampaignState.CANCELLED,
+}
+
+
+@dataclass(slots=True, kw_only=True)
+class _Engine:
+    """A running process; ``queued`` is ``None`` once it has closed its end."""
+
+    campaign_id: str
+    process: SpawnProcess
+    queued: Connection | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Deaths:
+    """Deaths of a campaign's engine, all with the same number of evaluations."""
+
+    count: int
+    evaluations: int
+
+
+class CampaignSupervisor:
+    """A thread that starts the processes of campaigns, watches them, and ends them with itself.
+
+    Campaigns whose process died, with the service or alone, go on where they were. What they do is
+    in the store; the supervisor writes there only what their processes cannot say any more.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        setup: EngineSetup,
+        *,
+        at_once: int,
+        on_queued: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Prepares the thread.
+
+        Args:
+            database: Of the service.
+            setup: What every process is told.
+            at_once: Campaigns that may run at once; the others wait.
+            on_queued: Called when a campaign has queued runs.
+        """
+        self._database, self._setup = database, setup
+        self._at_once, self._on_queued = at_once, on_queued
+        self._engines: dict[str, _Engine] = {}
+        self._deaths: dict[str, _Deaths] = {}
+        self._not_before: dict[str, float] = {}
+        self._look_at = 0.0
+        self._stopping = False
+        self._woken, self._waker = multiprocessing.Pipe(duplex=False)
+        self._waking = threading.Lock()
+        # The kernel ends an engine with the thread that started it, so that must be this one.
+        self._thread = threading.Thread(target=self._run, name="campaigns", daemon=True)
+
+    def start(self) -> None:
+        """Starts the thread, and with it the campaigns that wait."""
+        self._thread.start()
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether campaigns are being run."""
+        return self._thread.is_alive() and not self._stopping
+
+    def wake(self) -> None:
+        """Tells that a campaign was made or is to go on; otherwise it is seen within a second."""
+        with self._waking:
+            self._waker.send_bytes(b"wake")
+
+    def stop(self) -> None:
+        """Ends every engine; their campaigns go on when the service is started again."""
+        self._stopping = True
+        self.wake()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _run(self) -> None:
+        while not self._stopping:
+            try:
+                self._turn()
+            except StoreError as error:
+                _log.error("database_unusable", error=str(error))
+                time.sleep(_LOOK_S)
+        for engine in self._engines.values():
+            engine.process.kill()
+        for engine in self._engines.values():
+            engine.process.join()
+
+    def _turn(self) -> None:
+        if self._listen():
+            self._on_queued()
+        for engine in list(self._engines.values()):
+            if engine.process.exitcode is not None:
+                self._bury(engine)
+        now = time.monotonic()
+        if now >= self._look_at:
+            self._look_at = now + _LOOK_S
+            self._look(now)
+
+    def _listen(self) -> bool:
+        """Waits until something happens, or it is time to look; says whether runs were queued."""
+        engines = list(self._engines.values())
+        words: dict[Connection, _Engine] = {e.queued: e for e in engines if e.queued is not None}
+        sentinels = [engine.process.sentinel for engine in engines]
+        timeout = max(0.0, self._look_at - time.monotonic())
+        ready = wait([self._woken, *words, *sentinels], timeout)
+        queued = False
+        for one in ready:
+            if one is self._woken:
+                _drain(self._woken)
+            if one is self._woken or one in sentinels:
+                self._look_at = 0.0
+            elif isinstance(one, Connection):
+                queued = True
+                if not _drain(one):
+                    one.close()
+                    words[one].queued = None
+        return queued
+
+    def _look(self, now: float) -> None:
+        """Starts what there is room for, and ends what is to end and has no engine."""
+        with self._database.read() as transaction:
+            wanted = transaction.campaigns.to_run()
+        for campaign in wanted:
+            if campaign.id in self._engines or now < self._not_before.get(campaign.id, 0.0):
+                continue
+            if self._setup.folder(campaign.id).is_running:
+                # Some command works on it.
+                continue
+            if campaign.request is not CampaignRequest.NONE:
+                with self._database.write() as transaction:
+                    transaction.campaigns.end(campaign.id, _ENDS[campaign.request])
+            elif len(self._engines) < self._at_once:
+                self._begin(campaign.id)
+
+    def _begin(self, campaign_id: str) -> None:
+        reader, writer = multiprocessing.Pipe(duplex=False)
+        process = multiprocessing.get_context("spawn").Process(
+            target=run_engine,
+            args=(self._setup, campaign_id, writer),
+            name=f"campaign-{campaign_id}",
+        )
+        try:
+            process.start()
+        except OSError as error:
+            # The system is short of processes or memory, which passes.
+            _log.error("engine_not_started", campaign=campaign_id, error=repr(error))
+            reader.close()
+            self._not_before[campaign_id] = time.monotonic() + _RETRY_S
+            return
+        finally:
+            writer.close()
+        self._engines[campaign_id] = _Engine(
+            campaign_id=campaign_id, process=process, queued=reader
+        )
+        _log.info("campaign_started", campaign=campaign_id, pid=process.pid)
+
+    def _bury(self, engine: _Engine) -> None:
+        campaign_id, exit_code = engine.campaign_id, engine.process.exitcode or 0
+        with self._database.read() as transaction:
+            record = transaction.campaigns.get(campaign_id)
+        if record.state in (CampaignState.QUEUED, CampaignState.RUNNING):
+            if exit_code == NOT_MINE:
+                self._not_before[campaign_id] = time.monotonic() + _RETRY_S
+            else:
+                self._note_death(campaign_id, exit_code, record.counts.evaluations)
+        else:
+            _log.info("campaign_ended", campaign=campaign_id, state=record.state)
+            self._deaths.pop(campaign_id, None)
+            self._not_before.pop(campaign_id, None)
+        del self._engines[campaign_id]
+        engine.process.close()
+        if engine.queued is not None:
+            engine.queued.close()
+
+    def _note_death(self, campaign_id: str, exit_code: int, evaluations: int) -> None:
+        known = self._deaths.get(campaign_id)
+        before = known.count if known is not None and known.evaluations == evaluations else 0
+        deaths = _Deaths(count=before + 1, evaluations=evaluations)
+        how = signal_name(exit_code) or f"exit code {exit_code}"
+        _log.warning("engine_died", campaign=campaign_id, how=how, deaths=deaths.count)
+        if deaths.count < _MOST_DEATHS:
+            self._deaths[campaign_id] = deaths
+            self._not_before[campaign_id] = time.monotonic() + _RETRY_S * 2**before
+            return
+        tail = log_tail(self._setup.log(campaign_id), _TAIL_LINES)
+        with self._database.write() as transaction:
+            transaction.campaigns.end(
+                campaign_id,
+                CampaignState.FAILED,
+                message=f"its process died {deaths.count} times after {evaluations} evaluations, "
+                f"the last time of {how}. Resume the campaign to try it again. The end of its "
+                f"log:\n{tail}",
+            )
+        self._deaths.pop(campaign_id, None)
+        self._not_before.pop(campaign_id, None)
+
+
+def _drain(connection: Connection) -> bool:
+    """Throws away what has come; says whether more may come."""
+    try:
+        while connection.poll():
+            connection.recv_bytes()
+    except EOFError:
+        return False
+    return True
