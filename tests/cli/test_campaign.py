@@ -161,7 +161,7 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
     luck = random.Random(5)
-    whole = drivora("campaign", "run", campaign_file, "--json").json()["id"]
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 48"))
     process = start(tmp_path, "run", campaign_file)
     killed: list[int] = []
     campaign_id = ""
@@ -169,16 +169,17 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
         told = len(evaluations(tmp_path, campaign_id)) if campaign_id else 0
         found = wait_until_told(tmp_path, process, told + luck.randrange(5))
         campaign_id = campaign_id or found
-        time.sleep(luck.uniform(0.0, 0.4))
+        time.sleep(luck.uniform(0.0, 0.2))
         process.kill()
         process.wait()
         killed.append(len(evaluations(tmp_path, campaign_id)))
         assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "interrupted"
         if kill < 2:
             process = start(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
-    assert 0 < killed[0] < killed[1] < killed[2] < 24
+    assert 0 < killed[0] < killed[1] < killed[2] < 48
     result: dict[str, Any] = drivora("campaign", "resume", campaign_id, "--json").json()
     assert result["state"] == "finished"
+    whole = drivora("campaign", "run", campaign_file, "--json").json()["id"]
     assert sequence(evaluations(tmp_path, campaign_id)) == sequence(evaluations(tmp_path, whole))
     assert {f["confirmation"] for f in result["failures"]} == {"confirmed"}
 
