@@ -13,6 +13,8 @@ from drivora_service.errors import CampaignError, UnknownName
 NOTICEABLE = 0.71
 """A12 from which an effect is called large (Vargha and Delaney 2000)."""
 SIGNIFICANT = 0.05
+_SIZES = ((NOTICEABLE, "large"), (0.64, "medium"), (0.56, "small"))
+"""A12, or 1 minus A12, from which an effect is called so (Vargha and Delaney 2000)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,10 +31,22 @@ class Measure:
     value: Callable[[CampaignFigures], float | None]
 
 
-def _until_first(figures: CampaignFigures) -> float:
-    """Gives the simulations up to the first failure; one more than all where there was none."""
+def _until_first(figures: CampaignFigures) -> float | None:
+    """Gives the simulations up to the first failure; one more than all where there was none.
+
+    At equal time campaigns have made different numbers of them, so that one that made few would
+    seem to be early: then it is not known.
+    """
+    if figures.time_limit_s is not None:
+        return None
     found = figures.first_failure
     return float(figures.simulations + 1 if found is None else found)
+
+
+def _seconds_until_first(figures: CampaignFigures) -> float | None:
+    """Gives the seconds up to the first failure; at equal time all of them where there was none."""
+    found = figures.first_failure_s
+    return figures.time_limit_s if found is None else found
 
 
 MEASURES = (
@@ -73,10 +87,22 @@ MEASURES = (
         value=_until_first,
     ),
     Measure(
+        name="first_failure_s",
+        title="seconds to the first failure",
+        larger_is_better=False,
+        value=_seconds_until_first,
+    ),
+    Measure(
         name="gene_coverage",
         title="coverage of the gene space",
         larger_is_better=True,
         value=lambda f: f.gene_coverage,
+    ),
+    Measure(
+        name="network_coverage",
+        title="coverage of the road network",
+        larger_is_better=True,
+        value=lambda f: f.network_coverage,
     ),
     Measure(
         name="invalid_share",
@@ -135,6 +161,18 @@ class Row:
         """Whether the method is better by a large effect that is hardly chance."""
         return self.effect.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
 
+    @property
+    def judgement(self) -> str:
+        """Says in words who is better and by how much; undecided where that may be chance.
+
+        The words for its size are those of Vargha and Delaney 2000.
+        """
+        if self.p_holm >= SIGNIFICANT:
+            return "undecided"
+        larger = max(self.effect.a12, 1.0 - self.effect.a12)
+        size = next((word for least, word in _SIZES if larger >= least), "negligible")
+        return f"{'better' if self.effect.a12 > 0.5 else 'worse'}, {size}"
+
 
 def compare_campaigns(
     figures: Sequence[CampaignFigures], baseline: str, measures: Sequence[Measure] = MEASURES
@@ -180,6 +218,13 @@ def _check(figures: Sequence[CampaignFigures], baseline: str) -> None:
         here = [f for f in figures if f.scenario == scenario]
         if not any(f.group == baseline for f in here):
             raise CampaignError(f"on {scenario!r} there is no campaign of {baseline!r}")
+        for group in _unique(f.group for f in here):
+            if sum(f.group == group for f in here) < 2:
+                raise CampaignError(
+                    f"on {scenario!r} there is one campaign of {group!r} only; chance can be told "
+                    "from difference with repetitions alone: run it with other seeds, 20 in all "
+                    "for a result that can be relied on"
+                )
         seen: dict[tuple[str, int], str] = {}
         for f in here:
             twin = seen.setdefault((f.group, f.seed), f.campaign)

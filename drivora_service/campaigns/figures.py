@@ -38,6 +38,12 @@ class CampaignFigures:
         gene_coverage: Share of all combinations of two genes' levels that were tried.
         simulation_s: Seconds that the runs took in their workers, all together.
         own_s: Seconds that the method itself took: asking, telling, repairing, decoding, checking.
+        network_coverage: Share of the network's drivable lanes, by length, that actors were put on
+            or had their ways over; ``None``: not known (see ``campaigns.road_coverage``).
+        first_failure_s: Seconds of one worker up to the first failure, the method's own included;
+            ``None``: none found.
+        time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
+            ``None``: none were.
     """
 
     campaign: str
@@ -57,6 +63,9 @@ class CampaignFigures:
     gene_coverage: float
     simulation_s: float
     own_s: float
+    network_coverage: float | None = None
+    first_failure_s: float | None = None
+    time_limit_s: float | None = None
 
     @property
     def own_share(self) -> float:
@@ -80,6 +89,8 @@ def figures_of(
     space: GeneSpace,
     *,
     clusters: int | None = None,
+    network_coverage: float | None = None,
+    time_limit_s: float | None = None,
 ) -> CampaignFigures:
     """Counts what a campaign came to.
 
@@ -88,18 +99,28 @@ def figures_of(
         records: Its evaluations in order.
         space: Its genes.
         clusters: Groups of similar failures, where they are known.
+        network_coverage: See :class:`CampaignFigures`.
+        time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
+            ``None``: all count.
     """
+    if time_limit_s is not None:
+        records = within_time(records, time_limit_s)
     simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
     found: dict[str, int] = {}
     rules: set[tuple[str, str]] = set()
     failing = at_fault = 0
     first: int | None = None
-    for count, record in enumerate(simulated, start=1):
+    first_s: float | None = None
+    count, elapsed_s = 0, 0.0
+    for record in records:
+        elapsed_s += cost_s(record)
+        count += record.status is not EvaluationStatus.INVALID
         if not record.violations:
             continue
         failing += 1
         at_fault += record.at_fault
-        first = count if first is None else first
+        if first is None:
+            first, first_s = count, elapsed_s
         for key, verdict in zip(record.failure_keys, record.violations, strict=True):
             found.setdefault(key, count)
             rules.add((verdict.oracle, _kind_of(verdict.counterpart)))
@@ -123,7 +144,21 @@ def figures_of(
         gene_coverage=pairwise_coverage(values, space),
         simulation_s=sum(r.report.wall_time_s for r in simulated),
         own_s=sum(r.search_s + r.prepare_s for r in records),
+        network_coverage=network_coverage,
+        first_failure_s=first_s,
+        time_limit_s=time_limit_s,
     )
+
+
+def cost_s(record: EvaluationRecord) -> float:
+    """Gives the seconds of one worker that an evaluation took, the method's own included."""
+    return record.report.wall_time_s + record.search_s + record.prepare_s
+
+
+def duration_s(records: Sequence[EvaluationRecord]) -> float:
+    """Gives the seconds that one worker would have taken for all evaluations."""
+    # Added up as `within_time` does: a limit that comes from here leaves nothing out.
+    return max(itertools.accumulate(map(cost_s, records)), default=0.0)
 
 
 def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[EvaluationRecord]:
@@ -131,8 +166,7 @@ def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[Eva
 
     The method's own time counts, so that methods can be compared at equal time.
     """
-    costs = [r.report.wall_time_s + r.search_s + r.prepare_s for r in records]
-    ends = itertools.accumulate(costs)
+    ends = itertools.accumulate(map(cost_s, records))
     return [record for record, end in zip(records, ends, strict=True) if end <= seconds]
 
 

@@ -84,8 +84,48 @@ def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
 
 
 def test_every_measure_can_be_compared() -> None:
-    known = [replace(f, clusters=1) for f in study(2)]
+    known = [
+        replace(f, clusters=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0)
+        for f in study(2)
+    ]
     assert len(compare_campaigns(known, "random")) == len(MEASURES)
+
+
+def test_at_equal_time_seconds_to_the_first_failure_count_in_place_of_simulations() -> None:
+    early = [
+        replace(f, first_failure=2, first_failure_s=2.0, time_limit_s=9.0)
+        for f in study(0)
+        if f.group == "avfuzzer"
+    ]
+    # Few simulations were made in this time, so that one more than all of them would seem early.
+    never = [
+        replace(f, simulations=1, first_failure=None, time_limit_s=9.0)
+        for f in study(0)
+        if f.group == "random"
+    ]
+    wanted = [measure("first_failure"), measure("first_failure_s")]
+    (row,) = compare_campaigns(early + never, "random", wanted)
+    assert row.measure.name == "first_failure_s"
+    assert (row.median, row.baseline_median) == (2.0, 9.0)
+    assert row.effect.a12 == 1.0
+
+
+@pytest.mark.parametrize(
+    ("a12", "p", "judgement"),
+    [
+        (0.71, 0.01, "better, large"),
+        (0.29, 0.01, "worse, large"),
+        (0.65, 0.01, "better, medium"),
+        (0.4, 0.01, "worse, small"),
+        (0.51, 0.01, "better, negligible"),
+        (0.99, 0.05, "undecided"),
+    ],
+)
+def test_the_judgement_says_who_is_better_and_how_much(
+    a12: float, p: float, judgement: str
+) -> None:
+    (row,) = compare_campaigns(study(1), "random", [measure("at_fault")])
+    assert replace(row, effect=replace(row.effect, a12=a12), p_holm=p).judgement == judgement
 
 
 @pytest.mark.parametrize(
@@ -95,6 +135,7 @@ def test_every_measure_can_be_compared() -> None:
         ([f for f in study(1) if f.group == "random"], "random", "nothing to compare"),
         ([*study(1), figures("avfuzzer", 0, 1, "t")], "random", "on 't' there is no"),
         ([*study(1), replace(study(1)[0], campaign="twin")], "random", "the same search"),
+        ([*study(1), figures("samota", 0, 1)], "random", "one campaign of 'samota' only"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(

@@ -7,6 +7,7 @@ import pytest
 
 from drivora_service.campaigns.figures import (
     Subject,
+    duration_s,
     figures_of,
     pairwise_coverage,
     within_time,
@@ -99,6 +100,15 @@ def test_a_campaign_without_failures_has_no_first_one() -> None:
 def test_equal_time_counts_the_methods_own_time() -> None:
     records = [record(n) for n in range(10)]
     assert [r.number for r in within_time(records, 0.37)] == [0, 1, 2]
+
+
+def test_what_comes_after_the_time_limit_does_not_count() -> None:
+    records = [record(0), record(1, "collision:a"), record(2, "red_light:b"), record(3)]
+    figures = figures_of(SUBJECT, records, SPACE, time_limit_s=0.25)
+    assert (figures.simulations, figures.found, figures.time_limit_s) == (2, (2,), 0.25)
+    assert figures.first_failure_s == pytest.approx(0.24)
+    # The time that all took leaves nothing out.
+    assert figures_of(SUBJECT, records, SPACE, time_limit_s=duration_s(records)).simulations == 4
 
 
 def test_coverage_counts_pairs_of_levels_that_occur() -> None:

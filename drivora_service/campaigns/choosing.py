@@ -1,0 +1,54 @@
+"""Finding campaigns in the store by their ids or names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+
+from drivora_service.errors import UnknownName
+from drivora_service.store.campaign_records import CampaignRecord
+from drivora_service.store.database import Database
+
+_PAGE = 200
+_MOST_NAMED = 20
+
+
+def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[CampaignRecord, ...]:
+    """Gives the campaigns that are wanted, oldest first, each once.
+
+    Args:
+        database: Where to look.
+        wanted: Ids, names, or patterns of names (``study-*``); a name stands for all campaigns
+            that are called so.
+
+    Raises:
+        UnknownName: One of them fits no campaign.
+    """
+    known = _all(database)
+    chosen: set[str] = set()
+    for one in wanted:
+        fitting = {r.id for r in known if one in (r.id, r.name)}
+        fitting = fitting or {r.id for r in known if fnmatchcase(r.name, one)}
+        if not fitting:
+            names = tuple(dict.fromkeys(r.name for r in reversed(known)))
+            raise UnknownName(
+                "campaign",
+                one,
+                names[:_MOST_NAMED] + (("…",) if len(names) > _MOST_NAMED else ()),
+                hint="Give ids, names, or patterns such as 'study-*'",
+            )
+        chosen |= fitting
+    return tuple(record for record in known if record.id in chosen)
+
+
+def _all(database: Database) -> list[CampaignRecord]:
+    """Gives every campaign, oldest first."""
+    found: list[CampaignRecord] = []
+    token = ""
+    while True:
+        with database.read() as transaction:
+            page = transaction.campaigns.page(limit=_PAGE, page_token=token)
+        found += page.items
+        token = page.next_token
+        if not token:
+            return found[::-1]

@@ -1,0 +1,142 @@
+"""When failures were found: how many different ones against simulations, and the first of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator, PercentFormatter
+from numpy.typing import NDArray
+
+from drivora_service.plotting.charts import (
+    Look,
+    chart_style,
+    legend_below,
+    looks_of,
+    panels,
+    write_chart,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repetition:
+    """One campaign.
+
+    Attributes:
+        simulations: That it made.
+        found: For each different failure, simulations up to it, ascending.
+    """
+
+    simulations: int
+    found: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Discoveries:
+    """What repeated campaigns found on one scenario.
+
+    Attributes:
+        title: Above the panel.
+        groups: Repetitions by group.
+    """
+
+    title: str
+    groups: Mapping[str, Sequence[Repetition]]
+
+
+def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
+    """Draws different failures found against simulations: median and quartiles of repetitions.
+
+    A group's curve ends where its shortest repetition does.
+
+    Args:
+        shown: A panel each; at least one.
+        baseline: Name of the group that is drawn in grey.
+        stem: Path of the files without suffix.
+
+    Returns:
+        The files, SVG and PNG.
+    """
+    looks = looks_of([group for one in shown for group in one.groups], baseline)
+    with chart_style():
+        figure, axes = panels(len(shown))
+        for one, panel in zip(shown, axes, strict=True):
+            for group, look in looks.items():
+                if group in one.groups:
+                    _draw_curve(panel, one.groups[group], look)
+            _dress(panel, one.title, "different failures found")
+            panel.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+        figure.suptitle(
+            "Median of the repetitions; the band holds the middle half",
+            fontsize=9,
+            x=0.01,
+            ha="left",
+        )
+        legend_below(figure, looks)
+        return write_chart(figure, stem)
+
+
+def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
+    """Draws the share of repetitions that had found a failure after so many simulations.
+
+    Args:
+        shown: A panel each; at least one.
+        baseline: Name of the group that is drawn in grey.
+        stem: Path of the files without suffix.
+
+    Returns:
+        The files, SVG and PNG.
+    """
+    looks = looks_of([group for one in shown for group in one.groups], baseline)
+    with chart_style():
+        figure, axes = panels(len(shown))
+        for one, panel in zip(shown, axes, strict=True):
+            for group, look in looks.items():
+                if group in one.groups:
+                    _draw_steps(panel, one.groups[group], look)
+            _dress(panel, one.title, "repetitions with a failure")
+            panel.set_ylim(-0.02, 1.04)
+            panel.yaxis.set_major_formatter(PercentFormatter(1.0))
+        legend_below(figure, looks)
+        return write_chart(figure, stem)
+
+
+def counts_after(repetitions: Sequence[Repetition]) -> FloatArray:
+    """Gives (r, n + 1) different failures that each repetition had after 0 to n simulations.
+
+    n is that of the shortest repetition.
+    """
+    last = min(one.simulations for one in repetitions)
+    at = np.arange(last + 1)
+    rows = [np.searchsorted(np.array(one.found), at, side="right") for one in repetitions]
+    return np.array(rows, dtype=np.float64)
+
+
+def _draw_curve(axes: Axes, repetitions: Sequence[Repetition], look: Look) -> None:
+    counts = counts_after(repetitions)
+    at = np.arange(counts.shape[1])
+    low, middle, high = np.quantile(counts, (0.25, 0.5, 0.75), axis=0)
+    axes.fill_between(at, low, high, step="post", color=look.color, alpha=0.14, lw=0.0)
+    axes.step(at, middle, where="post", color=look.color, ls=look.line, lw=2.0)
+
+
+def _draw_steps(axes: Axes, repetitions: Sequence[Repetition], look: Look) -> None:
+    counts = counts_after(repetitions)
+    share = (counts > 0).mean(axis=0)
+    at = np.arange(counts.shape[1])
+    axes.step(at, share, where="post", color=look.color, ls=look.line, lw=2.0)
+
+
+def _dress(axes: Axes, title: str, label: str) -> None:
+    axes.set_title(title)
+    axes.set_xlabel("simulations")
+    axes.set_ylabel(label)
+    axes.set_ylim(bottom=0.0)
+    axes.margins(x=0.01)
+    axes.grid(visible=True)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
