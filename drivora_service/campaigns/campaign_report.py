@@ -1,0 +1,165 @@
+"""What there is to tell of one campaign."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from drivora_service.campaigns.comparing import (
+    Ground,
+    check_genes,
+    confirmed_evaluations,
+    ground_of,
+    network_coverage,
+)
+from drivora_service.campaigns.documents import CampaignDocument
+from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
+from drivora_service.campaigns.reading import Catalogues
+from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.plotting.run_picture import draw_run
+from drivora_service.store.campaign_records import CampaignRecord, Confirmation, FailureRecord
+from drivora_service.store.database import Database
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureGroup:
+    """Failures of one kind in one cluster.
+
+    Attributes:
+        key: Their kind.
+        cluster: Number within the oracle; ``None`` where failures have no cluster.
+        failures: In the order of their evaluations.
+    """
+
+    key: str
+    cluster: int | None
+    failures: tuple[FailureRecord, ...]
+
+    @property
+    def example(self) -> FailureRecord:
+        """The first that was confirmed and has a trace; else the first of all."""
+        for failure in self.failures:
+            if failure.confirmation is Confirmation.CONFIRMED and failure.trace:
+                return failure
+        return self.failures[0]
+
+    def count(self, confirmation: Confirmation) -> int:
+        """Counts failures of which that is known."""
+        return sum(failure.confirmation is confirmation for failure in self.failures)
+
+    @property
+    def at_fault(self) -> int:
+        """Counts failures for which the ego is known to be responsible."""
+        return sum(bool(failure.verdict.at_fault) for failure in self.failures)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignReport:
+    """A campaign and what it came to.
+
+    Attributes:
+        figures: ``None`` where what it searched is not here any more; ``note`` says why.
+        groups: Of failures, in the order in which they were found.
+    """
+
+    record: CampaignRecord
+    document: CampaignDocument
+    figures: CampaignFigures | None
+    groups: tuple[FailureGroup, ...]
+    note: str
+
+
+def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
+    """Reads what the store knows of a campaign, finished or not.
+
+    Raises:
+        UnknownName: There is no such campaign.
+    """
+    with database.read() as transaction:
+        record = transaction.campaigns.get(campaign_id)
+        failures = transaction.evaluations.failures(campaign_id)
+    document = CampaignDocument.model_validate_json(record.document)
+    groups = group(failures)
+    figures, note = None, ""
+    try:
+        ground = ground_of(record, catalogues)
+        figures = _figures(database, record, document, ground, groups)
+    except (CampaignError, InvalidDocument, NetworkError, SearchError) as error:
+        note = str(error)
+    return CampaignReport(
+        record=record, document=document, figures=figures, groups=groups, note=note
+    )
+
+
+def group(failures: Sequence[FailureRecord]) -> tuple[FailureGroup, ...]:
+    """Puts failures of the same kind and cluster together."""
+    found: dict[tuple[str, int | None], list[FailureRecord]] = defaultdict(list)
+    for failure in failures:
+        found[failure.key, failure.cluster].append(failure)
+    return tuple(
+        FailureGroup(key=key, cluster=cluster, failures=tuple(members))
+        for (key, cluster), members in found.items()
+    )
+
+
+def draw_examples(
+    report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
+) -> dict[int, Path]:
+    """Draws the example of each cluster whose trace is there, once an evaluation.
+
+    Args:
+        report: The campaign.
+        traces: Folder of its traces.
+        catalogues: Knows the road network.
+        folder: Where the pictures go; made if need be.
+
+    Returns:
+        Pictures by number of the evaluation.
+
+    Raises:
+        UnknownName: The road network is not here any more.
+        StoreError: A trace cannot be read.
+    """
+    pictures: dict[int, Path] = {}
+    drawn: set[tuple[str, int | None]] = set()
+    every = [failure for one in report.groups for failure in one.failures]
+    for one in report.groups:
+        example = one.example
+        source = traces / example.trace
+        cluster = (example.verdict.oracle, one.cluster)
+        if cluster in drawn or not example.trace or not source.is_file():
+            continue
+        drawn.add(cluster)
+        if example.number in pictures:
+            continue
+        trace = read_trace(source)
+        verdicts = [failure.verdict for failure in every if failure.number == example.number]
+        folder.mkdir(parents=True, exist_ok=True)
+        picture = folder / f"{example.number:06d}.png"
+        draw_run(trace, catalogues.networks.get(trace.network), verdicts, picture)
+        pictures[example.number] = picture
+    return pictures
+
+
+def _figures(
+    database: Database,
+    record: CampaignRecord,
+    document: CampaignDocument,
+    ground: Ground,
+    groups: Sequence[FailureGroup],
+) -> CampaignFigures:
+    records = check_genes(confirmed_evaluations(database, record.id), ground, record)
+    clusters = {
+        (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
+    }
+    subject = Subject(
+        campaign=record.id, group=record.tester, scenario=record.town, seed=document.seed
+    )
+    figures = figures_of(subject, records, ground.space, clusters=len(clusters) or None)
+    if not figures.simulations:
+        return figures
+    covered = network_coverage(database, record.id, ground.network)
+    return replace(figures, network_coverage=covered)

@@ -1,0 +1,118 @@
+"""``drivora campaign compare`` and ``drivora campaign report``."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.output import JsonOption, note, print_json
+
+if TYPE_CHECKING:
+    from drivora_service.campaigns.reading import Catalogues
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
+
+
+def compare(
+    wanted: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="ID|NAME…", help="Ids or names of campaigns, or patterns such as 'study-*'."
+        ),
+    ],
+    baseline: Annotated[
+        str, typer.Option(metavar="METHOD", help="Whom the others are compared with.")
+    ] = "random",
+    measures: Annotated[
+        list[str] | None,
+        typer.Option("--measure", metavar="NAME", help="By what; may be repeated [default: all]."),
+    ] = None,
+    equal_time: Annotated[
+        bool,
+        typer.Option(
+            "--equal-time",
+            help="Count what each had done after the time that the shortest one took.",
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and charts there."),
+    ] = None,
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compares methods by finished campaigns: effect sizes, p-values, tables, charts."""
+    from drivora_service.campaigns.choosing import choose_campaigns
+    from drivora_service.campaigns.comparing import compare_stored
+    from drivora_service.campaigns.comparison import MEASURES, measure
+    from drivora_service.cli.campaign_comparison import comparison_result, print_comparison
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
+
+    chosen = tuple(measure(name) for name in dict.fromkeys(measures)) if measures else MEASURES
+    with StoredCampaigns(data_dir) as campaigns:
+        comparison = compare_stored(
+            campaigns.database,
+            choose_campaigns(campaigns.database, wanted),
+            _catalogues(campaigns),
+            baseline=baseline,
+            measures=chosen,
+            equal_time=equal_time,
+        )
+    if as_json:
+        print_json(comparison_result(comparison))
+    else:
+        print_comparison(comparison)
+    if out is not None:
+        from drivora_service.campaigns.comparison_files import write_comparison
+
+        for path in write_comparison(comparison, out):
+            note(str(path))
+
+
+def report(
+    campaign_id: Annotated[str, typer.Argument(metavar="ID", help="Id of a campaign.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write it there, with a picture of each cluster in a folder beside it "
+            "[default: print it].",
+        ),
+    ] = None,
+    data_dir: DataDirOption = None,
+) -> None:
+    """Tells what a campaign searched and found, as Markdown."""
+    from drivora_service.campaigns.campaign_report import draw_examples, read_report
+    from drivora_service.campaigns.report_text import report_markdown
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
+
+    options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
+    with StoredCampaigns(data_dir) as campaigns:
+        catalogues = _catalogues(campaigns)
+        told = read_report(campaigns.database, campaign_id, catalogues)
+        if out is None:
+            typer.echo(report_markdown(told, options=options), nl=False)
+            return
+        folder = out.with_name(f"{out.stem}-pictures")
+        traces = campaigns.folder(campaign_id).traces
+        pictures = draw_examples(told, traces, catalogues, folder)
+    addresses = {number: f"{folder.name}/{path.name}" for number, path in pictures.items()}
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_text(report_markdown(told, pictures=addresses, options=options))
+    typer.echo(str(out))
+
+
+def _catalogues(campaigns: StoredCampaigns) -> Catalogues:
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.campaigns.reading import Catalogues
+    from drivora_service.cli.embedded import network_catalogue
+    from drivora_service.search.catalogue import TesterCatalogue
+
+    return Catalogues(
+        networks=network_catalogue(campaigns.settings),
+        agents=AgentCatalogue(),
+        testers=TesterCatalogue(),
+    )
