@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from drivora_service.networks.road_network import FloatArray, Lane, RoadNetwork
@@ -25,6 +26,7 @@ TOLERANCE = 0.01
 TILE = 40.0
 """Metres: side of the tiles that the area is cut into, so that a query meets a small polygon."""
 
+BoolArray = NDArray[np.bool_]
 Tree = shapely.STRtree
 
 
@@ -56,6 +58,17 @@ def outside_distance(network: RoadNetwork, points: FloatArray) -> FloatArray:
         gaps[outside[asked]] = found
     distance[finite] = gaps
     return distance
+
+
+def near_area(network: RoadNetwork, points: FloatArray, distance: float) -> BoolArray:
+    """Tells which of (n, 2) finite points are in the drivable area or within metres of it.
+
+    It takes far less time than to measure how far they are outside.
+    """
+    tiles = _area(network)[1]
+    near = np.zeros(len(points), dtype=np.bool_)
+    near[tiles.query(shapely.points(points), predicate="dwithin", distance=distance)[0]] = True
+    return near
 
 
 @lru_cache(maxsize=128)

@@ -73,9 +73,23 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     return _plan(network, tuple(points))
 
 
+def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
+    """Checks that :func:`plan_route` finds a way, in half the time since it is not drawn.
+
+    Raises:
+        NoRoute: Whenever ``plan_route`` does.
+    """
+    _find_way(network, tuple(points))
+
+
 @lru_cache(maxsize=512)
 def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
     """Plans a route once: batches and searches ask for the same places again and again."""
+    return build_route(network, _find_way(network, points))
+
+
+@lru_cache(maxsize=2048)
+def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> tuple[EdgePass, ...]:
     if len(points) < 2:
         raise NoRoute(f"a route needs a start and a destination, but has {len(points)} point(s)")
     graph = lane_graph(network)
@@ -89,7 +103,7 @@ def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
             f"{network.name!r}: no drivable way leads there; move one of them, or check that they "
             "lie on the side of the road that leads that way"
         )
-    return build_route(network, way)
+    return way
 
 
 def _candidates(

@@ -20,7 +20,7 @@ from drivora_service.networks.heights import is_flat
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routing import RoutePoint, check_way, plan_route
 from drivora_service.scenario.model import NpcBehavior, Waypoint
 from drivora_service.scenario.placed_actors import PlacedActor
 from drivora_service.scenario.start_overlaps import StartPose
@@ -112,10 +112,13 @@ def _check_reactive(
     for index, (here, there) in enumerate(itertools.pairwise(actor.places)):
         if _distance(here, there) <= JOIN_DISTANCE:
             continue
+        # Only the first piece must be drawn; that there is a way is known sooner.
+        if index > 0 and _drivable(network, route_points((here, there))):
+            continue
         route = _plan(actor, (here, there), network, first=index)
         if isinstance(route, Problem):
             problems.append(route)
-        elif index == 0:
+        else:
             first_heading = _first_heading(route)
     pose = _standing_pose(actor, network)
     if first_heading is not None:
@@ -178,7 +181,7 @@ def _plan(
 
 def _drivable(network: RoadNetwork, points: Sequence[RoutePoint]) -> bool:
     try:
-        plan_route(network, points)
+        check_way(network, points)
     except NoRoute:
         return False
     return True

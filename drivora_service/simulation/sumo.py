@@ -317,9 +317,9 @@ def _at_route_end(actor_id: str) -> bool:
     if not lane:
         return True
     to_end = libsumo.lane.getLength(lane) - libsumo.vehicle.getLanePosition(actor_id)
-    return to_end < _ARRIVAL_ZONE and libsumo.vehicle.getRoute(actor_id)[-1] == (
-        libsumo.vehicle.getRoadID(actor_id)
-    )
+    if to_end >= _ARRIVAL_ZONE:
+        return False
+    return bool(libsumo.vehicle.getRoute(actor_id)[-1] == libsumo.vehicle.getRoadID(actor_id))
 
 
 @lru_cache(maxsize=256)

@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.networks.drivable_area import drivable_area, outside_distance
+from drivora_service.networks.drivable_area import drivable_area, near_area, outside_distance
 from drivora_service.networks.road_network import RoadNetwork
 
 
@@ -30,6 +30,15 @@ def test_contains_every_drivable_centre_line_of_shipped_networks(
     shipped_network: RoadNetwork,
 ) -> None:
     assert outside_distance(shipped_network, centre_lines(shipped_network)).max() < 0.02
+
+
+def test_near_are_those_that_are_no_further_outside(shipped_network: RoadNetwork) -> None:
+    rng = np.random.default_rng(4)
+    lines = centre_lines(shipped_network)
+    points = lines[rng.integers(0, len(lines), 400)] + rng.normal(0.0, 5.0, (400, 2))
+    near = near_area(shipped_network, points, 1.5)
+    assert near.tolist() == (outside_distance(shipped_network, points) <= 1.5).tolist()
+    assert 0 < near.sum() < len(near)
 
 
 def test_distances_are_those_from_the_whole_area(town: RoadNetwork) -> None:

@@ -17,7 +17,7 @@ from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.loading import load_network
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routing import RoutePoint, check_way, plan_route
 
 
 def at(network: RoadNetwork, lane: str, s: float, lateral: float = 0.0) -> RoutePoint:
@@ -233,6 +233,14 @@ def test_says_which_point_cannot_be_reached(loop: RoadNetwork) -> None:
 def test_says_which_point_is_off_the_network(loop: RoadNetwork, x: float) -> None:
     with pytest.raises(NoRoute, match="destination 1"):
         plan_route(loop, [at(loop, "a_1", 5.0), RoutePoint(x=x, y=0.0)])
+
+
+def test_a_way_that_is_only_checked(loop: RoadNetwork) -> None:
+    check_way(loop, [at(loop, "a_1", 5.0), at(loop, "a_1", 9.0)])
+    with pytest.raises(NoRoute, match="destination 1"):
+        check_way(loop, [at(loop, "b_1", 86.0), at(loop, "c_0", 30.0)])
+    with pytest.raises(NoRoute, match="start and a destination"):
+        check_way(loop, [at(loop, "a_1", 5.0)])
 
 
 def test_needs_two_points(loop: RoadNetwork) -> None:

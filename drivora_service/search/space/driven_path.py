@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -74,6 +75,10 @@ class DrivenPath:
         steps = np.diff(route.line, axis=0)
         headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
         self.yaw: FloatArray = np.append(headings, headings[-1])
+        # One place at a time is asked for: lists are read far faster than arrays.
+        self._arcs: list[float] = self.arc.tolist()
+        self._points: list[list[float]] = self.line.tolist()
+        self._yaws: list[float] = self.yaw.tolist()
 
     @property
     def length(self) -> float:
@@ -116,9 +121,11 @@ class DrivenPath:
 
     def at(self, s: float) -> Pose:
         """Gives the place at arc length ``s``, clamped to the path."""
-        x = float(np.interp(s, self.arc, self.line[:, 0]))
-        y = float(np.interp(s, self.arc, self.line[:, 1]))
-        return Pose(x=x, y=y, yaw=float(self.yaw[self._index(s)]))
+        i = self._index(s)
+        begin, end = self._arcs[i], self._arcs[i + 1]
+        share = min(max((s - begin) / (end - begin), 0.0), 1.0)
+        (x, y), (next_x, next_y) = self._points[i], self._points[i + 1]
+        return Pose(x=x + share * (next_x - x), y=y + share * (next_y - y), yaw=self._yaws[i])
 
     def limit_at(self, s: float) -> float:
         """Gives the speed limit at arc length ``s``, m/s."""
@@ -138,8 +145,8 @@ class DrivenPath:
         return float(self.arc[nearest]), float(gaps[nearest])
 
     def _index(self, s: float) -> int:
-        index = int(np.searchsorted(self.arc, s, side="right")) - 1
-        return min(max(index, 0), len(self.arc) - 1)
+        """Gives the index of the piece of the line that arc length ``s`` is on."""
+        return min(max(bisect_right(self._arcs, s) - 1, 0), len(self._arcs) - 2)
 
 
 def _stretches(arc: FloatArray, inside: BoolArray) -> list[tuple[float, float]]:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drivora_service.networks.drivable_area import outside_distance
+from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import FloatArray, RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath
 
@@ -83,8 +83,7 @@ def edge_distances(network: RoadNetwork, xy: FloatArray, directions: FloatArray)
     steps = np.arange(_STEP, WIDEST + _STEP, _STEP)
     ahead = np.stack((np.cos(directions), np.sin(directions)), axis=-1)
     points = xy[:, None, :] + steps[None, :, None] * ahead[:, None, :]
-    outside = outside_distance(network, points.reshape(-1, 2)).reshape(len(xy), len(steps))
-    beside = outside >= OFF_ROAD
+    beside = ~near_area(network, points.reshape(-1, 2), OFF_ROAD).reshape(len(xy), len(steps))
     found: FloatArray = np.where(beside.any(axis=1), steps[np.argmax(beside, axis=1)], np.inf)
     return found
 
