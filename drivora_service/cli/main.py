@@ -20,6 +20,7 @@ from drivora_service.cli.commands import (
     seeds,
     serve,
     store,
+    testers,
     tokens,
     validate,
 )
@@ -62,6 +63,7 @@ app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
 app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)
 app.add_typer(agents.app, name="agents", epilog=EPILOG)
+app.add_typer(testers.app, name="testers", epilog=EPILOG)
 app.add_typer(store.app, name="store", epilog=EPILOG)
 app.add_typer(tokens.app, name="tokens", epilog=EPILOG)
 

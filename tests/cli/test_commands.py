@@ -13,9 +13,11 @@ from tests.cli.conftest import Drivora
 
 COMMANDS = ["run", "serve", "validate", "plot", "schema", "demo"]
 GROUPS = {
+    "campaign": ["run", "resume", "list", "show", "scenario", "pause", "cancel"],
     "seeds": ["generate", "import"],
     "networks": ["list", "show", "import"],
     "agents": ["list"],
+    "testers": ["list", "show"],
     "store": ["migrate", "backup", "verify", "prune"],
     "tokens": ["create", "list", "revoke"],
 }
@@ -139,8 +141,20 @@ def test_agents(drivora: Drivora, service_url: str) -> None:
     assert "idm" in drivora("agents", "list").out
 
 
-def test_the_schema_is_printed_and_checked(drivora: Drivora) -> None:
+def test_testers(drivora: Drivora, service_url: str) -> None:
+    here = drivora("testers", "list", "--json").json()
+    assert here == drivora("testers", "list", "--server", service_url, "--json").json()
+    assert "random" in drivora("testers", "list").out
+    shown = drivora("testers", "show", "avfuzzer")
+    assert "population" in shown.out
+    assert drivora("testers", "show", "avfuzzer", "--json").json() in here
+    assert drivora("testers", "show", "nobody").code == 2
+
+
+def test_the_schemas_are_printed_and_checked(drivora: Drivora) -> None:
     assert drivora("schema").json()["title"].startswith("OpenScenario")
+    assert drivora("schema", "campaign").json()["title"].startswith("Campaign")
+    assert drivora("schema", "--check").code == 0
     assert drivora("schema", "--check", "--write").code == 2
 
 
