@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,46 +11,35 @@ from drivora_service.cli.output import number, print_table
 from drivora_service.runs.encoding import report_to_json, verdict_to_json
 from drivora_service.store.campaign_records import (
     CampaignRecord,
-    Confirmation,
     EvaluationRecord,
+    FailureKind,
     FailureRecord,
 )
 
+_SHOWN = 40
+"""Evaluations of a lineage that people are shown."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FailureKind:
-    """Failures of one key.
+class CampaignFindings:
+    """A campaign with what it has found.
 
     Attributes:
-        first: Number of the first evaluation that showed it.
-        clusters: Groups of similar ones; ``None`` if they were not grouped.
+        is_running: Whether a process works on it.
     """
 
-    key: str
-    failures: int
-    at_fault: int
-    confirmed: int
-    flaky: int
-    first: int
-    clusters: int | None
+    record: CampaignRecord
+    is_running: bool
+    kinds: tuple[FailureKind, ...]
+    failures: tuple[FailureRecord, ...]
 
 
-def kinds_of(failures: Sequence[FailureRecord]) -> tuple[FailureKind, ...]:
-    """Gives the kinds of failures, in the order of their first evaluations."""
-    by_key: dict[str, list[FailureRecord]] = defaultdict(list)
-    for failure in failures:
-        by_key[failure.key].append(failure)
-    return tuple(_kind(key, of_key) for key, of_key in by_key.items())
-
-
-def campaign_result(
-    record: CampaignRecord, failures: Sequence[FailureRecord], *, running: bool
-) -> dict[str, Any]:
+def campaign_result(found: CampaignFindings) -> dict[str, Any]:
     """Gives the printed form of a campaign; the keys are a contract with scripts."""
     return {
-        **summary(record, running=running),
-        "kinds": [asdict(kind) for kind in kinds_of(failures)],
-        "failures": [failure_result(failure) for failure in failures],
+        **summary(found.record, running=found.is_running),
+        "kinds": [asdict(kind) for kind in found.kinds],
+        "failures": [failure_result(failure) for failure in found.failures],
     }
 
 
@@ -131,12 +119,11 @@ def print_campaigns(records: Sequence[tuple[CampaignRecord, bool]]) -> None:
     )
 
 
-def print_campaign(
-    record: CampaignRecord, failures: Sequence[FailureRecord], *, running: bool
-) -> None:
+def print_campaign(found: CampaignFindings) -> None:
     """Prints one campaign at length."""
+    record = found.record
     counts = record.counts
-    print(f"Campaign {record.id} ({record.name}): {state_of(record, running=running)}")
+    print(f"Campaign {record.id} ({record.name}): {state_of(record, running=found.is_running)}")
     if record.message:
         print(f"  {record.message}")
     print(f"  {record.tester} against {record.agent} on {record.town}")
@@ -146,7 +133,7 @@ def print_campaign(
         f"{counts.failed} runs without a result"
     )
     print(f"  {counts.violating} failing, in {counts.at_fault} of them an ego at fault")
-    if failures:
+    if found.kinds:
         print_table(
             "Failures",
             ("kind", "count", "at fault", "confirmed", "flaky", "groups", "first"),
@@ -160,13 +147,13 @@ def print_campaign(
                     "-" if kind.clusters is None else str(kind.clusters),
                     f"#{kind.first}",
                 )
-                for kind in kinds_of(failures)
+                for kind in found.kinds
             ),
         )
 
 
 def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
-    """Prints an evaluation, the last of its lineage, and its ancestors."""
+    """Prints an evaluation, the last of its lineage, and the nearest of its ancestors."""
     record = lineage[-1]
     print(f"Evaluation {record.number}: {record.status}")
     if record.report.failure is not None:
@@ -189,19 +176,8 @@ def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
                 str(member.status),
                 str(len(member.violations)),
             )
-            for member in lineage
+            for member in lineage[-_SHOWN:]
         ),
     )
-
-
-def _kind(key: str, failures: Sequence[FailureRecord]) -> FailureKind:
-    clusters = {failure.cluster for failure in failures if failure.cluster is not None}
-    return FailureKind(
-        key=key,
-        failures=len(failures),
-        at_fault=sum(bool(failure.verdict.at_fault) for failure in failures),
-        confirmed=sum(f.confirmation is Confirmation.CONFIRMED for f in failures),
-        flaky=sum(f.confirmation is Confirmation.FLAKY for f in failures),
-        first=failures[0].number,
-        clusters=len(clusters) or None,
-    )
+    if len(lineage) > _SHOWN:
+        print(f"{len(lineage) - _SHOWN} earlier ancestors; --json prints them as well")

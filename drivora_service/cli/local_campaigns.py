@@ -64,7 +64,7 @@ def run_campaign(
     """
     plugin = evaluator_plugins().plugin(evaluator)
     settings = campaigns.settings
-    record, _ = campaigns.show(campaign_id)
+    record = campaigns.record(campaign_id)
 
     @contextlib.contextmanager
     def evaluating(wanted: int | None) -> Iterator[Evaluator]:
@@ -94,12 +94,11 @@ def run_campaign(
 
 def export_campaign(campaigns: StoredCampaigns, campaign_id: str, target: Path) -> None:
     """Writes a campaign's summary, and the scenario and trace of each failing evaluation."""
-    record, failures = campaigns.show(campaign_id)
+    found = campaigns.found(campaign_id)
     target.mkdir(parents=True, exist_ok=True)
-    summary = campaign_result(record, failures, running=False)
-    text = json.dumps(summary, indent=2, ensure_ascii=False)
+    text = json.dumps(campaign_result(found), indent=2, ensure_ascii=False)
     (target / "campaign.json").write_text(text + "\n")
-    for failure in failures:
+    for failure in found.failures:
         name = f"{failure.number:06d}"
         (target / f"{name}.json").write_text(campaigns.scenario(campaign_id, failure.number))
         trace = campaigns.folder(campaign_id).traces / failure.trace

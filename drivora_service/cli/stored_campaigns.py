@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
+from drivora_service.cli.campaign_results import CampaignFindings
 from drivora_service.cli.embedded import settings_for
 from drivora_service.settings import Settings
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
     EvaluationRecord,
-    FailureRecord,
 )
 from drivora_service.store.database import Database, open_database
 
@@ -37,15 +37,29 @@ class StoredCampaigns:
         """Closes the database."""
         self.database.close()
 
-    def show(self, campaign_id: str) -> tuple[CampaignRecord, tuple[FailureRecord, ...]]:
-        """Gives a campaign and its failures.
+    def record(self, campaign_id: str) -> CampaignRecord:
+        """Gives a campaign.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        with self.database.read() as transaction:
+            return transaction.campaigns.get(campaign_id)
+
+    def found(self, campaign_id: str) -> CampaignFindings:
+        """Gives a campaign with what it has found.
 
         Raises:
             UnknownName: There is no such campaign.
         """
         with self.database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
-            return record, transaction.evaluations.failures(campaign_id)
+            return CampaignFindings(
+                record=record,
+                is_running=self.is_running(record),
+                kinds=transaction.campaign_views.kinds(campaign_id),
+                failures=transaction.evaluations.failures(campaign_id),
+            )
 
     def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
         """Gives the newest campaigns first."""

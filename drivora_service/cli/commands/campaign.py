@@ -212,12 +212,11 @@ def _work(
 def _show(campaigns: StoredCampaigns, campaign_id: str, *, as_json: bool) -> None:
     from drivora_service.cli import campaign_results
 
-    record, failures = campaigns.show(campaign_id)
-    running = campaigns.is_running(record)
+    found = campaigns.found(campaign_id)
     if as_json:
-        print_json(campaign_results.campaign_result(record, failures, running=running))
+        print_json(campaign_results.campaign_result(found))
     else:
-        campaign_results.print_campaign(record, failures, running=running)
+        campaign_results.print_campaign(found)
 
 
 def _ask_for(
