@@ -1,0 +1,278 @@
+"""Campaigns that a real server runs: the same as embedded ones, whatever happens to the server."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import json
+import random
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import psutil
+import pytest
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.api.examples import SCENARIO
+from drivora_service.campaigns.conducting import conduct
+from drivora_service.campaigns.evaluator import EvaluatorContext
+from drivora_service.campaigns.journal import MemoryJournal
+from drivora_service.campaigns.local_evaluator import LOCAL
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.cli.service_process import running_service
+from drivora_service.execution.executor import Limits
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.database import open_database
+from tests.campaigns.analytic import sequence
+
+pytestmark = pytest.mark.slow
+
+TESTERS = ("random", "avfuzzer")
+KILLS = 3
+_LONG_S = 240.0
+
+
+def document(tester: str, simulations: int = 30, **changes: Any) -> dict[str, Any]:
+    return {
+        "name": f"tee, {tester}",
+        "tester": {"name": tester},
+        "agent": {"name": "idm"},
+        "scenario": copy.deepcopy(SCENARIO),
+        "space": {"vehicles": 2, "walkers": 2},
+        "oracles": ["collision", "discomfort"],
+        "budget": {"simulations": simulations},
+        "seed": 3,
+        **changes,
+    }
+
+
+def embedded(content: dict[str, Any], folder: Path) -> list[EvaluationRecord]:
+    """What an uninterrupted campaign without a server evaluates, on one worker."""
+    catalogues = Catalogues(
+        networks=NetworkCatalogue(shipped_networks()),
+        agents=AgentCatalogue(),
+        testers=TesterCatalogue(),
+    )
+    search = prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="embedded")
+    context = EvaluatorContext(
+        workers=1,
+        setup=WorkerSetup(shipped_networks=shipped_networks()),
+        limits=Limits(),
+        folder=folder,
+    )
+    journal = MemoryJournal()
+    with contextlib.closing(LOCAL.create(context)) as evaluator:
+        conduct(search, evaluator, journal, confirm=False)
+    return list(journal.evaluations())
+
+
+@pytest.fixture(scope="module")
+def references(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[EvaluationRecord]]:
+    return {
+        tester: embedded(document(tester), tmp_path_factory.mktemp(tester)) for tester in TESTERS
+    }
+
+
+def evaluations(data_dir: Path, campaign_id: str) -> list[EvaluationRecord]:
+    database = open_database(f"sqlite:///{data_dir / 'drivora.sqlite3'}")
+    try:
+        return list(StoreJournal(database, campaign_id).evaluations())
+    finally:
+        database.close()
+
+
+@contextlib.contextmanager
+def client_of(url: str) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client:
+        yield client
+
+
+def post(client: httpx.Client, content: dict[str, Any]) -> str:
+    answer = client.post("/campaigns", json=content)
+    assert answer.status_code == 202, answer.text
+    campaign_id: str = answer.json()["id"]
+    return campaign_id
+
+
+def state(client: httpx.Client, campaign_id: str) -> dict[str, Any]:
+    campaign: dict[str, Any] = client.get(f"/campaigns/{campaign_id}").raise_for_status().json()
+    return campaign
+
+
+def follow(client: httpx.Client, campaign_id: str, *, until: str) -> list[dict[str, Any]]:
+    """Looks at a campaign until it is in a state; gives all that was seen."""
+    seen = [state(client, campaign_id)]
+    deadline = time.monotonic() + _LONG_S
+    while seen[-1]["state"] != until:
+        assert time.monotonic() < deadline, seen[-1]
+        assert seen[-1]["state"] in ("queued", "running"), seen[-1]["message"]
+        time.sleep(0.05)
+        seen.append(state(client, campaign_id))
+    return seen
+
+
+def follow_simulations(client: httpx.Client, campaign_id: str, count: int) -> dict[str, Any]:
+    """Waits until a campaign has made so many simulations."""
+    deadline = time.monotonic() + _LONG_S
+    while (campaign := state(client, campaign_id))["simulations"] < count:
+        assert time.monotonic() < deadline, campaign
+        assert campaign["state"] in ("queued", "running"), campaign["message"]
+        time.sleep(0.02)
+    return campaign
+
+
+def test_campaigns_of_a_server_are_those_of_a_command(
+    tmp_path: Path, references: dict[str, list[EvaluationRecord]]
+) -> None:
+    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+        ids = {tester: post(client, document(tester)) for tester in TESTERS}
+        seen = {tester: follow(client, ids[tester], until="finished") for tester in TESTERS}
+        engine_log = (tmp_path / "campaigns" / ids["random"] / "engine.log").read_text()
+        failures = {
+            tester: client.get(f"/campaigns/{ids[tester]}/failures", params={"limit": 500}).json()
+            for tester in TESTERS
+        }
+    assert "is finished" in engine_log
+    for tester in TESTERS:
+        assert sequence(evaluations(tmp_path, ids[tester])) == sequence(references[tester])
+        found = failures[tester]["items"]
+        assert found
+        assert {failure["confirmation"] for failure in found} == {"confirmed"}
+        last = seen[tester][-1]
+        assert (last["simulations"], last["left_s"]) == (30, 0.0)
+        assert last["counts"]["violating"] == len({failure["evaluation"] for failure in found})
+    progress = [campaign["simulations"] for campaign in seen["random"]]
+    assert progress == sorted(progress)
+    assert len(set(progress)) > 5
+
+
+def test_a_campaign_is_paused_and_resumed(
+    tmp_path: Path, references: dict[str, list[EvaluationRecord]]
+) -> None:
+    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+        campaign_id = post(client, document("avfuzzer"))
+        follow_simulations(client, campaign_id, 5)
+        asked = client.post(f"/campaigns/{campaign_id}:pause")
+        assert asked.status_code == 202
+        paused = follow(client, campaign_id, until="paused")[-1]
+        assert 5 <= paused["simulations"] < 30
+        # A paused campaign leaves the workers to others.
+        job = client.post("/jobs", json=SCENARIO).json()["id"]
+        deadline = time.monotonic() + _LONG_S
+        while client.get(f"/jobs/{job}").json()["status"] != "finished":
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert state(client, campaign_id)["simulations"] == paused["simulations"]
+        assert client.post(f"/campaigns/{campaign_id}:resume").json()["state"] == "queued"
+        follow(client, campaign_id, until="finished")
+    assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references["avfuzzer"])
+
+
+def test_cancelling_leaves_what_was_found_and_no_run(tmp_path: Path) -> None:
+    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+        campaign_id = post(client, document("random", simulations=500))
+        follow_simulations(client, campaign_id, 5)
+        assert client.post(f"/campaigns/{campaign_id}:cancel").status_code == 202
+        cancelled = follow(client, campaign_id, until="cancelled")[-1]
+        deadline = time.monotonic() + _LONG_S
+        while not (batch := client.get(f"/batches/{cancelled['batch_id']}").json())["done"]:
+            assert time.monotonic() < deadline, batch
+            time.sleep(0.05)
+        assert batch["state"] == "cancelled"
+        assert client.post(f"/campaigns/{campaign_id}:resume").status_code == 409
+        listed = client.get(f"/campaigns/{campaign_id}/evaluations", params={"limit": 500}).json()
+    assert len(listed["items"]) == cancelled["counts"]["evaluations"] >= 5
+
+
+def test_a_batch_overtakes_a_campaign(tmp_path: Path) -> None:
+    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+        campaign_id = post(client, document("random", simulations=500))
+        campaign = follow_simulations(client, campaign_id, 10)
+        scenarios = [{**SCENARIO, "seed": seed} for seed in range(60)]
+        batch_id = client.post("/batches", json=scenarios).json()["batch"]["id"]
+        deadline = time.monotonic() + _LONG_S
+        while not client.get(f"/batches/{batch_id}").json()["done"]:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        assert state(client, campaign_id)["state"] == "running"
+        client.post(f"/campaigns/{campaign_id}:cancel")
+        batch = client.get("/jobs", params={"batch": batch_id, "limit": 500}).json()["items"]
+        runs = client.get("/jobs", params={"batch": campaign["batch_id"], "limit": 500}).json()
+    begun = sorted(job["started_at"] for job in batch)
+    between = [
+        job["id"]
+        for job in runs["items"]
+        if job["started_at"] and begun[0] < job["started_at"] < begun[-1]
+    ]
+    assert len(batch) == 60
+    assert begun[0] < begun[-1]
+    assert between == []
+
+
+@pytest.mark.parametrize("tester", TESTERS)
+def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
+    tmp_path: Path, references: dict[str, list[EvaluationRecord]], tester: str
+) -> None:
+    luck = random.Random(tester)
+    campaign_id = ""
+    moments: list[int] = []
+    for kill in range(KILLS):
+        with killed_server(tmp_path) as client:
+            if kill == 0:
+                campaign_id = post(client, document(tester))
+            known = moments[-1] if moments else 0
+            follow_simulations(client, campaign_id, known + luck.randint(1, 7))
+            lock = tmp_path / "campaigns" / campaign_id / "lock"
+            engine = psutil.Process(int(lock.read_text()))
+            assert not [m.path for m in engine.memory_maps() if "libsumo" in m.path]
+            time.sleep(luck.uniform(0.0, 0.3))
+        # The kernel ends it with its parent.
+        engine.wait(30.0)
+        moments.append(len(evaluations(tmp_path, campaign_id)))
+    assert 0 < moments[0] < moments[1] < moments[2] < 30
+    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+        last = follow(client, campaign_id, until="finished")[-1]
+        batch = client.get(f"/batches/{last['batch_id']}").json()
+    # One run for each simulation, and one again for each failing one.
+    assert batch["size"] == 30 + last["counts"]["violating"]
+    assert batch["counts"] == {"finished": batch["size"]}
+    assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references[tester])
+
+
+@contextlib.contextmanager
+def killed_server(data_dir: Path) -> Iterator[httpx.Client]:
+    """A server that is killed at the end."""
+    announcement = data_dir / "service.json"
+    announcement.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "drivora_service.cli", "serve", "--port", "0"]
+    with (data_dir / "service.log").open("ab") as log:
+        server = subprocess.Popen(
+            [*command, "--data-dir", str(data_dir), "--workers", "2"], stdout=log, stderr=log
+        )
+    try:
+        with client_of(_wait_until_ready(announcement)) as client:
+            yield client
+    finally:
+        server.kill()
+        server.wait()
+
+
+def _wait_until_ready(announcement: Path) -> str:
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        with contextlib.suppress(OSError, httpx.HTTPError):
+            url: str = json.loads(announcement.read_text())["url"]
+            if httpx.get(f"{url}/readyz").is_success:
+                return url
+        time.sleep(0.05)
+    raise AssertionError("the service was not ready in time")
