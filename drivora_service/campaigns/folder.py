@@ -7,10 +7,16 @@ from pathlib import Path
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 from drivora_service.store.file_lock import FileLock, is_locked
+from drivora_service.store.traces import CampaignTraces
 
 
 class CampaignFolder:
-    """The folder of a campaign's files: its lock, and the traces of its failures."""
+    """The folder of a campaign's files.
+
+    Attributes:
+        path: The folder.
+        traces: Where the traces of its failures are.
+    """
 
     def __init__(self, root: Path, campaign_id: str) -> None:
         """Prepares the folder of a campaign.
@@ -20,12 +26,8 @@ class CampaignFolder:
             campaign_id: As the store gave it.
         """
         self.path = root / campaign_id
+        self.traces = CampaignTraces(root).folder(campaign_id)
         self._id = campaign_id
-
-    @property
-    def traces(self) -> Path:
-        """Where the traces of its failures are."""
-        return self.path / "traces"
 
     @property
     def is_running(self) -> bool:

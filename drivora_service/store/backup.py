@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivora_service.errors import StoreError
 from drivora_service.store.database import Database
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import CampaignTraces, TraceFolder
 
 DATABASE_NAME = "drivora.sqlite3"
 
@@ -20,7 +20,8 @@ class Backup:
     """What a backup holds.
 
     Attributes:
-        missing_traces: Ids of runs whose trace should have been there.
+        missing_traces: Ids of runs whose trace should have been there; of failures, the campaign's
+            id and the file's name.
     """
 
     runs: int
@@ -28,11 +29,20 @@ class Backup:
     missing_traces: tuple[str, ...]
 
 
-def back_up(database: Database, traces: TraceFolder, target: Path) -> Backup:
+def back_up(
+    database: Database,
+    traces: TraceFolder,
+    target: Path,
+    *,
+    campaign_traces: CampaignTraces | None = None,
+) -> Backup:
     """Copies the database, then the traces of the runs that have ended in that copy.
 
+    Those of the failures that campaigns have found go with them, if it is known where they are.
+
     A trace is complete before its run ends and does not change afterwards, so the two agree.
-    ``target`` then holds ``drivora.sqlite3`` and ``traces`` and can be used as a data folder.
+    ``target`` then holds ``drivora.sqlite3``, ``traces`` and ``campaigns`` and can be used as a
+    data folder.
 
     Raises:
         StoreError: The target exists and is not empty, cannot be written, or the database is not
@@ -54,14 +64,33 @@ def back_up(database: Database, traces: TraceFolder, target: Path) -> Backup:
             traced = destination.execute(
                 "SELECT id FROM runs WHERE trace_sha256 != '' ORDER BY seq"
             ).fetchall()
+            failures = destination.execute(
+                "SELECT DISTINCT campaigns.id, failures.trace FROM failures "
+                "JOIN campaigns ON campaigns.seq = failures.campaign_seq "
+                "WHERE failures.trace != '' ORDER BY 1, 2"
+            ).fetchall()
         copied, missing = 0, []
         into = TraceFolder(target / "traces")
-        for (run_id,) in traced:
+        into_campaigns = CampaignTraces(target / "campaigns")
+        copies = [
+            *((run_id, traces.path(run_id), into.path(run_id)) for (run_id,) in traced),
+            *(
+                (
+                    f"{campaign_id}/{name}",
+                    campaign_traces.path(campaign_id, name),
+                    into_campaigns.path(campaign_id, name),
+                )
+                for campaign_id, name in failures
+                if campaign_traces is not None
+            ),
+        ]
+        for subject, path, copy_path in copies:
+            copy_path.parent.mkdir(parents=True, exist_ok=True)
             try:
-                shutil.copyfile(traces.path(run_id), into.prepare(run_id))
+                shutil.copyfile(path, copy_path)
                 copied += 1
             except FileNotFoundError:
-                missing.append(run_id)
+                missing.append(subject)
     except (OSError, sqlite3.Error) as error:
         raise StoreError(f"the backup to {target} failed: {error}") from error
     return Backup(runs=runs, traces=copied, missing_traces=tuple(missing))

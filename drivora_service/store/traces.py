@@ -1,4 +1,8 @@
-"""Where trace files lie: ``traces/ab/<run id>.parquet``, spread by the end of the id."""
+"""Where trace files lie.
+
+Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id; those of the failures
+that a campaign has found are ``campaigns/<campaign id>/traces/<name>``.
+"""
 
 from __future__ import annotations
 
@@ -26,3 +30,19 @@ class TraceFolder:
         """Gives the ids of all runs that have a trace file."""
         for path in sorted(self.root.glob("??/*.parquet")):
             yield path.stem
+
+
+class CampaignTraces:
+    """The traces of the failures of all campaigns."""
+
+    def __init__(self, root: Path) -> None:
+        """Takes the folder of all campaigns."""
+        self.root = root
+
+    def folder(self, campaign_id: str) -> Path:
+        """Gives the folder of a campaign's traces."""
+        return self.root / campaign_id / "traces"
+
+    def path(self, campaign_id: str, name: str) -> Path:
+        """Gives where the trace of a failure lies, whose record names it."""
+        return self.folder(campaign_id) / name

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from sqlalchemy import func, select, text
@@ -11,39 +10,30 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import StoreError
 from drivora_service.runs.report import RunStatus
+from drivora_service.store.campaign_verification import campaign_counts, traced_failures
 from drivora_service.store.database import Database
+from drivora_service.store.findings import Finding
 from drivora_service.store.tables import BatchRow, ReportRow, RunRow
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import CampaignTraces, TraceFolder
 
 _UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """A contradiction.
-
-    Attributes:
-        kind: ``damaged_database``, ``missing_report``, ``early_report``, ``wrong_count``,
-            ``missing_trace``, ``damaged_trace`` or ``trace_without_run``.
-        subject: The id of the run or batch, or the path of the file.
-    """
-
-    kind: str
-    subject: str
-    message: str
 
 
 def verify(
     database: Database,
     traces: TraceFolder,
     *,
+    campaign_traces: CampaignTraces | None = None,
     hash_trace: Callable[[Path], str] | None = None,
 ) -> Iterator[Finding]:
     """Checks the database, and that every trace has its run and every run its trace.
 
+    So do the failures that campaigns have found.
+
     Args:
         database: Read in one transaction, so a server may go on meanwhile.
         traces: The traces beside it.
+        campaign_traces: Those of the failures of campaigns; ``None``: they are not looked at.
         hash_trace: Reads a trace file and gives its hash, to compare with the run's; ``None``: it
             is only checked that the files are there.
     """
@@ -52,12 +42,20 @@ def verify(
         yield from _damage(session)
         yield from _reports(session)
         yield from _counts(session)
+        yield from campaign_counts(session)
+        expected_failures = traced_failures(session)
         traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
         expected = {row[0]: row[1] for row in session.execute(traced)}
         # Runs that go on may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(_UNFINISHED))))
     for run_id, sha256 in expected.items():
         yield from _trace(run_id, traces.path(run_id), sha256, hash_trace)
+    if campaign_traces is not None:
+        for failure in expected_failures:
+            path = campaign_traces.path(failure.campaign_id, failure.name)
+            sha256 = failure.trace_sha256
+            subject = f"{failure.campaign_id}/{failure.name}"
+            yield from _trace(subject, path, sha256, hash_trace if sha256 else None)
     for run_id in traces.run_ids():
         if run_id not in expected and run_id not in unfinished:
             yield Finding(
@@ -108,10 +106,10 @@ def _counts(session: Session) -> Iterator[Finding]:
 
 
 def _trace(
-    run_id: str, path: Path, sha256: str, hash_trace: Callable[[Path], str] | None
+    subject: str, path: Path, sha256: str, hash_trace: Callable[[Path], str] | None
 ) -> Iterator[Finding]:
     if not path.is_file():
-        yield Finding(kind="missing_trace", subject=run_id, message=f"{path} is not there")
+        yield Finding(kind="missing_trace", subject=subject, message=f"{path} is not there")
         return
     if hash_trace is None:
         return
@@ -123,4 +121,4 @@ def _trace(
         if found == sha256:
             return
         message = f"{path} has the hash {found}, its run says {sha256}"
-    yield Finding(kind="damaged_trace", subject=run_id, message=message)
+    yield Finding(kind="damaged_trace", subject=subject, message=message)

@@ -6,20 +6,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sqlalchemy import text
 
 from drivora_service.errors import Conflict, InvalidDocument, UnknownName
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.search.tester import EvaluationStatus, Proposal
+from drivora_service.store.backup import back_up
 from drivora_service.store.campaign_records import (
     CampaignRequest,
     CampaignState,
+    Confirmation,
     EvaluationRecord,
     NewCampaign,
 )
 from drivora_service.store.database import Database
 from drivora_service.store.pruning import prune
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.verification import verify
 from tests.store.samples import new_run
 
 
@@ -64,6 +68,7 @@ def evaluation(
         run_id=f"run-{number}",
         status=RunStatus.FINISHED if valid else RunStatus.INVALID,
         verdicts=verdicts,
+        trace_sha256="7" * 64 if valid else "",
         failure=None if valid else RunFailure(cause="invalid_document", message="too near"),
     )
     return EvaluationRecord(
@@ -267,6 +272,57 @@ def test_lists_are_paged_and_filtered(database: Database) -> None:
     assert [c.id for c in (*first.items, *second.items)] == ids[::-1]
     assert second.next_token == ""
     assert [c.id for c in running.items] == [ids[1]]
+
+
+def test_contradictions_in_campaigns_are_found(database: Database, tmp_path: Path) -> None:
+    campaign_id, other = create(database), create(database)
+    append(database, campaign_id, *(evaluation(n, violated=(True,)) for n in range(4)))
+    traces = CampaignTraces(tmp_path / "campaigns")
+    traces.folder(campaign_id).mkdir(parents=True)
+    with database.write() as transaction:
+        for number, confirmation in enumerate(
+            (Confirmation.CONFIRMED, Confirmation.FLAKY, Confirmation.CONFIRMED)
+        ):
+            name = f"{number}.trace.parquet"
+            traces.path(campaign_id, name).write_text("another trace")
+            transaction.evaluations.confirm(campaign_id, number, confirmation, trace=name)
+    traces.path(campaign_id, "2.trace.parquet").unlink()
+    runs = TraceFolder(tmp_path / "traces")
+
+    def kinds() -> dict[str, set[str]]:
+        found: dict[str, set[str]] = {}
+        for finding in verify(
+            database, runs, campaign_traces=traces, hash_trace=lambda path: path.read_text()
+        ):
+            found.setdefault(finding.kind, set()).add(finding.subject)
+        return found
+
+    assert kinds() == {
+        "damaged_trace": {f"{campaign_id}/0.trace.parquet"},
+        "missing_trace": {f"{campaign_id}/2.trace.parquet"},
+    }
+    with database.engine.begin() as connection:
+        connection.execute(text("DELETE FROM evaluations WHERE number = 1"))
+        connection.execute(text("UPDATE campaigns SET invalid = 1 WHERE id = :id"), {"id": other})
+    assert kinds()["wrong_count"] == {campaign_id, other}
+
+
+def test_a_backup_holds_the_traces_of_failures(database: Database, tmp_path: Path) -> None:
+    campaign_id = create(database)
+    append(database, campaign_id, evaluation(0, violated=(True,)), evaluation(1, violated=(None,)))
+    traces = CampaignTraces(tmp_path / "campaigns")
+    traces.folder(campaign_id).mkdir(parents=True)
+    traces.path(campaign_id, "0.trace.parquet").write_text("trace")
+    with database.write() as transaction:
+        for number in range(2):
+            name = f"{number}.trace.parquet"
+            transaction.evaluations.confirm(campaign_id, number, Confirmation.CONFIRMED, trace=name)
+    made = back_up(
+        database, TraceFolder(tmp_path / "traces"), tmp_path / "copy", campaign_traces=traces
+    )
+    assert (made.traces, made.missing_traces) == (1, (f"{campaign_id}/1.trace.parquet",))
+    copied = CampaignTraces(tmp_path / "copy" / "campaigns").path(campaign_id, "0.trace.parquet")
+    assert copied.read_text() == "trace"
 
 
 def test_pruning_runs_leaves_the_scenarios_of_evaluations(

@@ -15,7 +15,7 @@ from drivora_service.cli.output import JsonOption, fail, print_json
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Database
-    from drivora_service.store.traces import TraceFolder
+    from drivora_service.store.traces import CampaignTraces, TraceFolder
 
 app = typer.Typer(help="The database and the traces.", no_args_is_help=True)
 
@@ -25,7 +25,7 @@ def migrate(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None
     """Makes the database, or brings it to the schema of this version."""
     from drivora_service.store.migration import schema_version
 
-    with _opened(data_dir) as (database, _):
+    with _opened(data_dir) as (database, *_):
         version = schema_version(database.engine)
     if as_json:
         print_json({"schema": version})
@@ -42,8 +42,8 @@ def backup(
     """Copies database and traces, also while a service runs; DIR is then a data folder."""
     from drivora_service.store.backup import back_up
 
-    with _opened(data_dir) as (database, traces):
-        made = back_up(database, traces, target)
+    with _opened(data_dir) as (database, traces, campaign_traces):
+        made = back_up(database, traces, target, campaign_traces=campaign_traces)
     if as_json:
         print_json(
             {"runs": made.runs, "traces": made.traces, "missing_traces": made.missing_traces}
@@ -71,8 +71,14 @@ def verify(
     def hash_trace(path: Path) -> str:
         return trace_sha256(read_trace(path))
 
-    with _opened(data_dir) as (database, traces):
-        findings = tuple(verify_store(database, traces, hash_trace=hash_trace if hashes else None))
+    with _opened(data_dir) as (database, traces, campaign_traces):
+        found = verify_store(
+            database,
+            traces,
+            campaign_traces=campaign_traces,
+            hash_trace=hash_trace if hashes else None,
+        )
+        findings = tuple(found)
     if as_json:
         print_json([{"kind": f.kind, "subject": f.subject, "message": f.message} for f in findings])
     else:
@@ -102,7 +108,7 @@ def prune(
 
     from drivora_service.store.pruning import prune as prune_store
 
-    with _opened(data_dir) as (database, traces):
+    with _opened(data_dir) as (database, traces, _):
         pruned = prune_store(
             database,
             traces,
@@ -120,14 +126,14 @@ def prune(
 
 
 @contextmanager
-def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder]]:
+def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
     from drivora_service.cli.embedded import settings_for
     from drivora_service.store.database import open_database
-    from drivora_service.store.traces import TraceFolder
+    from drivora_service.store.traces import CampaignTraces, TraceFolder
 
     settings = settings_for(data_dir)
     database = open_database(settings.resolved_database_url)
     try:
-        yield database, TraceFolder(settings.traces_dir)
+        yield database, TraceFolder(settings.traces_dir), CampaignTraces(settings.campaigns_dir)
     finally:
         database.close()
