@@ -7,7 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.clustering import Clustering
-from drivora_service.campaigns.comparison import MEASURES, Measure, Row, compare_campaigns
+from drivora_service.campaigns.comparison import (
+    MEASURES,
+    Measure,
+    Row,
+    check_comparable,
+    compare_campaigns,
+)
 from drivora_service.campaigns.figures import (
     CampaignFigures,
     duration_s,
@@ -93,6 +99,7 @@ def compare_stored(
         InvalidDocument: What a campaign names is not there any more.
     """
     campaigns = compared_campaigns(records, catalogues.testers)
+    check_comparable([campaign.subject for campaign in campaigns], baseline)
     by_scenario: dict[str, list[Compared]] = defaultdict(list)
     for campaign in campaigns:
         by_scenario[campaign.subject.scenario].append(campaign)

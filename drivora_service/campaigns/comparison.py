@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from drivora_service.campaigns.figures import CampaignFigures
+from drivora_service.campaigns.figures import CampaignFigures, Subject
 from drivora_service.campaigns.statistics import Effect, compare_samples, holm
 from drivora_service.errors import CampaignError, UnknownName
 
@@ -191,7 +191,7 @@ def compare_campaigns(
     Raises:
         CampaignError: If the campaigns cannot be compared; says why.
     """
-    _check(figures, baseline)
+    check_comparable(figures, baseline)
     rows = []
     for by in measures:
         found = [
@@ -206,7 +206,16 @@ def compare_campaigns(
     return tuple(rows)
 
 
-def _check(figures: Sequence[CampaignFigures], baseline: str) -> None:
+def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str) -> None:
+    """Checks that every group has repetitions, and a baseline to be compared with.
+
+    Args:
+        figures: The campaigns, counted or not yet.
+        baseline: Name of the group that the others are compared with.
+
+    Raises:
+        CampaignError: If the campaigns cannot be compared; says why.
+    """
     groups = _unique(f.group for f in figures)
     if baseline not in groups:
         raise CampaignError(

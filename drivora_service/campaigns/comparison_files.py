@@ -8,7 +8,8 @@ from dataclasses import fields
 from pathlib import Path
 
 from drivora_service.campaigns.comparing import Comparison
-from drivora_service.campaigns.comparison import SIGNIFICANT, Measure, Row
+from drivora_service.campaigns.comparison import SIGNIFICANT, Row
+from drivora_service.campaigns.comparison_text import comparison_markdown, groups_of, measures_of
 from drivora_service.campaigns.figures import CampaignFigures
 from drivora_service.plotting.discoveries import Discoveries, Repetition, draw_first, draw_found
 from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
@@ -49,83 +50,6 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
     return (text, table, figures, *charts)
 
 
-def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> str:
-    """Writes a comparison as Markdown.
-
-    Args:
-        comparison: What to write.
-        charts: Pictures to show, which lie beside the text.
-    """
-    lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
-    lines += [f"- {line}" for line in setting(comparison)]
-    lines += [f"- Note: {note}" for note in comparison.notes]
-    for measure in _measures(comparison):
-        better = "more" if measure.larger_is_better else "less"
-        lines += [
-            "",
-            f"## {measure.title[0].upper()}{measure.title[1:]}",
-            "",
-            f"`{measure.name}`; {better} is better.",
-            "",
-            f"| scenario | method | n | median | {comparison.baseline} | A12 [95 %] | p | p, Holm "
-            "| judgement |",
-            "|---|---|---|---|---|---|---|---|---|",
-        ]
-        lines += [
-            f"| {row.scenario} | {row.group} | {row.repetitions} | {value(row.median)} "
-            f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.effect.p)} "
-            f"| {probability(row.p_holm)} | {row.judgement} |"
-            for row in comparison.rows
-            if row.measure is measure
-        ]
-    if charts:
-        lines += ["", "## Charts", ""]
-        lines += [f"![{chart.stem.replace('-', ' ')}]({chart.name})\n" for chart in charts]
-    return "\n".join(lines).rstrip("\n") + "\n"
-
-
-def how_to_read(comparison: Comparison) -> str:
-    """Says in two sentences what the columns mean."""
-    return (
-        f"A12 is the probability that a repetition of the method is better than one of "
-        f"{comparison.baseline}: 0.5 is no difference, from 0.71 on (or below 0.29) it is called "
-        f"large. It is undecided unless p, corrected by Holm for all rows of a measure, "
-        f"is below {SIGNIFICANT:g} (Mann-Whitney U, two-sided)."
-    )
-
-
-def setting(comparison: Comparison) -> tuple[str, ...]:
-    """Says what was compared on which scenario."""
-    lines = []
-    for scenario, budget in comparison.budgets.items():
-        here = [f for f in comparison.figures if f.scenario == scenario]
-        counts = {group: sum(f.group == group for f in here) for group in _groups(here)}
-        told = ", ".join(f"{count} of {group}" for group, count in counts.items())
-        limit = comparison.time_limits.get(scenario)
-        until = (
-            f"{budget} simulations each"
-            if limit is None
-            else f"what each had done after {limit:.1f} s of one worker, its own time included"
-        )
-        lines.append(f"{scenario}: {told}; {until}")
-    return tuple(lines)
-
-
-def value(number: float) -> str:
-    """Writes the value of a measure."""
-    return f"{number:.4g}"
-
-
-def a12(row: Row) -> str:
-    """Writes A12 with its interval."""
-    return f"{row.effect.a12:.2f} [{row.effect.low:.2f}, {row.effect.high:.2f}]"
-
-
-def probability(p: float) -> str:
-    """Writes a p-value."""
-    return "<0.001" if p < 0.001 else f"{p:.3f}"
-
-
 def _draw(comparison: Comparison, folder: Path) -> list[Path]:
     baseline = comparison.baseline
     discoveries = [
@@ -137,7 +61,7 @@ def _draw(comparison: Comparison, folder: Path) -> list[Path]:
                     for f in comparison.figures
                     if (f.scenario, f.group) == (scenario, group)
                 ]
-                for group in _groups(f for f in comparison.figures if f.scenario == scenario)
+                for group in groups_of(f for f in comparison.figures if f.scenario == scenario)
             },
         )
         for scenario in comparison.budgets
@@ -169,7 +93,7 @@ def _effects(comparison: Comparison) -> list[EffectRow]:
 
 def _values(comparison: Comparison) -> list[Values]:
     shown = []
-    for measure in _measures(comparison):
+    for measure in measures_of(comparison):
         for scenario in comparison.budgets:
             here = [f for f in comparison.figures if f.scenario == scenario]
             known: dict[str, list[float]] = {}
@@ -180,14 +104,6 @@ def _values(comparison: Comparison) -> list[Values]:
             if known:
                 shown.append(Values(measure=measure.title, scenario=scenario, groups=known))
     return shown
-
-
-def _measures(comparison: Comparison) -> tuple[Measure, ...]:
-    return tuple({row.measure.name: row.measure for row in comparison.rows}.values())
-
-
-def _groups(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(f.group for f in figures))
 
 
 def _row_cells(row: Row) -> tuple[object, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from drivora_service.campaigns.comparing import Comparison
 from drivora_service.campaigns.comparison import Row
-from drivora_service.campaigns.comparison_files import (
+from drivora_service.campaigns.comparison_text import (
     a12,
     how_to_read,
     probability,

@@ -15,7 +15,8 @@ from drivora_service.campaigns.choosing import choose_campaigns
 from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.comparing import compare_stored
 from drivora_service.campaigns.comparison import MEASURES, measure
-from drivora_service.campaigns.comparison_files import comparison_markdown, write_comparison
+from drivora_service.campaigns.comparison_files import write_comparison
+from drivora_service.campaigns.comparison_text import comparison_markdown
 from drivora_service.campaigns.reading import Catalogues
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError, UnknownName
