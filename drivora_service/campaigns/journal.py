@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from drivora_service.errors import UnknownName
 from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
 
 
@@ -26,7 +27,11 @@ class Journal(Protocol):
         ...
 
     def document(self, number: int) -> str:
-        """Gives the canonical JSON text of an evaluation's scenario."""
+        """Gives the canonical JSON text of an evaluation's scenario.
+
+        Raises:
+            UnknownName: There is none.
+        """
         ...
 
     def failures(self) -> tuple[FailureRecord, ...]:
@@ -75,7 +80,13 @@ class MemoryJournal:
             self._failures += failures_of(record)
 
     def document(self, number: int) -> str:
-        """Gives the scenario of an evaluation that violates a rule."""
+        """Gives the scenario of an evaluation that was appended here and violates a rule.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        if number not in self._documents:
+            raise UnknownName("scenario of evaluation", str(number), ())
         return self._documents[number]
 
     def failures(self) -> tuple[FailureRecord, ...]:

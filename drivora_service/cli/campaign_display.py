@@ -38,15 +38,15 @@ class CampaignDisplay:
     def on_told(self, told: Told) -> None:
         """Shows an evaluation."""
         self._meter.note(told)
-        self._show()
+        self.show(self._meter.progress())
 
     def on_confirmed(self, number_: int, confirmation: Confirmation) -> None:
         """Shows that a failing scenario was run again."""
         self._meter.note_again(number_, confirmation)
-        self._show()
+        self.show(self._meter.progress())
 
-    def _show(self) -> None:
-        now = self._meter.progress()
+    def show(self, now: campaign_progress.Progress) -> None:
+        """Shows how a campaign stands."""
         left = "" if now.left_s is None else f", {_duration(now.left_s)} left"
         pace = "" if now.rate is None else f"{now.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=now.counts.simulations, pace=pace)
@@ -56,9 +56,12 @@ class CampaignDisplay:
 @contextmanager
 def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     """Shows a campaign on standard error while it runs."""
-    display = CampaignDisplay(budget)
-    with Live(display, console=Console(stderr=True), refresh_per_second=4):
+    display, console = CampaignDisplay(budget), Console(stderr=True)
+    with Live(display, console=console, refresh_per_second=4):
         yield display
+    if not console.is_terminal:
+        # What follows would else stand in the same line.
+        console.line()
 
 
 def _found(now: campaign_progress.Progress) -> str:
