@@ -48,7 +48,7 @@ class SamotaParameters:
     crossover: Share = 0.75
     tournament: Annotated[int, Field(ge=1)] = 10
     step: Annotated[float, Field(ge=0.0)] = 0.1
-    training: Annotated[int, Field(ge=20)] = 150
+    training: Annotated[int, Field(ge=20)] = 200
     folds: Annotated[int, Field(ge=2)] = 3
     components: Annotated[int, Field(ge=1)] = 4
     top: Share = 0.2

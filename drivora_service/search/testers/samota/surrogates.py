@@ -18,11 +18,11 @@ from scipy.linalg import cho_factor, cho_solve, solve
 
 from drivora_service.search.genes import FloatArray
 
-SMOOTHING = 1e-3
-"""Of the radial basis functions: they all but interpolate."""
+SMOOTHING = 0.01
+"""Of the radial basis functions: scenarios that are alike may end differently."""
 
-SHRINKAGE = 0.1
-"""Of the polynomial's coefficients, of which there are many more than training points."""
+SHRINKAGE = 0.3
+"""Of the polynomial's coefficients, of which there may be more than training points."""
 
 LENGTHS = (0.5, 1.0, 2.0, 4.0)
 """Correlation lengths that Kriging chooses from, in deviations of the latent directions."""

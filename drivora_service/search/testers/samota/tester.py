@@ -26,6 +26,7 @@ from drivora_service.search.testers.samota.initialisation import AdaptiveRandom
 from drivora_service.search.testers.samota.local_search import LocalSearch
 from drivora_service.search.testers.samota.mosa import Mosa, PreferenceSorting
 from drivora_service.search.testers.samota.parameters import SamotaParameters
+from drivora_service.search.testers.samota.screening import screened
 from drivora_service.search.testers.samota.surrogates import Kriging, Polynomial, RadialBasis
 from drivora_service.search.testers.script import Script, ScriptedTester
 
@@ -128,7 +129,7 @@ class SamotaSearch:
         ensemble = fit_ensemble(
             database.features[rows],
             database.objectives[np.ix_(rows, targets)],
-            (RadialBasis.fit, Polynomial.fit, kriging),
+            (screened(RadialBasis.fit), screened(Polynomial.fit), screened(kriging)),
             self._random,
             folds=parameters.folds,
         )

@@ -1,0 +1,84 @@
+"""Screening: each objective is modelled over the features that it seems to depend on.
+
+A scenario has about as many features as a campaign has simulations, and an objective depends on few
+of them: the distance to a walker hardly on the model of a vehicle. Over all features every
+surrogate would predict no better than the mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.search.components import IntArray
+from drivora_service.search.genes import FloatArray
+from drivora_service.search.testers.samota.surrogates import Fit, Surrogate
+
+SIGNIFICANCE = 3.0
+"""Standard errors by which a correlation must differ from 0."""
+
+AT_LEAST = 4
+"""Features that are kept in any case."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Screened:
+    """One surrogate for each objective, over its own features.
+
+    Attributes:
+        parts: For each objective, the features and a surrogate of that objective alone.
+    """
+
+    parts: tuple[tuple[IntArray, Surrogate], ...]
+
+    def predict(self, features: FloatArray) -> FloatArray:
+        """Gives the objectives (q, m)."""
+        said = [surrogate.predict(features[:, chosen]) for chosen, surrogate in self.parts]
+        return np.concatenate(said, axis=1)
+
+
+def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
+    """Gives a way to fit a kind of surrogate over the relevant features of each objective."""
+
+    def fit_screened(features: FloatArray, objectives: FloatArray) -> Screened:
+        parts = []
+        for column in objectives.T:
+            chosen = relevant_features(features, column)
+            parts.append((chosen, fit(features[:, chosen], column[:, None])))
+        return Screened(parts=tuple(parts))
+
+    return fit_screened
+
+
+def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
+    """Gives the features that correlate with an objective, or whose distance from their mean does.
+
+    Sure independence screening (Fan and Lv, 2008), with squares besides: an objective is often best
+    in the middle of a magnitude.
+
+    Args:
+        features: (n, e).
+        objective: (n,).
+
+    Returns:
+        Indices in ascending order.
+    """
+    centred = features - features.mean(axis=0)
+    squared = centred * centred
+    strength = np.maximum(
+        _correlations(centred, objective),
+        _correlations(squared - squared.mean(axis=0), objective),
+    )
+    count = int(np.sum(strength * np.sqrt(len(features)) > SIGNIFICANCE))
+    chosen: IntArray = np.argsort(-strength, kind="stable")[: max(count, AT_LEAST)]
+    return np.sort(chosen)
+
+
+def _correlations(centred: FloatArray, objective: FloatArray) -> FloatArray:
+    """Gives the absolute correlation (e,) of features (n, e) of mean 0; 0 for those that are 0."""
+    other = objective - objective.mean()
+    spread = np.sqrt(np.einsum("ij,ij->j", centred, centred) * (other @ other))
+    shares: FloatArray = np.abs(other @ centred) / np.where(spread > 1e-9, spread, np.inf)
+    return shares
