@@ -10,6 +10,7 @@ from drivora_service.api.schemas import campaigns
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.runs import VerdictView
 from drivora_service.oracles.verdict import Outcome
+from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import GeneKind, Part
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
@@ -166,7 +167,13 @@ EVALUATION = campaigns.EvaluationDetail(
     verdicts=(_VERDICT,),
     scores={"min_gap": 0.0, "time_to_collision": None},
     metrics={"route_completion": 63.0},
+    features={},
+    run_id=f"{_ID}-41",
+    run_status=RunStatus.FINISHED,
+    steps=421,
+    step_cost_us=118.0,
     trace_sha256=_SHA256,
+    versions={"drivora": "0.1.0", "libsumo": "1.28.0"},
     search_s=0.0012,
     prepare_s=0.0041,
     scenario_url=f"{_URL}/evaluations/41/scenario",
@@ -177,6 +184,7 @@ FAILURES = PageOf[campaigns.FailureView](
     items=(
         campaigns.FailureView(
             evaluation=41,
+            place=0,
             key=_KEY,
             confirmation=Confirmation.CONFIRMED,
             cluster=0,

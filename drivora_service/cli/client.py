@@ -44,6 +44,10 @@ class ServiceClient:
         trace: TracebackType | None,
     ) -> None:
         """Closes the connections."""
+        self.close()
+
+    def close(self) -> None:
+        """Closes the connections."""
         self._http.close()
 
     def get(self, path: str, **parameters: object) -> Any:
@@ -98,15 +102,43 @@ class ServiceClient:
             "/batches", body, "json", name=name, agent=agent, seed=seed, priority=priority
         )
 
-    def jobs(self, batch_id: str) -> Iterator[Any]:
-        """Gives the jobs of a batch, last to first."""
+    def post_campaign(self, document: str) -> Any:
+        """Has the service run a campaign.
+
+        Args:
+            document: The campaign as JSON.
+
+        Raises:
+            InvalidDocument: It cannot be run.
+            ServiceError: The service refused or did not answer.
+        """
+        return self._post("/campaigns", document, "json")
+
+    def act(self, path: str) -> Any:
+        """Asks for something to be done: ``/campaigns/ID:pause``.
+
+        Raises:
+            ServiceError: The service refused or did not answer.
+        """
+        return self._send("POST", path).json()
+
+    def items(self, path: str, **parameters: object) -> Iterator[Any]:
+        """Gives all items of a list, page by page.
+
+        Raises:
+            ServiceError: The service refused or did not answer.
+        """
         token = ""
         while True:
-            page = self.get("/jobs", batch=batch_id, limit=_PAGE_SIZE, page_token=token)
+            page = self.get(path, **{"limit": _PAGE_SIZE, **parameters, "page_token": token})
             yield from page["items"]
             token = page["next_page_token"]
             if not token:
                 return
+
+    def jobs(self, batch_id: str) -> Iterator[Any]:
+        """Gives the jobs of a batch, last to first."""
+        return self.items("/jobs", batch=batch_id)
 
     def _post(self, path: str, body: str | bytes, form: str, **parameters: object) -> Any:
         response = self._send(

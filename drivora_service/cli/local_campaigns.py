@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import shutil
 import signal
 import tempfile
 from collections.abc import Callable, Iterator
@@ -20,7 +18,6 @@ from drivora_service.campaigns.reading import Catalogues, read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file
-from drivora_service.cli.campaign_results import campaign_result
 from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.stored_campaigns import StoredCampaigns
 from drivora_service.search.catalogue import TesterCatalogue
@@ -90,20 +87,6 @@ def run_campaign(
             evaluator=evaluating,
             watcher=watcher,
         )
-
-
-def export_campaign(campaigns: StoredCampaigns, campaign_id: str, target: Path) -> None:
-    """Writes a campaign's summary, and the scenario and trace of each failing evaluation."""
-    found = campaigns.found(campaign_id)
-    target.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(campaign_result(found), indent=2, ensure_ascii=False)
-    (target / "campaign.json").write_text(text + "\n")
-    for failure in found.failures:
-        name = f"{failure.number:06d}"
-        (target / f"{name}.json").write_text(campaigns.scenario(campaign_id, failure.number))
-        trace = campaigns.folder(campaign_id).traces / failure.trace
-        if trace.is_file():
-            shutil.copyfile(trace, target / f"{name}.trace.parquet")
 
 
 def _catalogues(settings: Settings) -> Catalogues:

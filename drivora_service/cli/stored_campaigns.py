@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
@@ -12,6 +13,7 @@ from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
     EvaluationRecord,
+    FailureRecord,
 )
 from drivora_service.store.database import Database, open_database
 
@@ -88,6 +90,12 @@ class StoredCampaigns:
         with self.database.read() as transaction:
             canonical = transaction.evaluations.document(campaign_id, number)
         return document_text(to_document(from_canonical(canonical)))
+
+    def save_trace(self, campaign_id: str, failure: FailureRecord, target: Path) -> None:
+        """Copies the trace of a failure, if it has one."""
+        trace = self.folder(campaign_id).traces / failure.trace
+        if trace.is_file():
+            shutil.copyfile(trace, target)
 
     def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
         """Pauses or cancels a campaign.

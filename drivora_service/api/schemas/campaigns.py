@@ -11,6 +11,7 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, failure_of
 from drivora_service.api.schemas.runs import VerdictView, verdict_view
+from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import FloatArray, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
@@ -160,7 +161,15 @@ class EvaluationDetail(Evaluation):
     verdicts: tuple[VerdictView, ...] = Field(description="All verdicts of its run.")
     scores: dict[str, float | None] = Field(description="General objectives, to be minimised.")
     metrics: dict[str, float | None] = Field(description="null: not measurable.")
+    features: dict[str, tuple[tuple[float, ...], ...]] = Field(
+        description="Tables that the tester's feedback measured, by name."
+    )
+    run_id: str
+    run_status: RunStatus
+    steps: int
+    step_cost_us: float
     trace_sha256: str
+    versions: dict[str, Any] = Field(description="What took part in the run.")
     search_s: float = Field(description="Seconds that the tester took for it.")
     prepare_s: float = Field(description="Seconds that repairing and checking it took.")
     scenario_url: str = Field(description="Empty if it is no valid scenario.")
@@ -172,6 +181,7 @@ class FailureView(Schema):
     """A violation that a campaign found."""
 
     evaluation: int = Field(description="Number of the evaluation.")
+    place: int = Field(description="Among the failures of that evaluation, from 0.")
     key: str = Field(description="Its kind.")
     confirmation: Confirmation = Field(description="Whether it happened again in an identical run.")
     cluster: int | None = Field(
@@ -252,7 +262,13 @@ def evaluation_detail(
         verdicts=tuple(verdict_view(verdict) for verdict in report.verdicts),
         scores=dict(report.scores),
         metrics=dict(report.metrics),
+        features=dict(report.measurement.features) if report.measurement else {},
+        run_id=report.run_id,
+        run_status=report.status,
+        steps=report.steps,
+        step_cost_us=report.step_cost_us,
         trace_sha256=report.trace_sha256,
+        versions=dict(report.versions),
         search_s=record.search_s,
         prepare_s=record.prepare_s,
         scenario_url=f"{url}/scenario" if summary.scenario_sha256 else "",
@@ -266,6 +282,7 @@ def failure_view(record: FailureRecord, url: str) -> FailureView:
     evaluation = f"{url}/evaluations/{record.number}"
     return FailureView(
         evaluation=record.number,
+        place=record.place,
         key=record.key,
         confirmation=record.confirmation,
         cluster=record.cluster,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,13 +10,17 @@ import typer
 
 from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
-from drivora_service.errors import InvalidDocument
+from drivora_service.errors import ConfigurationError, InvalidDocument
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from drivora_service.cli.campaigns import Campaigns
+    from drivora_service.cli.service_campaigns import ServiceCampaigns
     from drivora_service.cli.stored_campaigns import StoredCampaigns
-    from drivora_service.store.campaign_records import CampaignRequest
+    from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest
 
 app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
 
@@ -25,11 +30,15 @@ WorkersOption = Annotated[
     typer.Option(min=1, help="Worker processes [default: as the campaign says, or one a core]."),
 ]
 EvaluatorOption = Annotated[
-    str, typer.Option(metavar="NAME", help="What evaluates: an evaluator by its name.")
+    str,
+    typer.Option(metavar="NAME", help="What evaluates: an evaluator by its name [default: local]."),
 ]
 OutOption = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Write scenario and trace of each failure there."),
+]
+DetachOption = Annotated[
+    bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
 ]
 GateOption = Annotated[bool, typer.Option("--gate", help="Exit with 1 if any failure was found.")]
 
@@ -39,26 +48,37 @@ def run(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A campaign, as YAML or JSON.")],
     workers: WorkersOption = None,
     out: OutOption = None,
-    evaluator: EvaluatorOption = "local",
+    evaluator: EvaluatorOption = "",
     gate: GateOption = False,
+    detach: DetachOption = False,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 3."""
+    """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 3.
+
+    With --server the service runs it; an interrupt then only ends the watching.
+    """
+    if server:
+        from drivora_service.cli.service_campaigns import ServiceCampaigns
+
+        _refuse_local_options(workers, evaluator)
+        with ServiceCampaigns(server) as service:
+            with _problems_of(file):
+                record, notes = service.post(file)
+            _announce(record, notes)
+            if not detach:
+                _follow(service, record.id, server, out=out, gate=gate, as_json=as_json)
+            elif as_json:
+                _show(service, record.id, as_json=True)
+        return
     from drivora_service.cli.local_campaigns import create_campaign
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     with StoredCampaigns(data_dir) as campaigns:
-        try:
+        with _problems_of(file):
             record, notes = create_campaign(campaigns, file)
-        except InvalidDocument as error:
-            fail(f"{file}: {len(error.problems)} problem(s)")
-            for problem in error.problems:
-                typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
-            raise typer.Exit(ExitCode.WRONG_USE) from error
-        for remark in notes:
-            note(f"note: {remark}")
-        note(f"campaign {record.id}")
+        _announce(record, notes)
         _work(
             campaigns,
             record.id,
@@ -75,12 +95,25 @@ def resume(
     campaign_id: IdArgument,
     workers: WorkersOption = None,
     out: OutOption = None,
-    evaluator: EvaluatorOption = "local",
+    evaluator: EvaluatorOption = "",
     gate: GateOption = False,
+    detach: DetachOption = False,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Goes on with a campaign that was paused, failed or killed, as if nothing had happened."""
+    if server:
+        from drivora_service.cli.service_campaigns import ServiceCampaigns
+
+        _refuse_local_options(workers, evaluator)
+        with ServiceCampaigns(server) as service:
+            service.resume(campaign_id)
+            if not detach:
+                _follow(service, campaign_id, server, out=out, gate=gate, as_json=as_json)
+            elif as_json:
+                _show(service, campaign_id, as_json=True)
+        return
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     with StoredCampaigns(data_dir) as campaigns:
@@ -98,14 +131,15 @@ def resume(
 @app.command("list")
 def list_campaigns(
     limit: Annotated[int, typer.Option(min=1, max=1000, help="How many.")] = 50,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Lists campaigns, newest first."""
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+    from drivora_service.cli.campaigns import open_campaigns
 
-    with StoredCampaigns(data_dir) as campaigns:
+    with open_campaigns(server, data_dir) as campaigns:
         listed = [(record, campaigns.is_running(record)) for record in campaigns.newest(limit)]
     if as_json:
         print_json([campaign_results.summary(record, running=on) for record, on in listed])
@@ -120,14 +154,15 @@ def show(
         int | None,
         typer.Option(min=0, metavar="N", help="Show this evaluation and what it descends from."),
     ] = None,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Shows a campaign and the failures that it has found, or one of its evaluations."""
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+    from drivora_service.cli.campaigns import open_campaigns
 
-    with StoredCampaigns(data_dir) as campaigns:
+    with open_campaigns(server, data_dir) as campaigns:
         if evaluation is None:
             _show(campaigns, campaign_id, as_json=as_json)
             return
@@ -145,12 +180,13 @@ def scenario(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where to write it [default: print it].")
     ] = None,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
 ) -> None:
     """Gives the scenario of an evaluation, for `drivora run`."""
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+    from drivora_service.cli.campaigns import open_campaigns
 
-    with StoredCampaigns(data_dir) as campaigns:
+    with open_campaigns(server, data_dir) as campaigns:
         text = campaigns.scenario(campaign_id, number)
     if out is None:
         typer.echo(text, nl=False)
@@ -162,26 +198,58 @@ def scenario(
 
 @app.command()
 def pause(
-    campaign_id: IdArgument, data_dir: DataDirOption = None, as_json: JsonOption = False
+    campaign_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Asks the process that runs a campaign to pause it."""
     from drivora_service.store.campaign_records import CampaignRequest
 
-    _ask_for(campaign_id, CampaignRequest.PAUSE, data_dir, as_json=as_json)
+    _ask_for(campaign_id, CampaignRequest.PAUSE, server, data_dir, as_json=as_json)
 
 
 @app.command()
 def cancel(
-    campaign_id: IdArgument, data_dir: DataDirOption = None, as_json: JsonOption = False
+    campaign_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Gives a campaign up for good; what it has found stays."""
     from drivora_service.store.campaign_records import CampaignRequest
 
-    _ask_for(campaign_id, CampaignRequest.CANCEL, data_dir, as_json=as_json)
+    _ask_for(campaign_id, CampaignRequest.CANCEL, server, data_dir, as_json=as_json)
 
 
 app.command()(compare)
 app.command()(report)
+
+
+@contextmanager
+def _problems_of(file: Path) -> Iterator[None]:
+    """Prints what is wrong with a campaign file, each thing with its place."""
+    try:
+        yield
+    except InvalidDocument as error:
+        fail(f"{file}: {len(error.problems)} problem(s)")
+        for problem in error.problems:
+            typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
+        raise typer.Exit(ExitCode.WRONG_USE) from error
+
+
+def _announce(record: CampaignRecord, notes: tuple[str, ...]) -> None:
+    for remark in notes:
+        note(f"note: {remark}")
+    note(f"campaign {record.id}")
+
+
+def _refuse_local_options(workers: int | None, evaluator: str) -> None:
+    if workers is not None or evaluator:
+        raise ConfigurationError(
+            "--workers and --evaluator are for campaigns that run here; a service has its own "
+            "workers, and a campaign may want fewer of them (`workers` in its file)"
+        )
 
 
 def _work(
@@ -194,22 +262,50 @@ def _work(
     gate: bool,
     as_json: bool,
 ) -> None:
-    from drivora_service.cli.local_campaigns import export_campaign, run_campaign
+    from drivora_service.cli.local_campaigns import run_campaign
+
+    record = run_campaign(campaigns, campaign_id, workers=workers, evaluator=evaluator or "local")
+    _conclude(campaigns, record, out=out, gate=gate, as_json=as_json)
+
+
+def _follow(
+    service: ServiceCampaigns,
+    campaign_id: str,
+    server: str,
+    *,
+    out: Path | None,
+    gate: bool,
+    as_json: bool,
+) -> None:
+    try:
+        record = service.follow(campaign_id)
+    except KeyboardInterrupt as error:
+        note(
+            "the service goes on with it; stop it with: "
+            f"drivora campaign pause {campaign_id} --server {server}"
+        )
+        raise typer.Exit(ExitCode.NOT_DONE) from error
+    _conclude(service, record, out=out, gate=gate, as_json=as_json)
+
+
+def _conclude(
+    campaigns: Campaigns, record: CampaignRecord, *, out: Path | None, gate: bool, as_json: bool
+) -> None:
+    from drivora_service.cli.campaigns import export_campaign
     from drivora_service.store.campaign_records import CampaignState
 
-    record = run_campaign(campaigns, campaign_id, workers=workers, evaluator=evaluator)
     if out is not None:
-        export_campaign(campaigns, campaign_id, out)
-    _show(campaigns, campaign_id, as_json=as_json)
+        export_campaign(campaigns, record.id, out)
+    _show(campaigns, record.id, as_json=as_json)
     if record.state is CampaignState.PAUSED:
-        note(f"paused; go on with: drivora campaign resume {campaign_id}")
+        note(f"paused; go on with: drivora campaign resume {record.id}")
     if record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate and record.counts.violating:
         raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _show(campaigns: StoredCampaigns, campaign_id: str, *, as_json: bool) -> None:
+def _show(campaigns: Campaigns, campaign_id: str, *, as_json: bool) -> None:
     from drivora_service.cli import campaign_results
 
     found = campaigns.found(campaign_id)
@@ -220,12 +316,17 @@ def _show(campaigns: StoredCampaigns, campaign_id: str, *, as_json: bool) -> Non
 
 
 def _ask_for(
-    campaign_id: str, request: CampaignRequest, data_dir: Path | None, *, as_json: bool
+    campaign_id: str,
+    request: CampaignRequest,
+    server: str,
+    data_dir: Path | None,
+    *,
+    as_json: bool,
 ) -> None:
     from drivora_service.cli import campaign_results
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+    from drivora_service.cli.campaigns import open_campaigns
 
-    with StoredCampaigns(data_dir) as campaigns:
+    with open_campaigns(server, data_dir) as campaigns:
         record = campaigns.ask_for(campaign_id, request)
         running = campaigns.is_running(record)
     if as_json:

@@ -1,0 +1,240 @@
+"""Campaigns of a service, over HTTP."""
+
+from __future__ import annotations
+
+import json
+import time
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from drivora_service.campaigns.progress import Progress
+from drivora_service.cli.campaign_display import campaign_display
+from drivora_service.cli.campaign_files import read_campaign_file
+from drivora_service.cli.campaign_results import CampaignFindings
+from drivora_service.cli.client import ServiceClient
+from drivora_service.feedback.measurement import Measurement
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.search.tester import EvaluationStatus, Proposal
+from drivora_service.store.campaign_records import (
+    BestScore,
+    CampaignCounts,
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+    Confirmation,
+    EvaluationRecord,
+    FailureKind,
+    FailureRecord,
+)
+
+_POLL_S = 0.5
+_PARQUET = "application/vnd.apache.parquet"
+_ON_THE_WAY = (CampaignState.QUEUED, CampaignState.RUNNING)
+
+
+class ServiceCampaigns:
+    """Asks a service; a context manager that closes its connections."""
+
+    def __init__(self, url: str) -> None:
+        """Prepares to ask the service at ``url``."""
+        self._client = ServiceClient(url)
+
+    def __enter__(self) -> Self:
+        """Gives the object itself."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Closes the connections."""
+        self._client.close()
+
+    def post(self, path: Path) -> tuple[CampaignRecord, tuple[str, ...]]:
+        """Reads a campaign file and has the service run it; gives notes for people as well.
+
+        Raises:
+            ConfigurationError: The file cannot be read.
+            InvalidDocument: It cannot be run.
+            ServiceError: The service refused or did not answer.
+        """
+        answer = self._client.post_campaign(json.dumps(read_campaign_file(path)))
+        return _record(answer), tuple(answer["notes"])
+
+    def resume(self, campaign_id: str) -> CampaignRecord:
+        """Has the service go on with a campaign.
+
+        Raises:
+            ServiceError: It is over or runs, or the service did not answer.
+        """
+        return _record(self._client.act(f"/campaigns/{campaign_id}:resume"))
+
+    def follow(self, campaign_id: str) -> CampaignRecord:
+        """Shows a campaign until it has ended or rests.
+
+        Raises:
+            ServiceError: The service refused or did not answer.
+        """
+        answer = self._client.get(f"/campaigns/{campaign_id}")
+        with campaign_display(answer["budget"]) as display:
+            while (record := _record(answer)).state in _ON_THE_WAY:
+                display.show(_progress(record, answer))
+                time.sleep(_POLL_S)
+                answer = self._client.get(f"/campaigns/{campaign_id}")
+            display.show(_progress(record, answer))
+        return record
+
+    def found(self, campaign_id: str) -> CampaignFindings:
+        """Gives a campaign with what it has found."""
+        answer = self._client.get(f"/campaigns/{campaign_id}")
+        record = _record(answer)
+        return CampaignFindings(
+            record=record,
+            is_running=self.is_running(record),
+            kinds=tuple(FailureKind(**kind) for kind in answer["kinds"]),
+            failures=tuple(
+                _failure(item) for item in self._client.items(f"/campaigns/{campaign_id}/failures")
+            ),
+        )
+
+    def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
+        """Gives the newest campaigns first."""
+        records: list[CampaignRecord] = []
+        for item in self._client.items("/campaigns"):
+            if len(records) == limit:
+                break
+            records.append(_record(item))
+        return tuple(records)
+
+    def is_running(self, record: CampaignRecord) -> bool:
+        """Whether a process works on a campaign, which a service sees to."""
+        return record.state is CampaignState.RUNNING
+
+    def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
+        """Gives an evaluation, last, and its ancestors."""
+        url = f"/campaigns/{campaign_id}/evaluations"
+        last = self._client.get(f"{url}/{number}")
+        ancestors = (self._client.get(f"{url}/{one['number']}") for one in last["lineage"])
+        return tuple(_evaluation(detail) for detail in (*ancestors, last))
+
+    def scenario(self, campaign_id: str, number: int) -> str:
+        """Gives the scenario of an evaluation as the text of a document."""
+        url = f"/campaigns/{campaign_id}/evaluations/{number}/scenario"
+        return self._client.download(url, accept="application/json").decode()
+
+    def save_trace(self, campaign_id: str, failure: FailureRecord, target: Path) -> None:
+        """Fetches the trace of a failure, if it has one."""
+        if failure.trace:
+            url = f"/campaigns/{campaign_id}/evaluations/{failure.number}/observations"
+            target.write_bytes(self._client.download(url, accept=_PARQUET))
+
+    def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
+        """Pauses or cancels a campaign.
+
+        Raises:
+            ServiceError: The campaign is over, or the service did not answer.
+        """
+        return _record(self._client.act(f"/campaigns/{campaign_id}:{request.value}"))
+
+
+def _record(item: dict[str, Any]) -> CampaignRecord:
+    """Reads a campaign, or one in a list, which has less."""
+    counts = item["counts"]
+    return CampaignRecord(
+        seq=0,
+        id=item["id"],
+        name=item["name"],
+        document=json.dumps(item.get("document", {})),
+        tester=item["tester"],
+        agent=item["agent"],
+        town=item["town"],
+        network_sha256=item.get("network_sha256", ""),
+        budget=item["budget"],
+        versions=item.get("versions", {}),
+        state=CampaignState(item["state"]),
+        message=item["message"],
+        request=CampaignRequest(item["request"]),
+        created_at=datetime.fromisoformat(item["created_at"]),
+        started_at=_time(item["started_at"]),
+        ended_at=_time(item["ended_at"]),
+        updated_at=datetime.fromisoformat(item["updated_at"]),
+        active_s=item["active_s"],
+        counts=CampaignCounts(**counts),
+        batch_id=item.get("batch_id", ""),
+        best={
+            name: BestScore(value=best["value"], number=best["evaluation"])
+            for name, best in item.get("best", {}).items()
+        },
+    )
+
+
+def _time(text: str | None) -> datetime | None:
+    return None if text is None else datetime.fromisoformat(text)
+
+
+def _progress(record: CampaignRecord, answer: dict[str, Any]) -> Progress:
+    first = next(iter(record.best.items()), None)
+    return Progress(
+        counts=record.counts,
+        budget=record.budget,
+        kinds=len(answer["kinds"]),
+        rate=record.rate,
+        left_s=record.left_s,
+        best=None if first is None else (first[0], first[1].value),
+        confirmed=sum(kind["confirmed"] for kind in answer["kinds"]),
+        flaky=sum(kind["flaky"] for kind in answer["kinds"]),
+    )
+
+
+def _failure(item: dict[str, Any]) -> FailureRecord:
+    return FailureRecord(
+        number=item["evaluation"],
+        place=item["place"],
+        key=item["key"],
+        verdict=_VERDICT.validate_python(item["verdict"]),
+        confirmation=Confirmation(item["confirmation"]),
+        cluster=item["cluster"],
+        # Where the trace lies is the service's to know; the address says that there is one.
+        trace=item["observations_url"],
+    )
+
+
+def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
+    status = EvaluationStatus(item["status"])
+    measurement = Measurement(objectives=item["objectives"], features=item["features"])
+    return EvaluationRecord(
+        number=item["number"],
+        proposal=Proposal(
+            values=np.array(item["values"]),
+            origin=item["origin"],
+            generation=item["generation"],
+            parents=tuple(item["parents"]),
+        ),
+        status=status,
+        document_sha256=item["scenario_sha256"],
+        report=RunReport(
+            run_id=item["run_id"],
+            status=RunStatus(item["run_status"]),
+            verdicts=_VERDICTS.validate_python(item["verdicts"]),
+            metrics=item["metrics"],
+            scores=item["scores"],
+            measurement=measurement if status is EvaluationStatus.JUDGED else None,
+            trace_sha256=item["trace_sha256"],
+            steps=item["steps"],
+            sim_time_s=item["sim_time_s"],
+            wall_time_s=item["wall_time_s"],
+            step_cost_us=item["step_cost_us"],
+            failure=None if item["error"] is None else RunFailure(**item["error"]),
+            versions=item["versions"],
+        ),
+        violations=_VERDICTS.validate_python(item["failures"]),
+        failure_keys=tuple(item["failure_keys"]),
+        search_s=item["search_s"],
+        prepare_s=item["prepare_s"],
+    )
+
+
+_VERDICT = TypeAdapter(Verdict)
+_VERDICTS = TypeAdapter(tuple[Verdict, ...])
