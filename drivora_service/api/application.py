@@ -17,6 +17,7 @@ from drivora_service.api.routes import (
     batches,
     campaigns,
     catalogues,
+    comparisons,
     evaluations,
     health,
     jobs,
@@ -45,7 +46,17 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         lifespan=lifespan,
     )
     api.state.context = context
-    modules = (scenarios, jobs, batches, runs, campaigns, evaluations, networks, catalogues)
+    modules = (
+        scenarios,
+        jobs,
+        batches,
+        runs,
+        campaigns,
+        comparisons,
+        evaluations,
+        networks,
+        catalogues,
+    )
     for module in modules:
         api.include_router(module.router, prefix=PREFIX, responses={422: problem_answer(422)})
     api.include_router(health.router)

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.api.schemas import campaigns
+from drivora_service.api.schemas import campaigns, comparisons
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.runs import VerdictView
 from drivora_service.oracles.verdict import Outcome
@@ -193,4 +193,54 @@ FAILURES = PageOf[campaigns.FailureView](
             observations_url=f"{_URL}/evaluations/41/observations",
         ),
     )
+)
+COMPARISON = comparisons.ComparisonView(
+    baseline="random",
+    budgets={"tee-town": 200},
+    time_limits_s={},
+    notes=(),
+    differences=(
+        comparisons.Difference(
+            measure="at_fault",
+            title="simulations with an at-fault failure",
+            larger_is_better=True,
+            scenario="tee-town",
+            group="avfuzzer",
+            repetitions=20,
+            baseline_repetitions=20,
+            median=9.0,
+            baseline_median=4.5,
+            a12=0.83,
+            low=0.67,
+            high=0.92,
+            p=0.0003,
+            p_holm=0.0003,
+            judgement="better, large",
+        ),
+    ),
+    campaigns=(
+        comparisons.Figures(
+            campaign=_ID,
+            group="avfuzzer",
+            scenario="tee-town",
+            seed=1,
+            simulations=200,
+            invalid_share=0.01,
+            failed_share=0.0,
+            failing=11,
+            at_fault=9,
+            kinds=3,
+            rules=2,
+            clusters=4,
+            first_failure=17,
+            found=(17, 41, 96),
+            gene_coverage=0.71,
+            network_coverage=0.2,
+            simulation_s=24.2,
+            own_s=1.1,
+            own_share=0.045,
+            first_failure_s=2.1,
+            time_limit_s=None,
+        ),
+    ),
 )

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
 from drivora_service.errors import (
+    CampaignError,
     Conflict,
     DrivoraError,
     InvalidDocument,
@@ -130,7 +131,7 @@ def _answer(request: Request, error: Exception) -> Response:
             return problem_response(
                 HTTPStatus.TOO_MANY_REQUESTS, str(error), instance=path, headers=headers
             )
-        case NetworkError():
+        case NetworkError() | CampaignError():
             return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, str(error), instance=path)
         case RequestValidationError():
             problems = tuple(_parameter_problem(item) for item in error.errors())

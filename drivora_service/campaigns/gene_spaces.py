@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from drivora_service.campaigns.reading import Catalogues, read_campaign
-from drivora_service.errors import InvalidDocument, NetworkError, SearchError
+from drivora_service.campaigns.comparing import ground_of
+from drivora_service.campaigns.reading import Catalogues
+from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.search.genes import GeneSpace
-from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.store.campaign_records import CampaignRecord
 
 _MOST = 64
@@ -42,9 +42,6 @@ class GeneSpaces:
 
     def _build(self, record: CampaignRecord) -> GeneSpace | None:
         try:
-            valid = read_campaign(record.document, self._catalogues)
-            if valid.network.sha256 != record.network_sha256:
-                return None
-            return ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes
-        except (InvalidDocument, NetworkError, SearchError):
+            return ground_of(record, self._catalogues).space
+        except (CampaignError, InvalidDocument, NetworkError, SearchError):
             return None

@@ -1,0 +1,60 @@
+"""Comparing methods by their campaigns."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from drivora_service.api import campaign_examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import Context
+from drivora_service.api.documentation import answers
+from drivora_service.api.schemas.comparisons import ComparisonView, comparison_view
+from drivora_service.api.security import reader
+from drivora_service.campaigns.choosing import choose_campaigns
+from drivora_service.campaigns.comparing import compare_stored
+from drivora_service.campaigns.comparison import MEASURES, measure
+
+router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
+
+
+@router.get(
+    "/campaigns:compare",
+    response_model=ComparisonView,
+    responses=answers(campaign_examples.COMPARISON, 401, 403, 404, 422),
+)
+def compare_campaigns(
+    request: Request,
+    context: Context,
+    campaign: Annotated[
+        list[str],
+        Query(
+            min_length=1,
+            max_length=1000,
+            description="Ids, names, or patterns of names such as `study-*`; may be repeated.",
+        ),
+    ],
+    baseline: Annotated[
+        str, Query(max_length=200, description="Whom the others are compared with.")
+    ] = "random",
+    by: Annotated[
+        list[str] | None,
+        Query(alias="measure", max_length=50, description="By what; may be repeated."),
+    ] = None,
+    equal_time: Annotated[
+        bool,
+        Query(description="Count what each had done after the time that the shortest one took."),
+    ] = False,
+) -> Response:
+    """Compares methods by finished campaigns: medians, effect sizes, p-values."""
+    measures = tuple(measure(name) for name in dict.fromkeys(by)) if by else MEASURES
+    comparison = compare_stored(
+        context.database,
+        choose_campaigns(context.database, campaign),
+        context.catalogues,
+        baseline=baseline,
+        measures=measures,
+        equal_time=equal_time,
+    )
+    return json_answer(request, comparison_view(comparison))
