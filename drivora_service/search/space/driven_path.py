@@ -14,14 +14,15 @@ from drivora_service.errors import NoRoute
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import FloatArray, RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
-from drivora_service.scenario.model import Waypoint
+from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.model import Region, Waypoint
 from drivora_service.search.space.lane_walks import LaneWalk
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _COORDINATE_DIGITS = 3
-_YAW_DIGITS = 5
+_DEGREE_DIGITS = 3
 _ROAD_INSET = 1.0
 """Metres that places on a road keep from the junctions at its ends."""
 
@@ -53,9 +54,15 @@ class Pose:
         return Waypoint(
             x=round(self.x, _COORDINATE_DIGITS),
             y=round(self.y, _COORDINATE_DIGITS),
-            yaw=round(self.yaw, _YAW_DIGITS),
+            yaw=document_angle(self.yaw),
             speed=speed if speed is None else round(speed, _COORDINATE_DIGITS),
         )
+
+
+def document_angle(angle: float) -> float:
+    """Rounds an angle in radians to one that a document in degrees gives back exactly."""
+    frame = FrameTransform()
+    return frame.yaw_to_network(round(frame.yaw_from_network(angle), _DEGREE_DIGITS))
 
 
 class DrivenPath:
@@ -113,6 +120,18 @@ class DrivenPath:
             low = begin if begin == 0.0 else begin + inset
             roads.append((low, end if end == self.length else end - inset))
         return tuple(roads)
+
+    def is_within(self, region: Region | None) -> bool:
+        """Tells whether all of it lies in a region; ``None`` is everywhere."""
+        if region is None:
+            return True
+        low, high = self.line.min(axis=0), self.line.max(axis=0)
+        return bool(
+            region.min_x <= low[0]
+            and high[0] <= region.max_x
+            and region.min_y <= low[1]
+            and high[1] <= region.max_y
+        )
 
     def on_road(self, s: float, after: float) -> float:
         """Gives the nearest place to ``s`` that is on a road and not before ``after``."""
@@ -185,7 +204,7 @@ def walk_points(network: RoadNetwork, walk: LaneWalk) -> tuple[RoutePoint, ...]:
             RoutePoint(
                 x=round(x, _COORDINATE_DIGITS),
                 y=round(y, _COORDINATE_DIGITS),
-                yaw=round(yaw, _YAW_DIGITS),
+                yaw=document_angle(yaw),
             )
         )
     return tuple(points)

@@ -69,7 +69,7 @@ def routes_of_egos(
         SearchError: If one of the seed's has no place for a walker or an obstacle that is wanted,
             or if there is none for a further ego.
     """
-    own = tuple(seed_route(network, ego) for ego in seed.ego_vehicles)
+    own = tuple(_seed_route(network, ego) for ego in seed.ego_vehicles)
     for ego, route in zip(seed.ego_vehicles, own, strict=True):
         missing = _missing_place(route, options)
         if missing:
@@ -79,14 +79,14 @@ def routes_of_egos(
             )
     if options.egos == 1:
         return own
-    others = find_ego_routes(network, own, reach=options.reach, count=MOST_ROUTES)
-    fitting = tuple(route for route in others if not _missing_place(route, options))
-    if not fitting:
+    others = _further_routes(seed, network, [route.path for route in own], options)
+    if not others:
         raise SearchError(
             f"no route for a further ego was found on {network.name!r} within {options.reach:g} m "
-            "of the seed's; raise `reach`, use one ego, or choose another seed scenario"
+            "of the seed's and in its region; raise `reach`, use one ego, or choose another seed "
+            "scenario"
         )
-    return own + fitting
+    return own + others
 
 
 def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
@@ -98,34 +98,36 @@ def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
     return ""
 
 
-def seed_route(network: RoadNetwork, ego: EgoVehicle) -> EgoRoute:
+def _seed_route(network: RoadNetwork, ego: EgoVehicle) -> EgoRoute:
     """Gives an ego's own route."""
     path = DrivenPath(network, plan_route(network, route_points(ego.route)))
     return _route(path, ego.route)
 
 
-def find_ego_routes(
-    network: RoadNetwork, seeds: Sequence[EgoRoute], *, reach: float, count: int
+def _further_routes(
+    seed: Scenario, network: RoadNetwork, own: Sequence[DrivenPath], options: SpaceOptions
 ) -> tuple[EgoRoute, ...]:
-    """Gives routes besides the seed's, with which there are at most ``count``.
+    """Gives routes besides the seed's.
 
-    They begin within ``reach`` metres of one of the seed's, are as long as the seed's longest, and
-    as many as possible cross it or merge with it.
+    They begin near one of the seed's, are as long as the seed's longest, and as many as possible
+    cross it or merge with it.
     """
-    own = [route.path for route in seeds]
     length = max(path.length for path in own)
-    walks = find_walks(network, own, reach=reach, length=length, most=2 * count)
+    walks = find_walks(network, own, reach=options.reach, length=length, most=2 * MOST_ROUTES)
 
     def route(walk: LaneWalk, _relation: Relation) -> EgoRoute | None:
         planned = plan_walk(network, walk)
         if planned is None or planned.length < _LEAST_SHARE * length:
             return None
+        if not planned.is_within(seed.map_region.region_segment):
+            return None
         waypoints = tuple(
             Waypoint(x=point.x, y=point.y, yaw=point.yaw) for point in walk_points(network, walk)
         )
-        return _route(planned, waypoints)
+        made = _route(planned, waypoints)
+        return None if _missing_place(made, options) else made
 
-    return take_in_turns(walks, _TURNS, count - len(seeds), route)
+    return take_in_turns(walks, _TURNS, max(MOST_ROUTES - len(own), 1), route)
 
 
 def _route(path: DrivenPath, waypoints: tuple[Waypoint, ...]) -> EgoRoute:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivora_service.errors import SearchError
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.model import Region
 from drivora_service.search.space.driven_path import DrivenPath, plan_walk
 from drivora_service.search.space.lane_walks import LaneWalk
 from drivora_service.search.space.relations import Relation
@@ -20,6 +21,8 @@ _TRAILING_SHARE = 0.1
 _LEAST_ROOM = 4.0
 _DEAD_END_SHARE = 0.3
 """Share of a way along which its vehicle may start where the road ends too early."""
+_LEAST_ROAD = 8.0
+"""Metres of road that a start needs: more than the longest vehicle."""
 _END_MARGIN = 4.0
 """Metres that starts keep from the ends of a road, where it is long enough."""
 
@@ -54,7 +57,12 @@ class NpcPath:
 
 
 def find_npc_paths(
-    network: RoadNetwork, routes: Sequence[DrivenPath], *, reach: float, count: int
+    network: RoadNetwork,
+    routes: Sequence[DrivenPath],
+    *,
+    reach: float,
+    count: int,
+    region: Region | None = None,
 ) -> tuple[NpcPath, ...]:
     """Chooses ways around the egos' routes.
 
@@ -71,7 +79,7 @@ def find_npc_paths(
 
     def path(walk: LaneWalk, relation: Relation) -> NpcPath | None:
         planned = plan_walk(network, walk)
-        if planned is None:
+        if planned is None or not planned.is_within(region):
             return None
         starts = _starts(planned, journey)
         room = sum(high - low for low, high in starts)
@@ -83,7 +91,8 @@ def find_npc_paths(
     if not paths:
         raise SearchError(
             f"no way for an NPC vehicle was found on {network.name!r} within {reach:g} m of the "
-            "egos' routes; raise `reach`, use no NPC vehicles, or choose another seed scenario"
+            "egos' routes and in the seed's region; raise `reach`, use no NPC vehicles, or choose "
+            "another seed scenario"
         )
     return paths
 
@@ -92,7 +101,8 @@ def _starts(path: DrivenPath, journey: float) -> tuple[tuple[float, float], ...]
     room = min(START_ROOM, max(path.length - journey, _DEAD_END_SHARE * path.length))
     starts = []
     for lane, begin, end in path.lane_ranges:
-        if path.network.lanes[lane].is_internal or begin >= room:
+        road = path.network.lanes[lane]
+        if road.is_internal or road.length < _LEAST_ROAD or begin >= room:
             continue
         margin = min(_END_MARGIN, 0.25 * (end - begin))
         low = begin if begin == 0.0 else begin + margin

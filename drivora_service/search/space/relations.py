@@ -53,7 +53,7 @@ class _LaneView:
 
     Attributes:
         s: (n,) arc length of samples on the lane, metres.
-        gap: (n,) metres to the route's line.
+        gap: (n,) metres to the route's line; inf where it is out of reach.
         cosine: (n,) of the angle between the two directions.
         along: (n,) arc length of the nearest point of the route, metres.
     """
@@ -65,17 +65,24 @@ class _LaneView:
 
 
 class RouteSurroundings:
-    """What lies around one ego's route; looks at every lane once."""
+    """What lies around one ego's route, up to ``reach`` metres; looks at every lane once."""
 
-    def __init__(self, network: RoadNetwork, route: DrivenPath) -> None:
-        self._network, self._route = network, route
+    def __init__(self, network: RoadNetwork, route: DrivenPath, reach: float) -> None:
+        self._network, self._route, self._reach = network, route, max(reach, _OPPOSITE)
+        self._low = route.line.min(axis=0) - self._reach
+        self._high = route.line.max(axis=0) + self._reach
         self._views: dict[int, _LaneView] = {}
 
-    def stretch_within(self, lane: int, reach: float) -> tuple[float, float] | None:
-        """Gives the arc lengths of a lane between which it is within ``reach`` metres."""
+    def stretch_within(self, lane: int) -> tuple[float, float] | None:
+        """Gives the arc lengths of a lane between which it is in reach."""
         view = self._view(lane)
-        near = np.flatnonzero(view.gap <= reach)
+        near = np.flatnonzero(view.gap <= self._reach)
         return (float(view.s[near[0]]), float(view.s[near[-1]])) if len(near) else None
+
+    def gap_at(self, lane: int, s: float) -> float:
+        """Gives the metres from a place on a lane to the route; inf where it is out of reach."""
+        view = self._view(lane)
+        return float(view.gap[int(np.argmin(np.abs(view.s - s)))])
 
     def relation(self, walk: LaneWalk) -> Relation | None:
         """Tells how a way lies to the route; ``None`` where it does not come near."""
@@ -121,11 +128,16 @@ class RouteSurroundings:
         x = np.interp(s, lane.arc, lane.shape[:, 0])
         y = np.interp(s, lane.arc, lane.shape[:, 1])
         heading = np.arctan2(np.gradient(y), np.gradient(x))
-        gaps = np.hypot(x[:, None] - route.line[:, 0], y[:, None] - route.line[:, 1])
-        nearest = np.argmin(gaps, axis=1)
+        gap, nearest = np.full(len(s), np.inf), np.zeros(len(s), dtype=np.int64)
+        xy = np.column_stack((x, y))
+        near = ((xy >= self._low) & (xy <= self._high)).all(axis=1)
+        if near.any():
+            gaps = np.hypot(x[near, None] - route.line[:, 0], y[near, None] - route.line[:, 1])
+            nearest[near] = np.argmin(gaps, axis=1)
+            gap[near] = gaps.min(axis=1)
         return _LaneView(
             s=s,
-            gap=gaps[np.arange(len(s)), nearest],
+            gap=gap,
             cosine=np.cos(heading - route.yaw[nearest]),
             along=route.arc[nearest],
         )

@@ -55,7 +55,13 @@ class ScenarioSpace:
         self.paths: tuple[NpcPath, ...] = ()
         if options.vehicles:
             ways = [route.path for route in self.routes]
-            self.paths = find_npc_paths(network, ways, reach=options.reach, count=options.paths)
+            self.paths = find_npc_paths(
+                network,
+                ways,
+                reach=options.reach,
+                count=options.paths,
+                region=seed.map_region.region_segment,
+            )
         self._layout, self._names = Layout(), ActorNames(seed)
         self._fixed_egos, self._egos = self._make_egos()
         self._vehicles = self._make_vehicles()

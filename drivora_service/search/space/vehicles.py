@@ -125,7 +125,8 @@ class VehicleDecoder:
         path = chosen.path
         begin = chosen.start_at(float(values[self.shift_gene]))
         stops = self._stops(values, path, model, begin)
-        first = _Stop(s=begin, side=0, speed=self._speed(path, model, begin, stops[0].speed))
+        wanted = float(values[self._speeds[0]])
+        first = _Stop(s=begin, side=0, speed=self._speed(path, model, begin, wanted))
         if self._options.behavior is NpcBehavior.REPLAY:
             route = _drawn(path, [first, *stops])
         else:

@@ -20,7 +20,9 @@ from drivora_service.search.space.relations import (
 
 START_ROOM = 80.0
 """Metres between the places at which ways begin on the same lane."""
-_LEAST_ROOM = 4.0
+_LEAST_STRETCH = 20.0
+"""Metres of a lane on which another way begins at the least: what is left over belongs to the way
+before."""
 _CLEAR_OF_START = 8.0
 """Metres ahead of a route's start where the ways begin that lead."""
 _CELL = 20.0
@@ -45,7 +47,7 @@ def find_walks(
     Returns:
         At most ``most`` of each relation that there is, those first that differ most.
     """
-    surroundings = [RouteSurroundings(network, route) for route in routes]
+    surroundings = [RouteSurroundings(network, route, reach) for route in routes]
     walks: dict[Relation, list[LaneWalk]] = {relation: [] for relation in Relation}
     for lane, s in _roots(network, routes, surroundings, reach):
         for walk in walks_from(network, lane, s, length):
@@ -100,7 +102,7 @@ def _roots(
     for lane in network.lanes:
         if not lane.drivable or lane.is_internal:
             continue
-        near = [around.stretch_within(lane.index, reach) for around in surroundings]
+        near = [around.stretch_within(lane.index) for around in surroundings]
         stretches = [stretch for stretch in near if stretch is not None]
         if not stretches:
             continue
@@ -111,8 +113,9 @@ def _roots(
                 begins.add(_s_on(network, lane.index, route) + _CLEAR_OF_START)
         for begin in sorted(begins):
             end = min([other for other in begins if other > begin], default=high)
-            for s in np.arange(begin, max(end - _LEAST_ROOM, begin + 1e-6), START_ROOM):
-                yield lane.index, float(s)
+            for s in np.arange(begin, max(end - _LEAST_STRETCH, begin + 1e-6), START_ROOM).tolist():
+                if any(around.gap_at(lane.index, s) <= reach for around in surroundings):
+                    yield lane.index, s
 
 
 def _s_on(network: RoadNetwork, lane: int, route: DrivenPath) -> float:

@@ -1,16 +1,22 @@
-"""Seed scenarios of the shipped networks."""
+"""Seed scenarios, and spaces around them."""
 
 from __future__ import annotations
 
 import functools
 
+import numpy as np
+
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_document
+from drivora_service.search.genes import Block, FloatArray
+from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.scenario_space import ScenarioSpace
 
 NETWORKS = NetworkCatalogue(shipped_networks())
 SHIPPED = NETWORKS.names()
+DEFAULT = SpaceOptions()
 
 
 @functools.lru_cache(maxsize=64)
@@ -25,3 +31,25 @@ def seed_scenario(town: str, number: int = 0, networks: NetworkCatalogue = NETWO
         agent="idm",
     )
     return validate_document(list(documents)[number], networks, ["idm"]).scenario
+
+
+@functools.lru_cache(maxsize=64)
+def space_around(
+    town: str,
+    options: SpaceOptions = DEFAULT,
+    number: int = 0,
+    networks: NetworkCatalogue = NETWORKS,
+) -> ScenarioSpace:
+    """The space around a seed scenario."""
+    seed = seed_scenario(town, number, networks)
+    return ScenarioSpace(seed, networks.get(town), options)
+
+
+def drawn(space: ScenarioSpace, number: int) -> FloatArray:
+    """Repaired values, drawn with a generator of that seed."""
+    return space.repair(space.genes.sample(np.random.default_rng(number)))
+
+
+def block_named(space: ScenarioSpace, name: str) -> Block:
+    """A block of the genes."""
+    return next(block for block in space.genes.blocks if block.name == name)

@@ -1,0 +1,65 @@
+"""Obstacles from genes: near an ego's way, never in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drivora_service.geometry import box_corners
+from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.scenario.model import NpcObstacle
+from drivora_service.search.space.obstacles import CLEARANCE, MAX_LATERAL
+from drivora_service.search.space.options import SpaceOptions
+from tests.search.space.seeds import SHIPPED, block_named, drawn, space_around
+
+OPTIONS = SpaceOptions(vehicles=0, walkers=0, obstacles=2, weather=False)
+
+
+def outline(obstacle: NpcObstacle) -> shapely.Polygon:
+    model, place = actor_model(ActorKind.OBSTACLE, obstacle.model), obstacle.location
+    x, y, yaw = (np.array([value]) for value in (place.x, place.y, place.yaw or 0.0))
+    return shapely.Polygon(box_corners(x, y, yaw, model.length, model.width)[0])
+
+
+@settings(max_examples=30)
+@given(
+    number=st.integers(0, 2**32 - 1),
+    town=st.sampled_from(SHIPPED),
+    egos=st.sampled_from([1, 3]),
+)
+def test_every_ego_has_room_in_the_middle_of_its_lane(number: int, town: str, egos: int) -> None:
+    options = SpaceOptions(vehicles=0, walkers=0, obstacles=2, weather=False, egos=egos)
+    space = space_around(town, options)
+    values = drawn(space, number)
+    scenario = space.scenario(values)
+    width = actor_model(ActorKind.VEHICLE, scenario.ego_vehicles[0].model).width
+    chosen = [
+        space.routes[0 if egos == 1 else int(values[block_named(space, ego.id).index("path")])]
+        for ego in scenario.ego_vehicles
+    ]
+    for obstacle in scenario.npc_obstacles:
+        gaps = [
+            shapely.distance(outline(obstacle), shapely.LineString(route.path.line))
+            for route in chosen
+        ]
+        assert min(gaps) > 0.5 * width + 0.85 * CLEARANCE
+        assert min(gaps) < MAX_LATERAL + 2.0
+
+
+@pytest.mark.parametrize("lateral", [-4.0, -0.1, 0.1, 4.0])
+def test_the_lateral_gene_says_on_which_side(lateral: float) -> None:
+    space = space_around("rural", OPTIONS)
+    values = drawn(space, 3)
+    block = block_named(space, "obstacle_0")
+    values[block.index("lateral")] = lateral
+    place = space.scenario(values).npc_obstacles[0].location
+    route = space.routes[0].path
+    s, _ = route.place_of(place.x, place.y)
+    pose = route.at(s)
+    aside = -np.sin(pose.yaw) * (place.x - pose.x) + np.cos(pose.yaw) * (place.y - pose.y)
+    assert np.sign(aside) == np.sign(lateral)
+    if abs(lateral) == 4.0:
+        assert abs(aside) == pytest.approx(4.0, abs=0.1)
