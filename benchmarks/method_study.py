@@ -31,6 +31,7 @@ from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import Catalogues, read_campaign
 from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -171,6 +172,7 @@ def run_campaign(
 
 def work(tasks: multiprocessing.Queue[Any], results: multiprocessing.Queue[Any]) -> None:
     """Runs campaigns until there are none left, on a worker process of its own."""
+    die_with_parent()
     setup = WorkerSetup(shipped_networks=shipped_networks())
     with (
         tempfile.TemporaryDirectory() as folder,
