@@ -28,7 +28,7 @@ $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
 	$(PIP) install --quiet --require-hashes -r requirements/dev.txt
 	@touch $@
 
-demo: $(RUN_STAMP) ## Start the service, run seeds on a shipped town, print the verdicts
+demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failures
 	$(BIN)/drivora demo
 
 test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, all tests

@@ -12,6 +12,14 @@ from drivora_service.scenario.importers.reading import FileFormat, detect_format
 from drivora_service.scenario.plain_data import plain_data, refusal
 
 
+def shipped_campaigns() -> Path:
+    """Gives the folder of the example campaigns, in a checkout or in an installed package."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "_data" / "openscenario_schemas"
+    schemas = installed if installed.is_dir() else package.parent / "openscenario_schemas"
+    return schemas / "examples" / "campaigns"
+
+
 def read_campaign_file(path: Path) -> dict[str, Any]:
     """Reads a campaign file and puts its scenario in place of the file that it names.
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Literal
 
 from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.output import note
+from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.plotting.run_picture import draw_run
@@ -14,18 +16,36 @@ from drivora_service.settings import Settings
 
 
 def draw_trace(
-    path: Path, settings: Settings, target: Path, *, color_by: Literal["actor", "time"] = "actor"
+    path: Path,
+    settings: Settings,
+    target: Path,
+    *,
+    color_by: Literal["actor", "time"] = "actor",
+    rules: Collection[str] = (),
 ) -> None:
     """Judges a trace and draws it.
 
+    Args:
+        path: Of the trace.
+        settings: Where networks are looked up.
+        target: Where to write; ends in ``.svg`` or ``.png``.
+        color_by: What the colour of the egos' trails says.
+        rules: Names of the rules whose violations are marked; none: of all.
+
     Raises:
         StoreError: The file is no trace.
-        UnknownName: Its network is not in the catalogue.
+        UnknownName: Its network is not in the catalogue, or there is no such rule.
     """
+    oracles = default_oracles()
+    known = tuple(oracle.name for oracle in oracles)
+    for name in rules:
+        if name not in known:
+            raise UnknownName("rule", name, known)
     trace = read_trace(path)
     network = network_catalogue(settings).get(trace.network)
     if network.sha256 != trace.network_sha256:
         note(f"network {network.name} has changed since this run; the picture may not fit")
-    verdicts = judge_all(trace, network, default_oracles())
+    judged = judge_all(trace, network, oracles)
+    verdicts = [verdict for verdict in judged if not rules or verdict.oracle in rules]
     target.parent.mkdir(parents=True, exist_ok=True)
     draw_run(trace, network, verdicts, target, color_by=color_by)

@@ -185,8 +185,15 @@ def test_a_service_beyond_loopback_needs_tokens(drivora: Drivora) -> None:
 
 @pytest.mark.slow
 def test_the_demo_shows_the_whole_way(drivora: Drivora, tmp_path: Path) -> None:
-    ended = drivora("demo", "--num", "4")
+    ended = drivora("demo", "--num", "4", "--simulations", "50")
     assert ended.code == 0, ended.err
     assert "4 of 4 runs judged" in ended.out
+    assert "50 of 50 simulations" in ended.out
+    failures = tmp_path / "demo-data" / "failures"
+    scenario = next(failures.glob("0*.json"))
+    assert scenario.with_suffix(".png").is_file()
+    again = drivora("run", scenario, "--json").json()
+    found = json.loads((failures / "campaign.json").read_text())["failures"]
+    assert found[0]["verdict"] in again["verdicts"]
     assert (tmp_path / "demo-data" / "run.svg").is_file()
     assert not (tmp_path / "demo-data" / "service.json").exists()

@@ -10,6 +10,7 @@ from drivora_service.observations.trace_file import read_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from tests.cli.conftest import Drivora
 
+EXAMPLES = Path(__file__).parents[2] / "openscenario_schemas" / "examples"
 PROMISED = {
     "status",
     "verdicts",
@@ -113,6 +114,23 @@ def test_a_service_gives_the_same_run(
     assert picture.read_text().startswith("<?xml")
     plain = drivora("plot", out / "crossing.trace.parquet", "--out", tmp_path / "run.png")
     assert plain.code == 0, plain.err
+
+
+def test_a_picture_marks_the_rules_that_are_asked_for(drivora: Drivora, tmp_path: Path) -> None:
+    assert drivora("run", EXAMPLES / "walker-behind-van.json", "--out", tmp_path).code == 0
+
+    def picture(*rules: str) -> bytes:
+        options = [part for rule in rules for part in ("--rule", rule)]
+        trace, target = tmp_path / "walker-behind-van.trace.parquet", tmp_path / "run.svg"
+        drawn = drivora("plot", trace, "--out", target, *options)
+        assert drawn.code == 0, drawn.err
+        return target.read_bytes()
+
+    everything, both, one = picture(), picture("collision", "destination"), picture("collision")
+    assert len(everything) > len(both) > len(one) > len(picture("red_light"))
+    wrong = drivora("plot", tmp_path / "walker-behind-van.trace.parquet", "--rule", "crash")
+    assert wrong.code == 2
+    assert "collision" in wrong.err
 
 
 def test_a_service_names_the_problems_of_each_scenario(

@@ -13,6 +13,7 @@ from drivora_service.cli.output import note, number, print_table
 
 if TYPE_CHECKING:
     from drivora_service.cli.client import ServiceClient
+    from drivora_service.cli.demo_campaign import DemoCampaign
 
 _TOWN = "tee-town"
 _POLL_S = 0.2
@@ -23,32 +24,43 @@ def demo(
         "demo-data"
     ),
     num: Annotated[int, typer.Option(min=1, max=200, help="Scenarios.")] = 12,
-    town: Annotated[str, typer.Option(help="Road network.")] = _TOWN,
+    town: Annotated[str, typer.Option(help="Road network of the scenarios.")] = _TOWN,
+    simulations: Annotated[
+        int, typer.Option(min=1, max=10_000, help="Budget of the campaign.")
+    ] = 200,
     workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 2,
 ) -> None:
-    """Shows the whole way: starts the service, posts generated scenarios, prints the verdicts."""
+    """Shows the whole way: a service judges generated scenarios, then searches for failures."""
     import time
 
     from drivora_service.cli.client import ServiceClient
+    from drivora_service.cli.demo_campaign import search_on
     from drivora_service.cli.service_process import running_service
+    from drivora_service.store.campaign_records import CampaignState
 
     begun = time.monotonic()
     documents = _seeds(data_dir, town, num)
     note(f"{len(documents)} scenarios on {town} in {data_dir / 'seeds'}")
-    with running_service(data_dir, workers=workers) as url, ServiceClient(url) as client:
+    with running_service(data_dir, workers=workers) as url:
         note(f"the service runs at {url} with {workers} workers")
-        answer = client.post_batch(documents, name="demo")
-        batch_id = answer["batch"]["id"]
-        _follow(client, batch_id, answer["accepted"])
-        jobs = sorted(client.jobs(batch_id), key=lambda job: job["item"])
-        runs = [client.get(f"/runs/{job['id']}") for job in jobs]
-    _print_verdicts(town, runs)
+        with ServiceClient(url) as client:
+            answer = client.post_batch(documents, name="demo")
+            batch_id = answer["batch"]["id"]
+            _follow(client, batch_id, answer["accepted"])
+            jobs = sorted(client.jobs(batch_id), key=lambda job: job["item"])
+            runs = [client.get(f"/runs/{job['id']}") for job in jobs]
+        _print_verdicts(town, runs)
+        campaign = search_on(url, data_dir, simulations=simulations)
     shown = max(runs, key=lambda run: run["violations"] or 0)
     picture = _draw(data_dir, shown)
     finished = sum(run["status"] == "finished" for run in runs)
-    typer.echo(f"{finished} of {len(runs)} runs judged in {time.monotonic() - begun:.0f} s.\n")
-    _print_where(data_dir, batch_id, shown["id"], picture)
-    if finished < len(runs):
+    record = campaign.found.record
+    typer.echo(
+        f"{finished} of {len(runs)} runs judged, and failures in {record.counts.violating} of "
+        f"{record.counts.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
+    )
+    _print_where(data_dir, batch_id, shown["id"], picture, campaign)
+    if finished < len(runs) or record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
 
 
@@ -123,19 +135,34 @@ def _draw(data_dir: Path, run: dict[str, Any]) -> Path | None:
     return picture
 
 
-def _print_where(data_dir: Path, batch_id: str, run_id: str, picture: Path | None) -> None:
+def _print_where(
+    data_dir: Path, batch_id: str, run_id: str, picture: Path | None, campaign: DemoCampaign
+) -> None:
     lines = [
         "Where to look:",
         f"  scenarios        {data_dir / 'seeds'}",
         f"  traces           {data_dir / 'traces'}",
         f"  service log      {data_dir / 'service.log'}",
+        f"  the campaign     {campaign.file}",
+        f"  its failures     {campaign.folder}",
     ]
     if picture is not None:
         lines.append(f"  a run, drawn     {picture}")
+    lines += [f"  a failure, drawn {drawn}" for drawn in campaign.pictures]
+    campaign_id = campaign.found.record.id
+    lines += ["Go on:", f"  drivora campaign show {campaign_id} --data-dir {data_dir}"]
+    for failure in campaign.found.failures[:1]:
+        name = campaign.folder / f"{failure.number:06d}"
+        lines += [
+            f"  drivora campaign show {campaign_id} --evaluation {failure.number} "
+            f"--data-dir {data_dir}",
+            f"  drivora run {name}.json    simulates the first failure again",
+            f"  drivora plot {name}.trace.parquet",
+        ]
     lines += [
-        "Go on:",
         f"  drivora plot {run_id} --data-dir {data_dir}",
         f"  drivora serve --data-dir {data_dir}    then open",
+        f"    http://127.0.0.1:8000/api/v1/campaigns/{campaign_id}",
         f"    http://127.0.0.1:8000/api/v1/batches/{batch_id}",
         f"    http://127.0.0.1:8000/api/v1/runs/{run_id}",
     ]

@@ -35,6 +35,10 @@ def plot(
     color_by: Annotated[
         ColorBy, typer.Option(help="What the colour of the egos' trails says.")
     ] = ColorBy.ACTOR,
+    rule: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Mark violations of this rule only; may be repeated."),
+    ] = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -49,7 +53,7 @@ def plot(
         raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
     path = _downloaded(server, run, target) if server else _trace_path(run, settings)
     try:
-        draw_trace(path, settings, target, color_by=color_by.value)
+        draw_trace(path, settings, target, color_by=color_by.value, rules=rule or ())
     finally:
         if server:
             path.unlink()
