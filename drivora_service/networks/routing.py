@@ -51,6 +51,10 @@ class RoutePoint:
     yaw: float | None = None
 
 
+_SHORT = 20.0
+"""Metres below which a way may turn out to be none when it is drawn."""
+
+
 def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     """Plans the shortest route along drivable lanes that passes points in order.
 
@@ -79,13 +83,21 @@ def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
     Raises:
         NoRoute: Whenever ``plan_route`` does.
     """
-    _find_way(network, tuple(points))
+    places = tuple(points)
+    if _length(_find_way(network, places)) < _SHORT:
+        _plan(network, places)
 
 
 @lru_cache(maxsize=512)
 def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
     """Plans a route once: batches and searches ask for the same places again and again."""
-    return build_route(network, _find_way(network, points))
+    route = build_route(network, _find_way(network, points))
+    if len(route.line) < 2:
+        raise NoRoute(
+            f"the {len(points)} points of the route are the same place on network "
+            f"{network.name!r}: there is nothing to drive; move one of them"
+        )
+    return route
 
 
 @lru_cache(maxsize=2048)

@@ -138,7 +138,7 @@ def test_a_campaign_is_left_alone_paused_resumed_and_given_up(
     )
     state_becomes("running")
     watching.send_signal(signal.SIGINT)
-    _, said = watching.communicate(timeout=60.0)
+    _, said = watching.communicate(timeout=240.0)
     assert "the service goes on with it" in said
     assert watching.returncode == 3
     state_becomes("running")

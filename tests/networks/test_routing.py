@@ -314,6 +314,12 @@ def assert_any_route_is_sound(network: RoadNetwork) -> None:
     property_holds()
 
 
+def test_a_route_that_goes_nowhere_is_sound_or_refused(shipped_network: RoadNetwork) -> None:
+    assert_route_is_sound(
+        shipped_network, [(0.375, 0.375, 0.0), (0.375, 0.3125, 0.0), (0.375, 0.375, 0.0)]
+    )
+
+
 def leaderboard_routes(folder: Path) -> list[tuple[str, str, list[tuple[float, float, float]]]]:
     """Reads (id, town, [(x, y, yaw)]) in CARLA's frame, degrees."""
     return [
