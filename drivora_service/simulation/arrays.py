@@ -67,6 +67,7 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         row[FollowerCol.MAX_DECELERATION] = plan.model.max_deceleration
         row[FollowerCol.LENGTH] = plan.model.length
         row[FollowerCol.WIDTH] = plan.model.width
+        row[FollowerCol.WAITS_FOR] = -1.0
     return Followers(
         places=np.array((rows, _offsets(counts)[:-1], counts), dtype=np.int64).T.copy(),
         path=np.concatenate(paths) if paths else np.empty((0, len(PathCol))),

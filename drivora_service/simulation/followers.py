@@ -2,7 +2,8 @@
 
 A follower's state is its arc length on its path and its speed; its pose is read off the path. A
 reactive vehicle also brakes, by the intelligent driver model (Treiber, Hennecke, Helbing 2000), for
-what stands or moves in the corridor ahead of it.
+what stands or moves in the corridor ahead of it. Reactive vehicles that stand in a ring, each
+waiting for the next, would stand for ever: after ``PATIENCE`` one of them is taken off the road.
 """
 
 from __future__ import annotations
@@ -21,6 +22,14 @@ from drivora_service.simulation.dynamics import GRAVITY
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+PATIENCE = 10.0
+"""Seconds for which reactive vehicles wait for each other in a ring before one of them is taken off
+the road: long enough not to meet a queue that dissolves, and a small part of the minute after which
+an ego behind them would be judged blocked. SUMO removes vehicles from its own jams likewise."""
+
+STANDING_SPEED = 0.1
+"""m/s below which a vehicle stands."""
 
 
 class Phase(IntEnum):
@@ -56,6 +65,10 @@ class FollowerCol(IntEnum):
     MAX_DECELERATION = 8
     LENGTH = 9
     WIDTH = 10
+    WAITED = 11
+    """Seconds for which it has stood, waiting for another."""
+    WAITS_FOR = 12
+    """Row of the actor that it waits for; -1 for none."""
 
 
 class PathCol(IntEnum):
@@ -77,7 +90,7 @@ class Followers:
         places: (F, 3) row of each follower in the world's arrays, where its path begins in
             ``path``, and how many points it has.
         path: (n, 6) paths end to end, columns ``PathCol``.
-        state: (F, 11), columns ``FollowerCol``.
+        state: (F, 13), columns ``FollowerCol``.
     """
 
     places: IntArray
@@ -87,7 +100,7 @@ class Followers:
 
 # The columns as plain numbers, which compiled functions index with.
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
-_MOST, _LEAST, _LENGTH, _WIDTH = (int(c) for c in tuple(FollowerCol)[7:])
+_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
 _X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in PathCol)
 _WAITING, _MOVING, _DONE = (float(phase) for phase in Phase)
 _BRAKES = float(Reaction.BRAKES)
@@ -105,9 +118,9 @@ def _gap_ahead(
     states: FloatArray,
     sizes: FloatArray,
     present: BoolArray,
-) -> tuple[float, float]:
-    """Gives the free metres in the corridor ahead, and the speed along it of what ends it."""
-    best, best_speed = np.inf, 0.0
+) -> tuple[float, float, int]:
+    """Gives the free metres in the corridor ahead, and the speed along it and row of its end."""
+    best, best_speed, best_row = np.inf, 0.0, -1
     x0, y0 = way[cursor, _X], way[cursor, _Y]
     for j in range(states.shape[0]):
         if j == row or not present[j] or abs(states[j, 8] - states[row, 8]) > LEVEL_GAP:
@@ -141,10 +154,10 @@ def _gap_ahead(
             extent = 0.5 * (sizes[j, 0] * c + sizes[j, 1] * d)
             gap = at + along - half_length - extent
             if gap < best:
-                best = gap
+                best, best_row = gap, j
                 best_speed = states[j, 3] * pcos + states[j, 4] * psin
             break
-    return best, best_speed
+    return best, best_speed, best_row
 
 
 @compiled
@@ -182,8 +195,29 @@ def advance_followers(
             next_present[row] = not done or me[_STAYS] > 0.0
         else:
             next_present[row] = me[_PHASE] == _DONE and me[_STAYS] > 0.0
+        if next_present[row] and me[_WAITED] > PATIENCE and _waits_in_ring(f, places, followers):
+            me[_PHASE], me[_STAYS] = _DONE, 0.0
+            next_present[row] = False
         if next_present[row]:
             _write_pose(me, way, next_states[row])
+
+
+@compiled
+def _waits_in_ring(f: int, places: IntArray, followers: FloatArray) -> bool:
+    """Gives whether a follower waits for one that waits for one … that waits for it."""
+    at = f
+    for _ in range(places.shape[0]):
+        if followers[at, _PHASE] != _MOVING or followers[at, _WAITED] <= PATIENCE:
+            return False
+        ahead, at = followers[at, _WAITS_FOR], -1
+        for g in range(places.shape[0]):
+            if places[g, 0] == ahead:
+                at = g
+        if at < 0:
+            return False
+        if at == f:
+            return True
+    return False
 
 
 @compiled
@@ -197,7 +231,7 @@ def _acceleration(
     sizes: FloatArray,
     present: BoolArray,
 ) -> float:
-    """Gives what the follower does to its speed, m/s²."""
+    """Gives what the follower does to its speed, m/s², and notes whom it waits for."""
     grip = friction * GRAVITY
     v = me[_SPEED]
     cursor = int(me[_CURSOR])
@@ -211,10 +245,13 @@ def _acceleration(
     acceleration = (target - v) / dt
     if me[_REACTION] == _BRAKES:
         reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * me[_LEAST])
-        gap, other = _gap_ahead(
+        gap, other, ahead = _gap_ahead(
             row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
             states, sizes, present,
         )  # fmt: skip
+        is_waiting = gap < reach and v < STANDING_SPEED
+        me[_WAITED] = me[_WAITED] + dt if is_waiting else 0.0
+        me[_WAITS_FOR] = ahead
         if gap < reach:
             a, b = most, 0.35 * me[_LEAST]
             space = 2.0 + max(0.0, v * 1.0 + v * (v - other) / (2.0 * math.sqrt(a * b)))

@@ -55,7 +55,7 @@ DISCOVERIES = {
         evidence={"face": "front", "reason": "the ego hit with its front"},
     ),
     "standstill": Discovery(
-        number=16, key="blocked|junction market_orchard", at_fault=None, evidence={"since": 18.8}
+        number=62, key="blocked|junction market_orchard", at_fault=None, evidence={"since": 23.35}
     ),
     "deadlock": Discovery(
         number=86,

@@ -11,7 +11,7 @@ from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import lay_followers
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.follower_path import build_path
-from drivora_service.simulation.followers import advance_followers
+from drivora_service.simulation.followers import PATIENCE, advance_followers
 from drivora_service.simulation.plan import FollowerPlan
 
 DT = 0.05
@@ -95,6 +95,34 @@ def test_reactive_stops_behind_an_obstacle_and_replay_does_not() -> None:
 def test_reactive_ignores_who_stands_beside_its_way() -> None:
     states, _ = follow([plan([(0, 0), (200, 0)], [12, 12], reacts=True)], 200, [(80, 3.6)])
     assert np.nanmax(states[:, 0, 0]) > 100
+
+
+def test_of_reactive_vehicles_that_wait_for_each_other_one_leaves_and_the_rest_go_on() -> None:
+    # The first two come to the crossing together, and the third queues behind the second.
+    plans = [
+        plan([(0, 0), (100, 0)], [6, 6], reacts=True),
+        plan([(50, -50), (50, 50)], [6, 6], reacts=True),
+        plan([(50, -62), (50, 50)], [6, 6], reacts=True),
+    ]
+    states, present = follow(plans, 800)
+    standing = np.hypot(states[:, :, 3], states[:, :, 4]) < 0.01
+    both = np.flatnonzero(standing[:, 0] & standing[:, 1])
+    assert both.size
+    left = np.flatnonzero(~present[:, 1])[0]
+    assert (left - both[0]) * DT == pytest.approx(PATIENCE, abs=1.0)
+    assert states[left - 1, 1, 1] < 0
+    assert np.nanmax(states[:, 0, 0]) == pytest.approx(100, abs=0.5)
+    assert np.nanmax(states[:, 2, 1]) == pytest.approx(50, abs=0.5)
+
+
+def test_who_waits_for_one_that_does_not_wait_stays() -> None:
+    plans = [
+        plan([(0, 0), (200, 0)], [12, 12], reacts=True),
+        plan([(-15, 0), (200, 0)], [12, 12], reacts=True),
+    ]
+    states, present = follow(plans, 1200, [(80, 0)])
+    assert present.all()
+    assert np.hypot(states[-1, :2, 3], states[-1, :2, 4]).max() < 0.01
 
 
 def test_slippery_roads_slow_bends_and_lengthen_braking() -> None:
