@@ -21,7 +21,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.comparison import compare_campaigns, measure
 from drivora_service.campaigns.conducting import conduct
@@ -29,7 +28,7 @@ from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -37,7 +36,6 @@ from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.search.space.scenario_space import ScenarioSpace
 
 AGENT = "idm"
@@ -101,11 +99,7 @@ TWINS = tuple(
 @cache
 def catalogues() -> Catalogues:
     """Gives what campaigns may name; one a process."""
-    return Catalogues(
-        networks=NetworkCatalogue(shipped_networks()),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
-    )
+    return installed_catalogues(NetworkCatalogue(shipped_networks()))
 
 
 def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int) -> dict[str, Any]:

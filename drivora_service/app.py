@@ -15,13 +15,12 @@ import structlog
 import uvicorn
 from fastapi import FastAPI
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
@@ -30,7 +29,6 @@ from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.scenario.warm_up import warm_up_checks
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
@@ -90,10 +88,8 @@ def create_app(settings: Settings) -> FastAPI:
             database.close()
             lock.release()
 
-    catalogues = Catalogues(
-        networks=NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
+    catalogues = installed_catalogues(
+        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir)
     )
     context = ApiContext(
         database=database,

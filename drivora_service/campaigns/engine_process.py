@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
-from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.stored import run_stored
 from drivora_service.errors import Conflict, DrivoraError
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.database import open_database
 from drivora_service.store.traces import TraceFolder
 
@@ -105,10 +103,8 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             database,
             campaign_id,
             setup.folder(campaign_id),
-            catalogues=Catalogues(
-                networks=NetworkCatalogue(setup.shipped_networks, setup.imported_networks),
-                agents=AgentCatalogue(),
-                testers=TesterCatalogue(),
+            catalogues=installed_catalogues(
+                NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
             ),
             evaluator=evaluating,
             if_wanted=True,

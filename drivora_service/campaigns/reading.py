@@ -39,6 +39,11 @@ class Catalogues:
     testers: TesterCatalogue
 
 
+def installed_catalogues(networks: NetworkCatalogue) -> Catalogues:
+    """Gives what campaigns may name here: these networks, and all agents and testers there are."""
+    return Catalogues(networks=networks, agents=AgentCatalogue(), testers=TesterCatalogue())
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValidCampaign:
     """A campaign that can be run.

@@ -9,19 +9,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import installed_catalogues, read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file
 from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.stored_campaigns import StoredCampaigns
-from drivora_service.search.catalogue import TesterCatalogue
-from drivora_service.settings import Settings
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest
 from drivora_service.worker_settings import run_limits, worker_setup
 
@@ -35,7 +32,7 @@ def create_campaign(
         ConfigurationError: The file cannot be read.
         InvalidDocument: It cannot be run.
     """
-    catalogues = _catalogues(campaigns.settings)
+    catalogues = installed_catalogues(network_catalogue(campaigns.settings))
     valid = read_campaign(read_campaign_file(path), catalogues)
     # What the space and the tester refuse, they shall refuse before anything is stored.
     prepare_search(valid, catalogues, run_prefix="")
@@ -83,18 +80,10 @@ def run_campaign(
             campaigns.database,
             campaign_id,
             campaigns.folder(campaign_id),
-            catalogues=_catalogues(settings),
+            catalogues=installed_catalogues(network_catalogue(settings)),
             evaluator=evaluating,
             watcher=watcher,
         )
-
-
-def _catalogues(settings: Settings) -> Catalogues:
-    return Catalogues(
-        networks=network_catalogue(settings),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
-    )
 
 
 @contextlib.contextmanager

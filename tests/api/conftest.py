@@ -16,17 +16,15 @@ import pytest
 import uvicorn
 from fastapi import FastAPI
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.catalogue import default_oracles
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 
@@ -94,11 +92,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
     def make(*, queued_runs: int = 1000, tokens: TokenFile | None = None) -> Offline:
         database = open_database(f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}")
         woken: list[int] = []
-        catalogues = Catalogues(
-            networks=NetworkCatalogue(shipped_networks()),
-            agents=AgentCatalogue(),
-            testers=TesterCatalogue(),
-        )
+        catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
         context = ApiContext(
             database=database,
             catalogues=catalogues,

@@ -11,17 +11,15 @@ from typing import Any
 
 import pytest
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.examples import SCENARIO
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import installed_catalogues, read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.worker_setup import WorkerSetup
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.database import open_database
 from tests.cli.conftest import Drivora
 
@@ -46,11 +44,7 @@ def content(tester: str, seed: int) -> dict[str, Any]:
 def study(tmp_path: Path) -> list[str]:
     """Ids of two testers' campaigns, three each, in the data folder that commands use."""
     data = tmp_path / "data"
-    catalogues = Catalogues(
-        networks=NetworkCatalogue(shipped_networks()),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
-    )
+    catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     ids = []
     with (

@@ -17,20 +17,18 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.examples import SCENARIO
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.evaluator import EvaluatorContext
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import installed_catalogues, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.worker_setup import WorkerSetup
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from tests.campaigns.analytic import sequence
@@ -58,11 +56,7 @@ def document(tester: str, simulations: int = 30, **changes: Any) -> dict[str, An
 
 def embedded(content: dict[str, Any], folder: Path) -> list[EvaluationRecord]:
     """What an uninterrupted campaign without a server evaluates, on one worker."""
-    catalogues = Catalogues(
-        networks=NetworkCatalogue(shipped_networks()),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
-    )
+    catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
     search = prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="embedded")
     context = EvaluatorContext(
         workers=1,

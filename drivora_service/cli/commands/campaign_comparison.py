@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from drivora_service.cli.options import DataDirOption
 from drivora_service.cli.output import JsonOption, note, print_json
-
-if TYPE_CHECKING:
-    from drivora_service.campaigns.reading import Catalogues
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
 
 def compare(
@@ -48,7 +44,9 @@ def compare(
     from drivora_service.campaigns.choosing import choose_campaigns
     from drivora_service.campaigns.comparing import compare_stored
     from drivora_service.campaigns.comparison import MEASURES, measure
+    from drivora_service.campaigns.reading import installed_catalogues
     from drivora_service.cli.campaign_comparison import comparison_result, print_comparison
+    from drivora_service.cli.embedded import network_catalogue
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     chosen = tuple(measure(name) for name in dict.fromkeys(measures)) if measures else MEASURES
@@ -56,7 +54,7 @@ def compare(
         comparison = compare_stored(
             campaigns.database,
             choose_campaigns(campaigns.database, wanted),
-            _catalogues(campaigns),
+            installed_catalogues(network_catalogue(campaigns.settings)),
             baseline=baseline,
             measures=chosen,
             equal_time=equal_time,
@@ -86,12 +84,14 @@ def report(
 ) -> None:
     """Tells what a campaign searched and found, as Markdown."""
     from drivora_service.campaigns.campaign_report import draw_examples, read_report
+    from drivora_service.campaigns.reading import installed_catalogues
     from drivora_service.campaigns.report_text import report_markdown
+    from drivora_service.cli.embedded import network_catalogue
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
     with StoredCampaigns(data_dir) as campaigns:
-        catalogues = _catalogues(campaigns)
+        catalogues = installed_catalogues(network_catalogue(campaigns.settings))
         told = read_report(campaigns.database, campaign_id, catalogues)
         if out is None:
             typer.echo(report_markdown(told, options=options), nl=False)
@@ -103,16 +103,3 @@ def report(
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(report_markdown(told, pictures=addresses, options=options))
     typer.echo(str(out))
-
-
-def _catalogues(campaigns: StoredCampaigns) -> Catalogues:
-    from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.campaigns.reading import Catalogues
-    from drivora_service.cli.embedded import network_catalogue
-    from drivora_service.search.catalogue import TesterCatalogue
-
-    return Catalogues(
-        networks=network_catalogue(campaigns.settings),
-        agents=AgentCatalogue(),
-        testers=TesterCatalogue(),
-    )

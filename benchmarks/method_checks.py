@@ -1,0 +1,261 @@
+"""What a user relies on in every testing method: nothing is lost, kills and K change nothing.
+
+    python -m benchmarks.method_checks budget --networks MAPS --out FILE
+    python -m benchmarks.method_checks kills --out FILE
+
+``budget`` runs a campaign of every method on two shipped networks and Town01, and counts what
+became of the candidates. ``kills`` runs one of every method with two workers, again with one, and
+again with three SIGKILLs at random moments, and compares the evaluations one by one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivora_service.campaigns.conducting import conduct
+from drivora_service.campaigns.figures import Subject, figures_of
+from drivora_service.campaigns.journal import MemoryJournal
+from drivora_service.campaigns.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import installed_catalogues, read_campaign
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.database import open_database
+
+SPACES: dict[str, dict[str, Any]] = {
+    "random": {},
+    "avfuzzer": {},
+    "behavexplor": {},
+    "samota": {},
+    "doppeltest": {"egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True},
+}
+"""What each method searches besides the defaults."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """A campaign to be run."""
+
+    tester: str
+    town: str
+    simulations: int
+    seed: int = 1
+
+
+def campaign_document(networks: NetworkCatalogue, wanted: Wanted) -> dict[str, Any]:
+    """Writes a campaign on a generated seed scenario."""
+    seeds = generate_seeds(
+        networks.get(wanted.town), count=1, min_length=150.0, max_length=250.0, seed=1, agent="idm"
+    )
+    return {
+        "name": f"{wanted.tester} on {wanted.town}",
+        "tester": {"name": wanted.tester},
+        "scenario": json.loads(document_text(next(iter(seeds)))),
+        "space": SPACES[wanted.tester],
+        "budget": {"simulations": wanted.simulations},
+        "seed": wanted.seed,
+    }
+
+
+def run_whole(
+    setup: WorkerSetup, networks: NetworkCatalogue, wanted: Wanted, workers: int
+) -> dict[str, Any]:
+    """Runs a campaign and gives what became of its candidates."""
+    catalogues = installed_catalogues(networks)
+    valid = read_campaign(json.dumps(campaign_document(networks, wanted)), catalogues)
+    search = prepare_search(valid, catalogues, run_prefix="check")
+    journal = MemoryJournal()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalExecutor(slots=workers, setup=setup, folder=Path(folder)) as executor,
+    ):
+        begun = time.perf_counter()
+        conduct(search, LocalEvaluator(executor), journal, confirm=False)
+        wall = time.perf_counter() - begun
+    records = list(journal.evaluations())
+    status = [record.status for record in records]
+    figures = figures_of(
+        Subject(campaign="", group=wanted.tester, scenario=wanted.town, seed=wanted.seed),
+        records,
+        ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes,
+    )
+    return {
+        "method": wanted.tester,
+        "town": wanted.town,
+        "simulations": figures.simulations,
+        "judged": status.count(EvaluationStatus.JUDGED),
+        "lost": status.count(EvaluationStatus.FAILED),
+        "invalid": status.count(EvaluationStatus.INVALID),
+        "failing": figures.failing,
+        "at_fault": figures.at_fault,
+        "kinds": figures.kinds,
+        "wall_s": round(wall, 1),
+        "run_ms": round(1000.0 * figures.simulation_s / figures.simulations, 1),
+        "own_ms": round(1000.0 * figures.own_s / figures.simulations, 1),
+        "own_share": round(figures.own_share, 3),
+    }
+
+
+def check_budgets(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Runs every method on every town."""
+    networks = NetworkCatalogue(shipped_networks(), options.networks)
+    setup = WorkerSetup(shipped_networks=shipped_networks(), imported_networks=options.networks)
+    for town in ("tee-town", "signal-grid", *(["Town01"] if options.networks else [])):
+        for tester in options.testers:
+            wanted = Wanted(tester=tester, town=town, simulations=options.simulations)
+            yield run_whole(setup, networks, wanted, options.workers)
+
+
+def sequence(data: Path, campaign_id: str) -> list[tuple[object, ...]]:
+    """Gives all of a stored campaign's evaluations that circumstances must not change."""
+    database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
+    try:
+        records = list(StoreJournal(database, campaign_id).evaluations())
+    finally:
+        database.close()
+    return [_told(record) for record in records]
+
+
+def _told(record: EvaluationRecord) -> tuple[object, ...]:
+    report = record.report
+    return (
+        record.number,
+        record.proposal.values.tobytes(),
+        record.proposal.origin,
+        record.proposal.generation,
+        record.proposal.parents,
+        record.status,
+        record.document_sha256,
+        record.failure_keys,
+        None if report is None else report.trace_sha256,
+    )
+
+
+def command(data: Path, *arguments: str) -> list[str]:
+    """Gives a command line of ``drivora campaign``."""
+    return [sys.executable, "-m", "drivora_service.cli", "campaign", *arguments, "--data-dir",
+            str(data), "--json"]  # fmt: skip
+
+
+def finish(data: Path, *arguments: str) -> str:
+    """Runs a command to its end and gives the campaign's id."""
+    done = subprocess.run(command(data, *arguments), capture_output=True, text=True, check=True)
+    return str(json.loads(done.stdout)["id"])
+
+
+def told_so_far(data: Path) -> tuple[str, int]:
+    """Gives the newest campaign and how many evaluations it has told; ("", 0) for none."""
+    database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
+    try:
+        with database.read() as transaction:
+            for record in transaction.campaigns.page(limit=1).items:
+                return record.id, record.counts.evaluations
+    finally:
+        database.close()
+    return "", 0
+
+
+def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
+    """Kills a campaign's process group once it has told so many; gives how many it had told."""
+    while process.poll() is None:
+        if told_so_far(data)[1] >= told:
+            os.killpg(process.pid, signal.SIGKILL)
+            break
+        time.sleep(0.05)
+    process.wait()
+    return told_so_far(data)[1]
+
+
+def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Runs every method whole with K = 2 and K = 1, and killed three times."""
+    networks = NetworkCatalogue(shipped_networks())
+    for tester in options.testers:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            file = folder / "campaign.json"
+            wanted = Wanted(tester=tester, town="tee-town", simulations=options.simulations)
+            file.write_text(json.dumps(campaign_document(networks, wanted)))
+            two = finish(folder / "two", "run", str(file), "--workers", "2")
+            one = finish(folder / "one", "run", str(file), "--workers", "1")
+            luck = random.Random(f"{tester} {options.seed}")
+            moments = sorted(luck.sample(range(1, options.simulations - 1), 3))
+            killed, data, arguments = [], folder / "killed", ["run", str(file)]
+            for moment in moments:
+                process = subprocess.Popen(
+                    command(data, *arguments),
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    start_new_session=True,
+                )
+                killed.append(kill_at(data, process, moment))
+                arguments = ["resume", told_so_far(data)[0]]
+            finish(data, *arguments)
+            whole = sequence(folder / "two", two)
+            alone = sequence(folder / "one", one)
+            again = sequence(data, arguments[1])
+            yield {
+                "method": tester,
+                "evaluations": len(whole),
+                "failing": sum(bool(told[7]) for told in whole),
+                "one_worker_the_same": alone == whole,
+                "killed_after": killed,
+                "killed_the_same": again == whole,
+            }
+
+
+def print_table(rows: Iterator[dict[str, Any]], out: Path | None) -> None:
+    """Prints rows as they come, and writes them as lines of JSON."""
+    header: Sequence[str] = ()
+    for row in rows:
+        if not header:
+            header = list(row)
+            print("|", " | ".join(header), "|")
+            print("|", " | ".join("---" for _ in header), "|")
+        print("|", " | ".join(str(row[name]) for name in header), "|", flush=True)
+        if out is not None:
+            out.parent.mkdir(parents=True, exist_ok=True)
+            with out.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+
+
+def main() -> None:
+    """Runs the checks."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(required=True)
+    budget = commands.add_parser("budget", help="every method on three towns")
+    budget.add_argument("--networks", type=Path, help="folder with Town01.net.xml")
+    budget.add_argument("--simulations", type=int, default=500)
+    budget.add_argument("--workers", type=int, default=2)
+    budget.set_defaults(check=check_budgets)
+    kills = commands.add_parser("kills", help="every method, killed three times")
+    kills.add_argument("--simulations", type=int, default=150)
+    kills.add_argument("--seed", type=int, default=1)
+    kills.set_defaults(check=check_kills)
+    for checking in (budget, kills):
+        checking.add_argument("--testers", nargs="+", default=list(SPACES))
+        checking.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    print_table(options.check(options), options.out)
+
+
+if __name__ == "__main__":
+    main()
