@@ -181,8 +181,7 @@ class BehaviourModel:
 
     @cached_property
     def _threads(self) -> ThreadpoolController:
-        # scikit-learn loads what is to be limited.
-        import sklearn.cluster  # noqa: F401
+        import sklearn.cluster  # noqa: F401 -- loads the libraries whose threads are limited
         from threadpoolctl import ThreadpoolController
 
         return ThreadpoolController()

@@ -2,8 +2,8 @@
 
 All take features in 0..1 and model several objectives at once, each for itself. Objectives have
 mean 0 and deviation 1 over the training set. The models are sums of kernels at the training points,
-solved by SciPy and evaluated here: for the few candidates of a generation, the checks that
-scikit-learn's and smt's models make of their arguments cost several times the arithmetic.
+solved by SciPy and evaluated here: for the few candidates of a generation, what the models of
+libraries do besides costs several times the arithmetic (decision 18).
 """
 
 from __future__ import annotations
