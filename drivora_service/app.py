@@ -107,6 +107,7 @@ def create_app(settings: Settings) -> FastAPI:
         wake=dispatcher.wake,
         wake_campaigns=campaigns.wake,
         workers_alive=lambda: dispatcher.is_alive,
+        campaigns_alive=lambda: campaigns.is_alive,
     )
     return create_api(context, lifespan)
 

@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -42,7 +43,7 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
 
     The descriptions come from the section ``Attributes`` of its docstring.
     """
-    described = TypeAdapter(type_).json_schema()
+    described = _adapter(type_).json_schema()
     section = (inspect.getdoc(type_) or "").partition("Attributes:\n")[2]
     texts = {name: " ".join(text.split()) for name, text in _ATTRIBUTE.findall(section)}
     return tuple(
@@ -54,6 +55,12 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
         )
         for name, schema in described.get("properties", {}).items()
     )
+
+
+@cache
+def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
+    """Gives what checks a dataclass; to make it takes longer than a second of simulation."""
+    return TypeAdapter(type_)
 
 
 _NOT_TYPE = frozenset({"default", "title", "description"})
@@ -86,10 +93,11 @@ def read_parameters(type_: type[P], parameters: Mapping[str, Any], *, of: str) -
             "true, false, lists"
         ) from error
     try:
-        return TypeAdapter(type_).validate_json(text, strict=True)
+        read: P = _adapter(type_).validate_json(text, strict=True)
     except ValidationError as error:
         found = "; ".join(
             f"{'.'.join(map(str, problem['loc']))} is {problem['input']!r}: {problem['msg']}"
             for problem in error.errors(include_url=False)
         )
         raise SearchError(f"{of}: {found}") from error
+    return read

@@ -49,6 +49,7 @@ class ApiContext:
         wake: Tells the dispatcher that there is work.
         wake_campaigns: Tells the supervisor of campaigns that one is to be run.
         workers_alive: Whether the dispatcher hands out runs.
+        campaigns_alive: Whether the supervisor of campaigns starts them.
     """
 
     database: Database
@@ -62,6 +63,7 @@ class ApiContext:
     wake: Callable[[], None]
     wake_campaigns: Callable[[], None]
     workers_alive: Callable[[], bool]
+    campaigns_alive: Callable[[], bool]
 
     @property
     def networks(self) -> NetworkCatalogue:

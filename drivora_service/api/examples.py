@@ -151,6 +151,7 @@ READINESS = service.Readiness(
     checks=(
         service.Check(name="database", ok=True, detail=""),
         service.Check(name="workers", ok=True, detail=""),
+        service.Check(name="campaigns", ok=True, detail=""),
     ),
 )
 NOT_READY = service.Readiness(
@@ -158,6 +159,7 @@ NOT_READY = service.Readiness(
     checks=(
         service.Check(name="database", ok=True, detail=""),
         service.Check(name="workers", ok=False, detail="no worker hands out runs"),
+        service.Check(name="campaigns", ok=True, detail=""),
     ),
 )
 

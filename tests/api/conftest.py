@@ -105,6 +105,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             wake=lambda: woken.append(1),
             wake_campaigns=lambda: woken.append(1),
             workers_alive=lambda: False,
+            campaigns_alive=lambda: False,
         )
         app = create_api(context)
         url = stack.enter_context(served(app))

@@ -32,8 +32,8 @@ def healthz() -> Health:
     },
 )
 def readyz(context: Context, response: Response) -> Readiness:
-    """Answers 200 if runs can be taken and handed out, else 503."""
-    checks = (_database(context), _workers(context))
+    """Answers 200 if runs can be taken and handed out and campaigns started, else 503."""
+    checks = (_database(context), _workers(context), _campaigns(context))
     ready = all(check.ok for check in checks)
     response.status_code = 200 if ready else 503
     return Readiness(ready=ready, checks=checks)
@@ -71,3 +71,8 @@ def _database(context: Context) -> Check:
 def _workers(context: Context) -> Check:
     alive = context.workers_alive()
     return Check(name="workers", ok=alive, detail="" if alive else "no worker hands out runs")
+
+
+def _campaigns(context: Context) -> Check:
+    alive = context.campaigns_alive()
+    return Check(name="campaigns", ok=alive, detail="" if alive else "no campaign is started")
