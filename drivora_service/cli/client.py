@@ -160,8 +160,14 @@ class ServiceClient:
         return response
 
 
-def _given(parameters: dict[str, object]) -> dict[str, str]:
-    return {name: str(value) for name, value in parameters.items() if value not in (None, "")}
+def _given(parameters: dict[str, object]) -> list[tuple[str, str]]:
+    """Gives the parameters of a request; a list stands for a parameter that is repeated."""
+    return [
+        (name, str(value))
+        for name, values in parameters.items()
+        for value in (values if isinstance(values, list) else [values])
+        if value not in (None, "")
+    ]
 
 
 def _refusal(response: httpx.Response) -> InvalidDocument | ServiceError:

@@ -17,6 +17,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.reading import installed_catalogues, read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
+from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -100,6 +101,10 @@ def test_real_campaigns_are_compared_and_reported(
             for suffix in ("png", "svg")
         ]
     )
+
+    with running_service(tmp_path / "data", workers=1) as url:
+        asked = drivora("campaign", "compare", "study-*", "--server", url, "--json")
+    assert asked.json() == result
 
     timed = drivora(
         "campaign",

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, note, print_json
+
+if TYPE_CHECKING:
+    from drivora_service.campaigns.comparing import Comparison
 
 
 def compare(
@@ -37,28 +40,22 @@ def compare(
         Path | None,
         typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and charts there."),
     ] = None,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Compares methods by finished campaigns: effect sizes, p-values, tables, charts."""
-    from drivora_service.campaigns.choosing import choose_campaigns
-    from drivora_service.campaigns.comparing import compare_stored
-    from drivora_service.campaigns.comparison import MEASURES, measure
-    from drivora_service.campaigns.reading import installed_catalogues
     from drivora_service.cli.campaign_comparison import comparison_result, print_comparison
-    from drivora_service.cli.embedded import network_catalogue
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
 
-    chosen = tuple(measure(name) for name in dict.fromkeys(measures)) if measures else MEASURES
-    with StoredCampaigns(data_dir) as campaigns:
-        comparison = compare_stored(
-            campaigns.database,
-            choose_campaigns(campaigns.database, wanted),
-            installed_catalogues(network_catalogue(campaigns.settings)),
-            baseline=baseline,
-            measures=chosen,
-            equal_time=equal_time,
+    names = tuple(dict.fromkeys(measures or ()))
+    if server:
+        from drivora_service.cli.service_comparison import compare_on_service
+
+        comparison = compare_on_service(
+            server, wanted, baseline=baseline, measures=names, equal_time=equal_time
         )
+    else:
+        comparison = _compare_here(wanted, data_dir, baseline, names, equal_time=equal_time)
     if as_json:
         print_json(comparison_result(comparison))
     else:
@@ -68,6 +65,33 @@ def compare(
 
         for path in write_comparison(comparison, out):
             note(str(path))
+
+
+def _compare_here(
+    wanted: list[str],
+    data_dir: Path | None,
+    baseline: str,
+    names: tuple[str, ...],
+    *,
+    equal_time: bool,
+) -> Comparison:
+    from drivora_service.campaigns.choosing import choose_campaigns
+    from drivora_service.campaigns.comparing import compare_stored
+    from drivora_service.campaigns.comparison import MEASURES, measure
+    from drivora_service.campaigns.reading import installed_catalogues
+    from drivora_service.cli.embedded import network_catalogue
+    from drivora_service.cli.stored_campaigns import StoredCampaigns
+
+    chosen = tuple(measure(name) for name in names) if names else MEASURES
+    with StoredCampaigns(data_dir) as campaigns:
+        return compare_stored(
+            campaigns.database,
+            choose_campaigns(campaigns.database, wanted),
+            installed_catalogues(network_catalogue(campaigns.settings)),
+            baseline=baseline,
+            measures=chosen,
+            equal_time=equal_time,
+        )
 
 
 def report(

@@ -1,0 +1,73 @@
+"""Comparisons that a service made, over HTTP."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from drivora_service.campaigns.comparing import Comparison
+from drivora_service.campaigns.comparison import Row, measure
+from drivora_service.campaigns.figures import CampaignFigures
+from drivora_service.campaigns.statistics import Effect
+from drivora_service.cli.client import ServiceClient
+
+
+def compare_on_service(
+    url: str,
+    wanted: Sequence[str],
+    *,
+    baseline: str,
+    measures: Sequence[str],
+    equal_time: bool,
+) -> Comparison:
+    """Has a service compare campaigns of its own.
+
+    Args:
+        url: Address of the service.
+        wanted: Ids or names of campaigns, or patterns of names.
+        baseline: Method that the others are compared with.
+        measures: By what, by name; empty: by all.
+        equal_time: Whether to count what each had done after the time that the shortest one took.
+
+    Raises:
+        ServiceError: The service refused or did not answer.
+    """
+    with ServiceClient(url) as client:
+        answer = client.get(
+            "/campaigns:compare",
+            campaign=list(wanted),
+            baseline=baseline,
+            measure=list(measures),
+            equal_time=equal_time,
+        )
+    return Comparison(
+        baseline=answer["baseline"],
+        figures=tuple(_figures(item) for item in answer["campaigns"]),
+        rows=tuple(_row(item, answer["baseline"]) for item in answer["differences"]),
+        budgets=answer["budgets"],
+        time_limits=answer["time_limits_s"],
+        notes=tuple(answer["notes"]),
+    )
+
+
+def _figures(item: dict[str, Any]) -> CampaignFigures:
+    derived = ("own_share",)
+    given = {name: value for name, value in item.items() if name not in derived}
+    return TypeAdapter(CampaignFigures).validate_python(given)
+
+
+def _row(item: dict[str, Any], baseline: str) -> Row:
+    return Row(
+        scenario=item["scenario"],
+        measure=measure(item["measure"]),
+        group=item["group"],
+        baseline=baseline,
+        repetitions=item["repetitions"],
+        baseline_repetitions=item["baseline_repetitions"],
+        median=item["median"],
+        baseline_median=item["baseline_median"],
+        effect=Effect(a12=item["a12"], low=item["low"], high=item["high"], p=item["p"]),
+        p_holm=item["p_holm"],
+    )
