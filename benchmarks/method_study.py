@@ -1,8 +1,9 @@
 """Which method finds more: repeated campaigns of every method against random testing.
 
 Every method and its twin without feedback searches the same gene space on the same seed scenarios
-with the same budget; a repetition differs in its seed alone. Results are appended to a file, one
-line a campaign, so that a study can be interrupted and gone on with.
+with the same budget; a repetition differs in its seed alone. DoppelTest, which is about several
+egos, has scenes of its own. Results are appended to a file, one line a campaign, so that a study
+can be interrupted and gone on with.
 
     python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl
     python -m benchmarks.method_study show benchmarks/results/methods.jsonl
@@ -29,13 +30,12 @@ from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
+from drivora_service.cli.campaign_files import shipped_campaigns
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.worker_setup import WorkerSetup
-from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.scenario_space import ScenarioSpace
 
 AGENT = "idm"
@@ -45,25 +45,26 @@ STEP = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """A seed scenario: a generated ego route of about 30 s."""
+    """A seed scenario, a run of which takes about half a minute, and what varies in it.
 
-    town: str
-    seed: int
-    min_length: float
-    max_length: float
+    Attributes:
+        file: One of the shipped examples; its egos and weather are kept, other actors left out.
+        egos: "one ego" or "several egos": which methods search it.
+        space: What varies, as in a campaign file.
+    """
 
-    @property
-    def name(self) -> str:
-        """Names it in tables."""
-        return f"{self.town}-{self.seed}"
+    name: str
+    file: str
+    egos: str
+    space: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arm:
-    """A method in one gene space; arms with the same space are compared."""
+    """A method on scenes of one kind."""
 
     tester: str
-    space: str
+    egos: str
     feedback: str = "own"
 
     @property
@@ -72,28 +73,55 @@ class Arm:
         return self.tester if self.feedback == "own" else f"{self.tester} without feedback"
 
 
+_MEETING = {"optional": True, "vehicles": 0, "walkers": 0, "weather": False}
 SCENES = (
-    Scene(town="signal-grid", seed=1, min_length=110.0, max_length=150.0),
-    Scene(town="old-town", seed=2, min_length=150.0, max_length=190.0),
-    Scene(town="arterial", seed=3, min_length=220.0, max_length=280.0),
+    Scene(
+        name="motorway in rain",
+        file="campaigns/highway-in-rain.json",
+        egos="one ego",
+        space={"vehicles": 4, "walkers": 0, "weather": False},
+    ),
+    Scene(
+        name="wet arterial",
+        file="wet-arterial.json",
+        egos="one ego",
+        space={"vehicles": 5, "walkers": 2, "weather": True},
+    ),
+    Scene(
+        name="left turn",
+        file="campaigns/market-street.json",
+        egos="one ego",
+        space={"vehicles": 6, "walkers": 1, "weather": True},
+    ),
+    Scene(
+        name="left turn, five egos",
+        file="campaigns/market-street.json",
+        egos="several egos",
+        space={**_MEETING, "egos": 5, "vehicles": 2, "max_ego_delay": 3.0},
+    ),
+    Scene(
+        name="orchard lane, five egos",
+        file="campaigns/orchard-lane.json",
+        egos="several egos",
+        space={**_MEETING, "egos": 5, "max_ego_delay": 3.0},
+    ),
+    Scene(
+        name="church lane, eight egos",
+        file="campaigns/church-lane.json",
+        egos="several egos",
+        space={**_MEETING, "egos": 8, "max_ego_delay": 4.0},
+    ),
 )
-SPACES: dict[str, dict[str, Any]] = {
-    "one ego": {"vehicles": 3, "walkers": 1, "weather": True},
-    "several egos": {
-        "egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True, "optional": True,
-        "max_ego_delay": 5.0,
-    },
-}  # fmt: skip
 ARMS = (
-    Arm(tester="random", space="one ego"),
-    Arm(tester="avfuzzer", space="one ego"),
-    Arm(tester="behavexplor", space="one ego"),
-    Arm(tester="samota", space="one ego"),
-    Arm(tester="random", space="several egos"),
-    Arm(tester="doppeltest", space="several egos"),
+    Arm(tester="random", egos="one ego"),
+    Arm(tester="avfuzzer", egos="one ego"),
+    Arm(tester="behavexplor", egos="one ego"),
+    Arm(tester="samota", egos="one ego"),
+    Arm(tester="random", egos="several egos"),
+    Arm(tester="doppeltest", egos="several egos"),
 )
 TWINS = tuple(
-    Arm(tester=arm.tester, space=arm.space, feedback="shuffled")
+    Arm(tester=arm.tester, egos=arm.egos, feedback="shuffled")
     for arm in ARMS
     if arm.tester != "random"
 )
@@ -107,27 +135,23 @@ def catalogues() -> Catalogues:
 
 def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int) -> dict[str, Any]:
     """Writes the campaign of one repetition."""
-    network = catalogues().networks.get(scene.town)
-    seed = next(
-        iter(
-            generate_seeds(
-                network,
-                count=1,
-                min_length=scene.min_length,
-                max_length=scene.max_length,
-                seed=scene.seed,
-                agent=AGENT,
-            )
-        )
-    )
+    scenario = json.loads((shipped_campaigns().parent / scene.file).read_text())
+    kept = {key: scenario[key] for key in ("version", "frame", "ego_vehicles", "map_region")}
+    for ego in kept["ego_vehicles"]:
+        ego["agent"] = {"name": AGENT}
     return {
-        "name": f"{scene.name}, {arm.space}, {arm.name}, {repetition}",
+        "name": campaign_name(scene, arm, repetition),
         "tester": {"name": arm.tester, "feedback": arm.feedback},
-        "scenario": {**json.loads(document_text(seed)), "step_length": STEP},
-        "space": SPACES[arm.space],
+        "scenario": {**kept, "weather": scenario.get("weather", {}), "step_length": STEP},
+        "space": scene.space,
         "budget": {"simulations": simulations},
         "seed": repetition,
     }
+
+
+def campaign_name(scene: Scene, arm: Arm, repetition: int) -> str:
+    """Names a campaign, by which it is found again."""
+    return f"{scene.name}, {arm.name}, {repetition}"
 
 
 def run_campaign(
@@ -150,7 +174,7 @@ def run_campaign(
         genes,
     )
     return {
-        "space": arm.space,
+        "egos": scene.egos,
         "simulations": simulations,
         "wall_s": round(wall, 2),
         "figures": asdict(figures),
@@ -192,10 +216,10 @@ def run(options: argparse.Namespace) -> None:
         (scene, arm, repetition, options.simulations)
         for repetition in range(1, options.repetitions + 1)
         for scene in SCENES
-        if scene.town in options.towns
         for arm in arms
-        if arm.tester in options.testers
-        and f"{scene.name}, {arm.space}, {arm.name}, {repetition}" not in known
+        if arm.egos == scene.egos
+        and arm.tester in options.testers
+        and campaign_name(scene, arm, repetition) not in known
     ]
     context = multiprocessing.get_context("spawn")
     tasks, results = context.Queue(), context.Queue()
@@ -266,19 +290,15 @@ def with_clusters(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
     lines = list(read(options.results))
-    for space in SPACES:
+    for egos in dict.fromkeys(scene.egos for scene in SCENES):
         figures: list[CampaignFigures] = []
         for scene in SCENES:
-            here = [
-                line
-                for line in lines
-                if line["space"] == space and line["figures"]["scenario"] == scene.name
-            ]
-            if here:
+            here = [line for line in lines if line["figures"]["scenario"] == scene.name]
+            if here and scene.egos == egos:
                 figures += with_clusters(here)
         if len({f.group for f in figures}) < 2:
             continue
-        print(f"\n### {space}\n")
+        print(f"\n### {egos}\n")
         print("| scene | measure | method | n | median | random | A12 (95 %) | p | p (Holm) |")
         print("|---|---|---|---|---|---|---|---|---|")
         measures = [measure(name) for name in options.measure]
@@ -301,7 +321,6 @@ def main() -> None:
     running.add_argument("--repetitions", type=int, default=20)
     running.add_argument("--simulations", type=int, default=300)
     running.add_argument("--workers", type=int, default=2, help="campaigns at once")
-    running.add_argument("--towns", nargs="+", default=[scene.town for scene in SCENES])
     running.add_argument("--testers", nargs="+", default=sorted({arm.tester for arm in ARMS}))
     running.add_argument("--twins", action="store_true", help="also without feedback")
     running.set_defaults(do=run)
