@@ -7,10 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import Agent
+from drivora_service.agents.package_files import PackageFile
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
 from drivora_service.plugin_table import PluginTable
@@ -44,6 +46,30 @@ class AgentEntry:
     installed: bool = True
     reason: str = ""
     privileged: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchedAgentPlugin:
+    """A built-in agent that runs in process and needs files of other packages, such as weights.
+
+    ``drivora agents install NAME`` fetches the files into a folder of the agent's own; until then
+    its entry says that it is not installed. Drivora itself ships none of them.
+
+    Attributes:
+        entry: As for every agent; ``licence`` is shown before anything is fetched.
+        files: What to fetch. A change here makes an older installation count as none.
+        create: Takes the document's parameters and the folder that holds the files; raises
+            ``AgentError`` if it cannot use them.
+    """
+
+    entry: AgentEntry
+    files: tuple[PackageFile, ...]
+    create: Callable[[Mapping[str, Any], Path], Agent]
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return self.entry.name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,6 +149,8 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
     _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),
     _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
 )
+
+FETCHED: tuple[FetchedAgentPlugin, ...] = ()
 
 
 class AgentCatalogue:
