@@ -12,7 +12,11 @@ from typing import Any
 
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import Agent
+from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
+from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
 from drivora_service.agents.package_files import PackageFile
+from drivora_service.agents.puffer_drive import agent as puffer_drive
+from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
 from drivora_service.plugin_table import PluginTable
@@ -150,7 +154,38 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
     _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
 )
 
-FETCHED: tuple[FetchedAgentPlugin, ...] = ()
+FETCHED: tuple[FetchedAgentPlugin, ...] = (
+    FetchedAgentPlugin(
+        entry=AgentEntry(
+            name="metadrive-ppo",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "expert policy trained by PPO in MetaDrive, from rays and the nearest vehicles to "
+                "steering and throttle; knows neither lights nor right of way nor limits: its "
+                "adapter brakes for lights and holds back at the limit"
+            ),
+            source="metadrive-simulator 0.4.3 (Li et al. 2022)",
+            licence="Apache-2.0",
+        ),
+        files=(METADRIVE_WEIGHTS,),
+        create=metadrive_ppo.create,
+    ),
+    FetchedAgentPlugin(
+        entry=AgentEntry(
+            name="puffer-drive",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "self-play policy trained on recorded city scenes, from roads and vehicles to a "
+                "choice of acceleration and steering; reckless; knows neither lights nor right of "
+                "way nor limits: its adapter brakes for lights and holds back at the limit"
+            ),
+            source="pufferlib 3.0.0 (Suarez 2024; scenes of GPUDrive, Kazemkhani et al. 2024)",
+            licence="MIT",
+        ),
+        files=(PUFFER_WEIGHTS,),
+        create=puffer_drive.create,
+    ),
+)
 
 
 class AgentCatalogue:
