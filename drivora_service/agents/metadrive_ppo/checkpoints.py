@@ -8,6 +8,7 @@ of each. Here the pieces are found in the bends of the route itself.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +78,7 @@ def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
     side = np.where(np.abs(bend) > _LEAST_BEND, np.sign(bend), 0.0)
     cuts = [0, *(np.flatnonzero(np.diff(side)) + 1).tolist(), count]
     turns: list[tuple[float, float, float]] = []
-    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, last in pairwise(cuts):
         angle = float(smooth[last - 1] - smooth[first])
         if side[first] == 0.0 or abs(angle) < _LEAST_TURN:
             continue
@@ -87,7 +88,5 @@ def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
         begin, end = (float(s[first + int(np.searchsorted(turned, x))]) for x in (low, high))
         margin = (end - begin) / 8.0
         earliest = turns[-1][1] if turns else 0.0
-        turns.append(
-            (max(begin - margin, earliest), min(end + margin, float(s[-1])), angle)
-        )
+        turns.append((max(begin - margin, earliest), min(end + margin, float(s[-1])), angle))
     return turns

@@ -1,9 +1,10 @@
 """PufferLib's driving policy at the wheel.
 
-The policy drives to a goal that it was given as a point; here the goal moves ahead of the ego along
-its route. Ten times a second it chooses one of seven accelerations and one of thirteen steering
-angles, which move the ego as they moved the vehicles in its training. It knows neither traffic
-lights nor speed limits, so this agent brakes for the one and holds back at the other.
+The policy drives to a goal, a point that it was rewarded for coming near to. Here goals stand along
+the route, one after the other; each is to the policy what an episode was in training. Ten times a
+second it chooses one of seven accelerations and one of thirteen steering angles, which move the ego
+as they moved the vehicles in its training. It knows neither traffic lights nor speed limits, so
+this agent brakes for the one and holds back at the other.
 """
 
 from __future__ import annotations
@@ -37,8 +38,12 @@ _ACCELERATION_SHARE = 0.5
 """Of an acceleration that it chooses, which is what took effect in its training."""
 _HARDEST = 4.0
 """m/s², largest acceleration to choose."""
-_GOAL_DISTANCE, _NEAREST_GOAL, _FURTHEST_GOAL = 40.0, 5.0, 100.0
-"""Metres along the route from the ego to the goal it is shown: usual, least and most."""
+_GOAL_DISTANCE, _NEAREST_GOAL, _FURTHEST_GOAL = 20.0, 5.0, 100.0
+"""Metres along the route from one goal to the next: usual, least and most."""
+_REACHED = 2.5
+"""Metres from a goal at which it is reached; 2 m in training."""
+_PASSED = 1.0
+"""Metres before a goal's place on the route from which the next one is shown all the same."""
 
 
 class PufferDriveAgent:
@@ -49,7 +54,7 @@ class PufferDriveAgent:
 
         Args:
             weights: Of the policy.
-            goal_distance: Metres along the route from the ego to the goal it is shown.
+            goal_distance: Metres along the route from one goal to the next.
         """
         self._policy = DrivePolicy(weights)
         self._goal_distance = goal_distance
@@ -67,7 +72,7 @@ class PufferDriveAgent:
         self._next_decision = -math.inf
         self._forget_at = -math.inf
         self._acceleration = self._steering = 0.0
-        self._goal = np.zeros(2)
+        self._goal, self._goal_s = np.zeros(2), -math.inf
         self._seen = np.zeros(OBSERVATION_SIZE, dtype=np.float32)
         self._log = context.log
         self._log.declare("acceleration", "steering", "goal_x", "goal_y")
@@ -80,7 +85,7 @@ class PufferDriveAgent:
         speed = max(observation.speed, 0.0)
         acceleration = _ACCELERATION_SHARE * self._acceleration
         dt = self._step_length
-        acceleration = min(acceleration, (observation.speed_limit - speed) / dt, key=float)
+        acceleration = min(acceleration, (observation.speed_limit - speed) / dt)
         acceleration = min(acceleration, light_acceleration(observation, self._max_braking))
         row = self._log.row
         row[0], row[1] = acceleration, self._steering
@@ -99,14 +104,14 @@ class PufferDriveAgent:
         )
 
     def _decide(self, observation: Observation) -> None:
+        x, y = observation.ego[:2].tolist()
+        is_there = math.hypot(self._goal[0] - x, self._goal[1] - y) < _REACHED
+        if is_there or observation.route_s > self._goal_s - _PASSED:
+            self._set_goal(observation.route_s + self._goal_distance)
+            self._forget_at = observation.time
         if observation.time > self._forget_at - 1e-6:
             self._forget_at = observation.time + _MEMORY
             self._policy.forget()
-        s, route = observation.route_s + self._goal_distance, self._route
-        for k in (0, 1):
-            self._goal[k] = np.interp(s, route.arc, route.line[:, k])
-        # Behind the destination the way goes straight on: goals there are still 40 m away.
-        self._goal += max(s - route.length, 0.0) * self._last_direction
         encode(
             observation.ego, observation.speed, self._size, self._goal, observation.objects,
             observation.object_sizes, self._road, self._seen,
@@ -117,6 +122,14 @@ class PufferDriveAgent:
         middle, most = ACCELERATIONS // 2, STEERINGS // 2
         self._acceleration = _HARDEST * (acceleration - middle) / middle
         self._steering = (steering - most) / most
+
+    def _set_goal(self, s: float) -> None:
+        """Puts the goal on the route; behind its end, straight on."""
+        route = self._route
+        for k in (0, 1):
+            self._goal[k] = np.interp(s, route.arc, route.line[:, k])
+        self._goal += max(s - route.length, 0.0) * self._last_direction
+        self._goal_s = s
 
 
 def create(parameters: Mapping[str, Any], folder: Path) -> PufferDriveAgent:

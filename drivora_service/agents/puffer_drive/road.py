@@ -15,7 +15,7 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 FloatArray = NDArray[np.float64]
 
 LANE, LINE, EDGE = 0.0, 1.0, 2.0
-"""Kinds of pieces: along a lane's middle, along the line at its left, along the edge of the road."""
+"""Kinds of pieces: along the middle of a lane, the line at its left, the edge of the road."""
 
 _LONGEST = 8.0
 """Metres of a piece, at most."""
