@@ -54,7 +54,7 @@ def find_corridor(network: RoadNetwork, route: LaneRoute) -> RouteCorridor:
     heading, width, lanes = np.empty(count), np.empty(count), np.empty(count)
     blocks = _blocks(network, route)
     for number, (first, last) in enumerate(blocks):
-        edge = network.lanes[route.point_lanes[first]].edge_id
+        edge = network.lanes[int(route.point_lanes[first])].edge_id
         following = _next_edge(network, route, blocks[number + 1 :])
         usable = _usable(network, edge, following)
         for begin, end in _runs_of_equal(route.point_lanes[first:last]):
@@ -87,7 +87,7 @@ def _runs_of_equal(values: NDArray[np.int64]) -> list[tuple[int, int]]:
 def _next_edge(network: RoadNetwork, route: LaneRoute, blocks: list[tuple[int, int]]) -> str:
     """Gives the next edge outside a junction, "" behind the last."""
     for first, _ in blocks:
-        lane = network.lanes[route.point_lanes[first]]
+        lane = network.lanes[int(route.point_lanes[first])]
         if not lane.is_internal:
             return lane.edge_id
     return ""
