@@ -35,15 +35,14 @@ def list_agents(
         return
     print_table(
         "",
-        ("name", "kind", "usable", "licence", "source", "description"),
+        ("name", "kind", "usable", "licence", "description"),
         (
             (
                 agent["name"],
                 agent["kind"],
                 "yes" if agent["installed"] else f"no: {agent['reason']}",
                 agent["licence"],
-                agent["source"],
-                agent["description"],
+                f"{agent['description']}. From: {agent['source']}",
             )
             for agent in agents
         ),
