@@ -65,13 +65,13 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
         if _has(environment, identity) and not again:
             return False
         _remove(environment)
-        _run([sys.executable, "-m", "venv", str(environment)], manifest.environment)
+        _run([sys.executable, "-m", "venv", "--without-pip", str(environment)])
         _run(
             [
-                str(_python(environment)), "-I", "-m", "pip", "install", "--quiet", "--no-input",
-                "--disable-pip-version-check", "--require-hashes", "-r", str(requirements),
-            ],
-            manifest.environment,
+                sys.executable, "-m", "pip", "--python", str(_python(environment)), "install",
+                "--quiet", "--no-input", "--disable-pip-version-check", "--require-hashes",
+                "-r", str(requirements),
+            ]
         )  # fmt: skip
         (environment / _STAMP).write_text(identity)
     return True
@@ -151,7 +151,7 @@ def _alone(folder: Path) -> Iterator[None]:
         os.close(lock)
 
 
-def _run(command: list[str], environment: str) -> None:
+def _run(command: list[str]) -> None:
     done = subprocess.run(
         command,
         stdin=subprocess.DEVNULL,
@@ -162,8 +162,8 @@ def _run(command: list[str], environment: str) -> None:
     )
     if done.returncode:
         raise _failed(
-            f"the environment {environment!r} cannot be made: `{' '.join(command[:4])} …` exited "
-            f"with code {done.returncode}. Its last words:\n{done.stdout[-_LOG_CHARACTERS:]}"
+            f"an environment cannot be made: `{' '.join(command)}` exited with code "
+            f"{done.returncode}. Its last words:\n{done.stdout[-_LOG_CHARACTERS:]}"
         )
 
 

@@ -15,7 +15,7 @@ from drivora_service.agents.remote.hosts import Host
 from drivora_service.agents.remote.messages import control_of, setup_request, step_request
 from drivora_service.errors import AgentError
 
-_DETAILS = 1000
+_DETAILS = 8000
 
 
 class RemoteAgent:
@@ -95,8 +95,12 @@ class RemoteAgent:
                 cause = "agent_protocol"
                 message = f"{who} does not offer {where.split()[0]}: {details}"
             case _:
+                # What an ADS prints comes later than its answer, so that has the traceback too.
+                message, _, traceback = details.partition("\n")
+                log = self._host.tail()
                 return AgentError(
-                    f"{who} failed in {where}: {details or code.name}", log=self._host.tail()
+                    f"{who} failed in {where}: {message or code.name}",
+                    log=log if traceback.strip() in log else f"{log}\n{traceback}",
                 )
         self._host.end()
         return AgentError(message, cause=cause, log=self._host.tail())

@@ -44,6 +44,10 @@ class BoundedLog:
             self._file.write(kept)
             self._file.truncate()
 
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
 
 def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
     """Does what the module says; gives the exit code, of a signal 128 and its number."""

@@ -6,6 +6,7 @@ Everything that this module imports needs grpcio, protobuf and NumPy only.
 from __future__ import annotations
 
 import os
+import sys
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -27,8 +28,8 @@ from drivora_service.agents.remote.agent_pb2_grpc import (
 from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE, MESSAGE_BYTES, VERSION
 from drivora_service.agents.remote.views import Adapter
 
-_DETAILS = 1000
-"""Characters of an error that travel; the traceback is printed."""
+_DETAILS = 3000
+"""Characters of an error's traceback that travel with its message."""
 
 
 def serve(make_adapter: Callable[[], Adapter], *, name: str = "", address: str = "") -> None:
@@ -111,5 +112,7 @@ class _Service(AgentServicer):
 
 
 def _abort(context: grpc.ServicerContext, error: Exception) -> NoReturn:
-    traceback.print_exception(error)
-    context.abort(grpc.StatusCode.UNKNOWN, f"{type(error).__name__}: {error}"[:_DETAILS])
+    text = "".join(traceback.format_exception(error))
+    print(text, file=sys.stderr, flush=True)
+    message = " ".join(f"{type(error).__name__}: {error}".split())
+    context.abort(grpc.StatusCode.UNKNOWN, f"{message[:_DETAILS]}\n{text[-_DETAILS:]}")
