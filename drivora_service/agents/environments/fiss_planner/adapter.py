@@ -185,7 +185,7 @@ def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
 
 def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
     """Gives the lanes along the route in order; two that follow are connected or side by side."""
-    found = route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))].tolist()
+    found = [int(lane) for lane in route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))]]
     sequence = found[:1]
     for lane in found[1:]:
         # Lanes of less than a metre, in junctions, may lie between two points of the route.
@@ -264,7 +264,8 @@ def normals(line: FloatArray) -> FloatArray:
     """Gives the (n, 2) unit vectors to the left of a line."""
     along = np.gradient(line, axis=0)
     across = np.column_stack((-along[:, 1], along[:, 0]))
-    return across / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+    unit: FloatArray = across / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+    return unit
 
 
 if __name__ == "__main__":
