@@ -19,6 +19,8 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import psutil
+
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.remote.adapter_messages import context_view
@@ -43,6 +45,7 @@ class Both:
         self._here, self._there = here, there
         self.here_s: list[float] = []
         self.there_s: list[float] = []
+        self.cpu_s = {True: 0.0, False: 0.0}
         self.seen: list[int] = []
         self.differences = 0
 
@@ -65,9 +68,10 @@ class Both:
         return there
 
     def _ask(self, agent: Agent | Adapter, observation: Observation, took: list[float]) -> Control:
-        begun = time.perf_counter()
+        begun, cpu_begun = time.perf_counter(), time.process_time()
         control = agent.run_step(observation)
         took.append(time.perf_counter() - begun)
+        self.cpu_s[agent is self._here] += time.process_time() - cpu_begun
         return control
 
 
@@ -100,17 +104,25 @@ def main() -> None:
             while not episode.done:
                 episode.step()
             asked.append(both)
+        ads = psutil.Process().children(recursive=True)
+        ads_cpu = sum(sum(child.cpu_times()[:2]) for child in ads)
         catalogue.close()
-    _report(asked)
+    _report(asked, ads_cpu)
 
 
-def _report(asked: list[Both]) -> None:
+def _report(asked: list[Both], ads_cpu: float) -> None:
     here = [1e3 * s for both in asked for s in both.here_s]
     there = [1e3 * s for both in asked for s in both.there_s]
     over = [t - h for h, t in zip(here, there, strict=True)]
     seen = statistics.mean(count for both in asked for count in both.seen)
     print(f"{len(over)} steps, {seen:.1f} actors perceived on average")
     print(f"differing answers: {sum(both.differences for both in asked)}")
+    here_cpu, worker_cpu = (sum(both.cpu_s[k] for both in asked) for k in (True, False))
+    print(
+        f"CPU a step: in process {1e3 * here_cpu / len(over):.3f} ms; over gRPC "
+        f"{1e3 * worker_cpu / len(over):.3f} ms in the worker and "
+        f"{1e3 * ads_cpu / len(over):.3f} ms in the ADS's process, its start included"
+    )
     for name, values in (("in process", here), ("over gRPC", there), ("over in-process", over)):
         values = sorted(values)
         print(

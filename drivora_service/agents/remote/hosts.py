@@ -27,7 +27,8 @@ _TAIL_LINES = 40
 _LOOK_S = 0.02
 _ASK_S = 5.0
 _END_S = 5.0
-_ENDING_S = 1.0
+_ENDING_S = 5.0
+_PRINTED_S = 0.2
 
 
 class Host(Protocol):
@@ -132,6 +133,9 @@ class ProcessHost:
 
     def tail(self) -> str:
         """Gives the last lines that the ADS printed; those that were kept, after its end."""
+        if self.is_alive:
+            # What it printed just now is still on its way through the guard.
+            time.sleep(_PRINTED_S)
         try:
             with self._log.open("rb") as log:
                 log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))
