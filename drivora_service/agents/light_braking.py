@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from drivora_service.agents.idm.driving import halt
 from drivora_service.agents.interface import Observation
@@ -34,3 +35,9 @@ def light_acceleration(observation: Observation, max_braking: float) -> float:
         return math.inf
     wanted = max(observation.speed_limit, 1.0)
     return float(halt(speed, wanted, max(distance - _LINE_GAP, 0.0), max_braking))
+
+
+@lru_cache(maxsize=1)
+def compile_braking() -> None:
+    """Compiles what braking takes, which would else be done at an agent's first red light."""
+    halt(1.0, 1.0, 1.0, 1.0)

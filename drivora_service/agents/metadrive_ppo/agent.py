@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-from drivora_service.agents.light_braking import light_acceleration
+from drivora_service.agents.light_braking import compile_braking, light_acceleration
 from drivora_service.agents.metadrive_ppo.checkpoints import find_checkpoints
 from drivora_service.agents.metadrive_ppo.encoding import (
+    compile_encoding,
     encode_checkpoint,
     encode_ego,
     encode_others,
@@ -117,4 +118,6 @@ def create(parameters: Mapping[str, Any], folder: Path) -> MetaDriveAgent:
             "agent 'metadrive-ppo' takes no parameters: leave `parameters` out",
             cause="agent_parameters",
         )
+    compile_encoding()
+    compile_braking()
     return MetaDriveAgent(load_weights(folder))

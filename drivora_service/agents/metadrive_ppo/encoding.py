@@ -23,10 +23,12 @@ the expert was trained: ahead and to the *right* are positive, angles run clockw
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE
 from drivora_service.compilation import compiled
 
 FloatArray = NDArray[np.float64]
@@ -197,3 +199,12 @@ def _corner(
     dy = box[1] + along * sin + left * cos - ego[1]
     c, s = math.cos(ego[2]), math.sin(ego[2])
     return dx * c + dy * s, dx * s - dy * c
+
+
+@lru_cache(maxsize=1)
+def compile_encoding() -> None:
+    """Compiles the functions of this module, so that an agent's first step need not."""
+    out, ego = np.zeros(OBSERVATION_SIZE), np.zeros(9)
+    encode_ego(ego, 0.0, np.array([0.0, 0.0, 0.0, 3.5, 1.0]), np.zeros(2), out)
+    encode_checkpoint(ego, np.zeros(5), out[9:14])
+    encode_others(ego, np.zeros((1, 9)), np.ones((1, 2)), np.zeros(1, dtype=np.int64), out)

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from drivora_service.agents.interface import AgentContext, Observation, PoseControl
-from drivora_service.agents.light_braking import light_acceleration
-from drivora_service.agents.puffer_drive.encoding import SIZE_SHARE, encode
+from drivora_service.agents.light_braking import compile_braking, light_acceleration
+from drivora_service.agents.puffer_drive.encoding import SIZE_SHARE, compile_encoding, encode
 from drivora_service.agents.puffer_drive.policy import (
     ACCELERATIONS,
     OBSERVATION_SIZE,
@@ -152,4 +152,6 @@ def create(parameters: Mapping[str, Any], folder: Path) -> PufferDriveAgent:
             f"{_NEAREST_GOAL:g} to {_FURTHEST_GOAL:g}",
             cause="agent_parameters",
         )
+    compile_encoding()
+    compile_braking()
     return PufferDriveAgent(load_weights(folder), float(distance))

@@ -19,12 +19,14 @@ divides by two and multiplies by pi. Boxes are shown at 0.7 of their size, as in
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.puffer_drive.policy import (
     EGO_SIZE,
+    OBSERVATION_SIZE,
     ROAD_PIECES,
     ROAD_SIZE,
     VEHICLE_SIZE,
@@ -121,3 +123,10 @@ def _nearest(places: FloatArray, x: float, y: float, reach: float, count: int) -
             found += 1
     order = np.argsort(squared[:found], kind="mergesort")[:count]
     return rows[:found][order]
+
+
+@lru_cache(maxsize=1)
+def compile_encoding() -> None:
+    """Compiles the functions of this module, so that an agent's first step need not."""
+    two, out = np.zeros(2), np.zeros(OBSERVATION_SIZE, dtype=np.float32)
+    encode(np.zeros(9), 0.0, two, two, np.zeros((1, 9)), np.ones((1, 2)), np.zeros((1, 6)), out)
