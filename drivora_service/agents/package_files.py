@@ -16,7 +16,6 @@ from pathlib import Path
 from drivora_service.errors import AgentError
 
 _PATIENCE_S = 1800.0
-_UNPACKED = "unpacked"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,10 +49,13 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
     Raises:
         AgentError: It cannot be had, is another file than the one meant, or lacks a member.
     """
-    with tempfile.TemporaryDirectory(prefix="drivora-fetch-") as download:
+    with (
+        tempfile.TemporaryDirectory(prefix="drivora-fetch-") as download,
+        tempfile.TemporaryDirectory(prefix="drivora-unpack-") as scratch,
+    ):
         path = Path(download) / wanted.file
-        log = _download(wanted, Path(download))
-        unpacked = _unpacked_source(Path(download))
+        log = _download(wanted, Path(download), Path(scratch))
+        unpacked = _unpacked_source(Path(scratch))
         if not path.is_file() and unpacked is not None:
             _copy_unpacked(wanted, unpacked, folder)
             return
@@ -80,38 +82,37 @@ def fetch_all(files: Iterable[PackageFile], folder: Path) -> None:
         fetch(wanted, folder)
 
 
-def _download(wanted: PackageFile, folder: Path) -> str:
-    """Runs pip; gives the end of what it said where it failed, else ""."""
-    is_wheel = wanted.file.endswith(".whl")
-    kind = "--only-binary" if is_wheel else "--no-binary"
-    requirement = folder / "requirement.txt"
-    requirement.write_text(
-        f"{wanted.package}=={wanted.version} --hash=sha256:{wanted.sha256}\n", encoding="utf-8"
-    )
+def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
+    """Runs pip, which unpacks in ``scratch``; gives the end of its words where it failed, or ""."""
     command = [
         sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check",
-        "--no-input", "--no-deps", "--no-build-isolation", "--no-clean", kind, ":all:",
-        "--dest", str(folder), "--require-hashes", "--requirement", str(requirement),
+        "--no-input", "--no-deps", "--dest", str(folder),
     ]  # fmt: skip
-    unpacked = folder / _UNPACKED
-    unpacked.mkdir()
+    requirement = f"{wanted.package}=={wanted.version}"
+    if wanted.file.endswith(".whl"):
+        command += ["--only-binary", ":all:", requirement]
+    else:
+        listed = scratch / "requirements.txt"
+        listed.write_text(f"{requirement} --hash=sha256:{wanted.sha256}\n", encoding="utf-8")
+        command += ["--no-binary", ":all:", "--no-build-isolation", "--no-clean"]
+        command += ["--require-hashes", "--requirement", str(listed)]
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=_PATIENCE_S, check=False,
-            env={**os.environ, "TMPDIR": str(unpacked)},
+            env={**os.environ, "TMPDIR": str(scratch)},
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s") from error
-    return done.stderr[-4000:] or "no words" if done.returncode else ""
+    return done.stderr[-4000:] or "it said nothing" if done.returncode else ""
 
 
-def _unpacked_source(download: Path) -> Path | None:
+def _unpacked_source(scratch: Path) -> Path | None:
     """Gives the folder into which pip unpacked a source archive, if it did.
 
     pip compares an archive's hash, unpacks it, and then has the package's build name its
     dependencies, which fails where what building needs is not there. The files are all the same.
     """
-    found = sorted(path.parent for path in (download / _UNPACKED).glob("*/*/PKG-INFO"))
+    found = sorted(path.parent for path in scratch.glob("*/*/PKG-INFO"))
     return found[0] if found else None
 
 
