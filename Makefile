@@ -6,7 +6,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-fast lint types contracts schema networks lock clean
+.PHONY: help install install-dev demo test test-fast lint types contracts schema protocol networks lock clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -50,6 +50,10 @@ contracts: $(DEV_STAMP)
 
 schema: $(DEV_STAMP) ## Write the JSON Schema again
 	$(BIN)/drivora schema --write
+
+protocol: $(DEV_STAMP) ## Generate the code of the protocol for ADSs again
+	$(BIN)/python -m grpc_tools.protoc -I. --python_out=. --pyi_out=. --grpc_python_out=. \
+	  drivora_service/agents/remote/agent.proto
 
 networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML sources
 	$(BIN)/python -m drivora_service.networks.build

@@ -89,7 +89,8 @@ def create_app(settings: Settings) -> FastAPI:
             lock.release()
 
     catalogues = installed_catalogues(
-        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir)
+        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
+        settings.agents_folder,
     )
     context = ApiContext(
         database=database,
@@ -164,6 +165,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
         shipped_networks=shipped_networks(),
         imported_networks=settings.imported_networks_dir,
         workers=settings.workers,
+        agents=settings.agents_folder,
     )
 
 

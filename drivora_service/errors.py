@@ -79,7 +79,8 @@ class AgentError(DrivoraError):
     """An ADS raised, answered garbage, hung or died.
 
     Attributes:
-        cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``.
+        cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``,
+            ``agent_died``, ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``.
         log: The last lines of its log or its traceback.
     """
 

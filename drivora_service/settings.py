@@ -28,6 +28,11 @@ class Settings(BaseSettings):
         default=Path("drivora-data"),
         description="Folder of the database, the traces, imported networks and API tokens.",
     )
+    agents_dir: Path | None = Field(
+        default=None,
+        description="Folder of installed agents and of manifests (NAME/agent.yaml); "
+        "unless given: `agents` in the data folder.",
+    )
     database_url: str = Field(
         default="",
         description="SQLAlchemy address of the database; empty: SQLite in the data folder.",
@@ -95,6 +100,11 @@ class Settings(BaseSettings):
     def imported_networks_dir(self) -> Path:
         """Folder of the networks that were imported here."""
         return self.data_dir / "networks"
+
+    @property
+    def agents_folder(self) -> Path:
+        """Folder of installed agents and of the operator's manifests, absolute."""
+        return (self.agents_dir or self.data_dir / "agents").resolve()
 
     @property
     def campaigns_dir(self) -> Path:

@@ -11,7 +11,10 @@ from drivora_service.settings import Settings
 def worker_setup(settings: Settings) -> WorkerSetup:
     """Gives what every worker is told."""
     return WorkerSetup(
-        shipped_networks=shipped_networks(), imported_networks=settings.imported_networks_dir
+        shipped_networks=shipped_networks(),
+        imported_networks=settings.imported_networks_dir,
+        agents=settings.agents_folder,
+        agent_deadline_s=settings.agent_deadline_s,
     )
 
 

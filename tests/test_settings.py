@@ -18,7 +18,12 @@ def test_options_win_over_the_environment(monkeypatch: pytest.MonkeyPatch) -> No
 def test_everything_lies_in_the_data_folder(tmp_path: Path) -> None:
     settings = load_settings(data_dir=tmp_path)
     assert settings.resolved_database_url == f"sqlite:///{tmp_path}/drivora.sqlite3"
-    places = (settings.traces_dir, settings.imported_networks_dir, settings.tokens_path)
+    places = (
+        settings.traces_dir,
+        settings.imported_networks_dir,
+        settings.tokens_path,
+        settings.agents_folder,
+    )
     assert all(tmp_path in place.parents for place in places)
 
 

@@ -31,12 +31,17 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
     """Checks an agent's name.
 
     Raises:
-        InvalidDocument: There is no such agent.
+        InvalidDocument: There is no such agent, or it is not installed.
     """
-    known = context.agents.names()
-    if overrides.agent and overrides.agent not in known:
+    if not overrides.agent:
+        return
+    known = context.agents.availability()
+    if overrides.agent not in known:
         message = f"unknown agent {overrides.agent!r}; known: {', '.join(known)}"
         raise InvalidDocument((Problem(pointer="", code="unknown_agent", message=message),))
+    if known[overrides.agent]:
+        message = f"agent {overrides.agent!r} cannot be run here: {known[overrides.agent]}"
+        raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
 
 
 def validated(
@@ -51,7 +56,7 @@ def validated(
         InvalidDocument: It cannot be run; every problem is named.
     """
     # With an override nobody will drive as documented, so those names need not exist here.
-    agents = None if overrides.agent else context.agents.names()
+    agents = None if overrides.agent else context.agents.availability()
     return validate_data(data, context.networks, agents, form)
 
 

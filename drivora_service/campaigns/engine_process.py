@@ -47,6 +47,7 @@ class EngineSetup:
     shipped_networks: Path
     imported_networks: Path | None
     workers: int
+    agents: Path | None = None
 
     def folder(self, campaign_id: str) -> CampaignFolder:
         """Gives the folder of a campaign."""
@@ -104,7 +105,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             campaign_id,
             setup.folder(campaign_id),
             catalogues=installed_catalogues(
-                NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
+                NetworkCatalogue(setup.shipped_networks, setup.imported_networks), setup.agents
             ),
             evaluator=evaluating,
             if_wanted=True,

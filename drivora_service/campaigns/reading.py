@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -39,9 +40,16 @@ class Catalogues:
     testers: TesterCatalogue
 
 
-def installed_catalogues(networks: NetworkCatalogue) -> Catalogues:
-    """Gives what campaigns may name here: these networks, and all agents and testers there are."""
-    return Catalogues(networks=networks, agents=AgentCatalogue(), testers=TesterCatalogue())
+def installed_catalogues(networks: NetworkCatalogue, agents: Path | None = None) -> Catalogues:
+    """Gives what campaigns may name here: these networks, and all agents and testers there are.
+
+    Args:
+        networks: The road networks.
+        agents: Folder of installed agents and of the operator's manifests.
+    """
+    return Catalogues(
+        networks=networks, agents=AgentCatalogue(folder=agents), testers=TesterCatalogue()
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,7 +136,7 @@ def _scenario(
         message = "found a file; only the command line reads files: put the scenario itself here"
         return None, [Problem(pointer="/scenario/file", code="scenario_file", message=message)]
     try:
-        return validate_data(scenario, catalogues.networks, catalogues.agents.names()), []
+        return validate_data(scenario, catalogues.networks, catalogues.agents.availability()), []
     except InvalidDocument as error:
         return None, [
             replace(problem, pointer=f"/scenario{problem.pointer}") for problem in error.problems

@@ -32,7 +32,9 @@ def create_campaign(
         ConfigurationError: The file cannot be read.
         InvalidDocument: It cannot be run.
     """
-    catalogues = installed_catalogues(network_catalogue(campaigns.settings))
+    catalogues = installed_catalogues(
+        network_catalogue(campaigns.settings), campaigns.settings.agents_folder
+    )
     valid = read_campaign(read_campaign_file(path), catalogues)
     # What the space and the tester refuse, they shall refuse before anything is stored.
     prepare_search(valid, catalogues, run_prefix="")
@@ -80,7 +82,7 @@ def run_campaign(
             campaigns.database,
             campaign_id,
             campaigns.folder(campaign_id),
-            catalogues=installed_catalogues(network_catalogue(settings)),
+            catalogues=installed_catalogues(network_catalogue(settings), settings.agents_folder),
             evaluator=evaluating,
             watcher=watcher,
         )

@@ -39,7 +39,7 @@ def run_locally(
     """
     settings = settings_for(data_dir, workers=workers)
     networks = network_catalogue(settings)
-    agents = AgentCatalogue()
+    agents = AgentCatalogue(folder=settings.agents_folder)
     if agent:
         agents.entry(agent)
     if out is not None:
@@ -50,7 +50,7 @@ def run_locally(
     for file in files:
         try:
             document = with_agent(file.document, agent) if agent else file.document
-            valid = validate_document(document, networks, agents.names())
+            valid = validate_document(document, networks, agents.availability())
         except InvalidDocument as error:
             results[file.name] = invalid_result(file.name, error.problems)
             on_result(results[file.name])

@@ -46,8 +46,9 @@ def _networks(setup: WorkerSetup) -> NetworkCatalogue:
 
 
 @lru_cache(maxsize=1)
-def _agents() -> AgentCatalogue:
-    return AgentCatalogue()
+def _agents(setup: WorkerSetup) -> AgentCatalogue:
+    """Gives the catalogue, one a process, so that the ADSs which it starts stay for later runs."""
+    return AgentCatalogue(folder=setup.agents, longest_call_s=setup.agent_deadline_s)
 
 
 @lru_cache(maxsize=1)
@@ -108,7 +109,8 @@ def _perform(
     scenario = _with_overrides(from_canonical(spec.document), spec)
     network = _networks(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
-    catalogue = _agents()
+    catalogue = _agents(setup)
+    catalogue.begin_run()
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else _feedbacks().create(spec.feedback)
     episode = Episode(

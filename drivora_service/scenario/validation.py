@@ -63,7 +63,8 @@ def validate_data(
     Args:
         data: Text, or what a JSON parser made of it.
         networks: Where towns are looked up.
-        agents: Names of the agents that exist; ``None``: any name will do.
+        agents: Names of the agents that exist; in a mapping, with the reason why one cannot be
+            used, or ""; ``None``: any name will do.
         format: Language of the text; YAML without aliases and tags.
 
     Raises:
@@ -90,7 +91,8 @@ def validate_document(
     Args:
         document: What ``parse_document`` gave.
         networks: Where towns are looked up.
-        agents: Names of the agents that exist; ``None``: any name will do.
+        agents: Names of the agents that exist; in a mapping, with the reason why one cannot be
+            used, or ""; ``None``: any name will do.
 
     Raises:
         InvalidDocument: With every problem, in document order. Where the town is unknown, what
@@ -203,9 +205,20 @@ def _check_agents(document: ScenarioDocument, agents: Collection[str]) -> list[P
     problems = []
     for index, ego in enumerate(document.ego_vehicles):
         name = ego.agent_name
-        if name is None or name in agents:
+        if name is None:
             continue
         key: tuple[str, ...] = ("config_path",) if ego.agent is None else ("agent", "name")
+        if name in agents:
+            reason = agents[name] if isinstance(agents, Mapping) else ""
+            if reason:
+                problems.append(
+                    Problem(
+                        pointer=pointer(("ego_vehicles", index, *key)),
+                        code="agent_not_installed",
+                        message=f"found agent {name!r}, which cannot be run here: {reason}",
+                    )
+                )
+            continue
         close = difflib.get_close_matches(name, sorted(agents), n=3) or sorted(agents)
         problems.append(
             Problem(

@@ -16,7 +16,7 @@ GROUPS = {
     "campaign": ["run", "resume", "list", "show", "scenario", "pause", "cancel"],
     "seeds": ["generate", "import"],
     "networks": ["list", "show", "import"],
-    "agents": ["list"],
+    "agents": ["list", "install"],
     "testers": ["list", "show"],
     "store": ["migrate", "backup", "verify", "prune"],
     "tokens": ["create", "list", "revoke"],
@@ -139,6 +139,27 @@ def test_agents(drivora: Drivora, service_url: str) -> None:
     there = drivora("agents", "list", "--server", service_url, "--json").json()
     assert [agent["name"] for agent in here] == [agent["name"] for agent in there]
     assert "idm" in drivora("agents", "list").out
+
+
+def test_agents_of_the_operator_and_their_installation(drivora: Drivora, tmp_path: Path) -> None:
+    home = tmp_path / "mine" / "driver"
+    home.mkdir(parents=True)
+    (home / "agent.yaml").write_text(
+        "{name: driver, kind: baseline, description: drives, source: here, licence: MIT,"
+        " command: ['{python}']}"
+    )
+    (home / "requirements.txt").write_text("")
+    folder = str(home.parent)
+    listed = drivora("agents", "list", "--json", DRIVORA_AGENTS_DIR=folder).json()
+    (entry,) = [agent for agent in listed if agent["name"] == "driver"]
+    assert (entry["installed"], entry["reason"]) == (False, "run `drivora agents install driver`")
+    assert "driver" not in {agent["name"] for agent in drivora("agents", "list", "--json").json()}
+    installed = drivora("agents", "install", "driver", DRIVORA_AGENTS_DIR=folder)
+    assert (installed.code, "installed driver" in installed.out) == (0, True), installed.err
+    assert "licence: MIT" in installed.err
+    again = drivora("agents", "install", "driver", DRIVORA_AGENTS_DIR=folder)
+    assert "needs nothing more" in again.out
+    assert drivora("agents", "install", "nobody").code == 2
 
 
 def test_testers(drivora: Drivora, service_url: str) -> None:

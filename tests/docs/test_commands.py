@@ -38,7 +38,7 @@ def test_commands_work_as_they_are_written(page: str, tmp_path: Path) -> None:
     assert commands
     folder = tmp_path / "checkout"
     shutil.copytree(_FILES, folder)
-    for name in ("openscenario_schemas", "sumo_nets"):
+    for name in ("openscenario_schemas", "sumo_nets", "deploy"):
         (folder / name).symlink_to(_ROOT / name)
     port = _free_port()
     script = ["trap 'kill $(jobs -p) 2>/dev/null' EXIT"]

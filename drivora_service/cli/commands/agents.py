@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 
-from drivora_service.cli.options import ServerOption
-from drivora_service.cli.output import JsonOption, print_json, print_table
+from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.output import JsonOption, note, print_json, print_table
 
 app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
 
 
 @app.command("list")
-def list_agents(server: ServerOption = "", as_json: JsonOption = False) -> None:
+def list_agents(
+    server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
+) -> None:
     """Lists the agents."""
     if server:
         from drivora_service.cli.client import ServiceClient
@@ -22,8 +26,10 @@ def list_agents(server: ServerOption = "", as_json: JsonOption = False) -> None:
         from dataclasses import asdict
 
         from drivora_service.agents.catalogue import AgentCatalogue
+        from drivora_service.cli.embedded import settings_for
 
-        agents = [asdict(entry) for entry in AgentCatalogue().entries()]
+        catalogue = AgentCatalogue(folder=settings_for(data_dir).agents_folder)
+        agents = [asdict(entry) for entry in catalogue.entries()]
     if as_json:
         print_json(agents)
         return
@@ -36,8 +42,34 @@ def list_agents(server: ServerOption = "", as_json: JsonOption = False) -> None:
                 agent["kind"],
                 "yes" if agent["installed"] else f"no: {agent['reason']}",
                 agent["licence"],
-                agent["description"],
+                f"{agent['description']}. From: {agent['source']}",
             )
             for agent in agents
         ),
     )
+
+
+@app.command()
+def install(
+    name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
+    again: Annotated[
+        bool, typer.Option("--again", help="Install it anew even if it is installed.")
+    ] = False,
+    data_dir: DataDirOption = None,
+) -> None:
+    """Fetches what an agent needs: an environment of its own, or files of other packages."""
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.cli.embedded import settings_for
+
+    settings = settings_for(data_dir)
+    catalogue = AgentCatalogue(folder=settings.agents_folder)
+    entry = catalogue.entry(name)
+    note(f"{entry.name}: {entry.source}; licence: {entry.licence or 'none stated'}")
+    done = catalogue.install(name, again=again)
+    reason = catalogue.entry(name).reason
+    if reason:
+        note(f"{name} still cannot be used: {reason}")
+    elif done:
+        typer.echo(f"installed {name} in {settings.agents_folder}")
+    else:
+        typer.echo(f"{name} needs nothing more to be installed")

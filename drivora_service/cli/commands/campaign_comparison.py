@@ -87,7 +87,9 @@ def _compare_here(
         return compare_stored(
             campaigns.database,
             choose_campaigns(campaigns.database, wanted),
-            installed_catalogues(network_catalogue(campaigns.settings)),
+            installed_catalogues(
+                network_catalogue(campaigns.settings), campaigns.settings.agents_folder
+            ),
             baseline=baseline,
             measures=chosen,
             equal_time=equal_time,
@@ -115,7 +117,9 @@ def report(
 
     options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
     with StoredCampaigns(data_dir) as campaigns:
-        catalogues = installed_catalogues(network_catalogue(campaigns.settings))
+        catalogues = installed_catalogues(
+            network_catalogue(campaigns.settings), campaigns.settings.agents_folder
+        )
         told = read_report(campaigns.database, campaign_id, catalogues)
         if out is None:
             typer.echo(report_markdown(told, options=options), nl=False)

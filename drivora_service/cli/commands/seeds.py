@@ -38,8 +38,9 @@ def generate(
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.seeds import generate_seeds
 
-    network = network_catalogue(settings_for(data_dir)).get(town)
-    AgentCatalogue().entry(agent)
+    settings = settings_for(data_dir)
+    network = network_catalogue(settings).get(town)
+    AgentCatalogue(folder=settings.agents_folder).entry(agent)
     try:
         seeds = generate_seeds(
             network,

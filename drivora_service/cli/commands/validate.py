@@ -66,8 +66,9 @@ def _checker(server: str, data_dir: Path | None) -> Iterator[Check]:
     from drivora_service.cli.embedded import network_catalogue, settings_for
     from drivora_service.scenario.validation import validate_data
 
-    networks = network_catalogue(settings_for(data_dir))
-    agents = AgentCatalogue().names()
+    settings = settings_for(data_dir)
+    networks = network_catalogue(settings)
+    agents = AgentCatalogue(folder=settings.agents_folder).availability()
     yield lambda text, form: validate_data(text, networks, agents, form).notes
 
 

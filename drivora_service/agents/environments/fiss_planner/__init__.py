@@ -1,0 +1,1 @@
+"""Sampling-based planners in the Frenet frame, from the package ``fiss-planner``."""

@@ -1,0 +1,171 @@
+"""What agents need beside Drivora: environments of their own, and files of other packages.
+
+All of it lies in a folder of agents, and counts only with a stamp, which is written last and says
+what was installed: a half-made installation is never taken for one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from drivora_service.agents.manifest import AgentManifest
+from drivora_service.agents.package_files import PackageFile, fetch_all
+from drivora_service.errors import AgentError
+
+REQUIREMENTS = "requirements.txt"
+"""Beside a manifest: what its environment holds, pinned and with hashes."""
+
+_STAMP = "installed"
+_LOG_CHARACTERS = 4000
+
+
+def environment_python(manifest: AgentManifest, agents: Path | None) -> Path | None:
+    """Gives the interpreter for an ADS: of its environment, or ours if it asks for none.
+
+    Returns:
+        ``None`` if its environment is not installed.
+    """
+    requirements = manifest.folder / REQUIREMENTS
+    if not requirements.is_file():
+        return Path(sys.executable)
+    if agents is None:
+        return None
+    environment = _environment(manifest, agents)
+    return _python(environment) if _has(environment, _identity(requirements)) else None
+
+
+def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = False) -> bool:
+    """Makes the virtual environment of an ADS.
+
+    Args:
+        manifest: Of the ADS; its requirements lie beside it.
+        agents: The folder of agents.
+        again: Make it anew even if it is there.
+
+    Returns:
+        Whether anything was done.
+
+    Raises:
+        AgentError: It cannot be made, or somebody else is making it.
+    """
+    requirements = manifest.folder / REQUIREMENTS
+    if not requirements.is_file():
+        return False
+    environment = _environment(manifest, agents)
+    identity = _identity(requirements)
+    with _alone(environment.parent):
+        if _has(environment, identity) and not again:
+            return False
+        _remove(environment)
+        _run([sys.executable, "-m", "venv", "--without-pip", str(environment)])
+        _run(
+            [
+                sys.executable, "-m", "pip", "--python", str(_python(environment)), "install",
+                "--quiet", "--no-input", "--disable-pip-version-check", "--require-hashes",
+                "-r", str(requirements),
+            ]
+        )  # fmt: skip
+        (environment / _STAMP).write_text(identity)
+    return True
+
+
+def installed_files(name: str, files: Sequence[PackageFile], agents: Path | None) -> Path | None:
+    """Gives the folder with the fetched files of an agent, ``None`` if they are not there."""
+    if agents is None:
+        return None
+    folder = agents / name / "files"
+    return folder if _has(folder, _files_identity(files)) else None
+
+
+def install_files(
+    name: str, files: Sequence[PackageFile], agents: Path, *, again: bool = False
+) -> bool:
+    """Fetches the files of an agent; arguments and errors as for :func:`install_environment`."""
+    folder, identity = agents / name / "files", _files_identity(files)
+    with _alone(folder.parent):
+        if _has(folder, identity) and not again:
+            return False
+        fresh = folder.with_name("files.new")
+        _remove(fresh)
+        fresh.mkdir(parents=True)
+        fetch_all(files, fresh)
+        (fresh / _STAMP).write_text(identity)
+        _remove(folder)
+        fresh.rename(folder)
+    return True
+
+
+def _environment(manifest: AgentManifest, agents: Path) -> Path:
+    return agents.resolve() / manifest.environment / "venv"
+
+
+def _python(environment: Path) -> Path:
+    return environment / "bin" / "python"
+
+
+def _identity(requirements: Path) -> str:
+    digest = hashlib.sha256(requirements.read_bytes()).hexdigest()
+    return f"{digest} python {sys.version_info.major}.{sys.version_info.minor}"
+
+
+def _files_identity(files: Sequence[PackageFile]) -> str:
+    return hashlib.sha256("\n".join(file.identity for file in files).encode()).hexdigest()
+
+
+def _has(folder: Path, identity: str) -> bool:
+    try:
+        return (folder / _STAMP).read_text() == identity
+    except OSError:
+        return False
+
+
+def _remove(folder: Path) -> None:
+    # The stamp first: what is left after an interruption must not count.
+    (folder / _STAMP).unlink(missing_ok=True)
+    if folder.exists():
+        shutil.rmtree(folder)
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keeps others from installing into a folder at the same time."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise _failed(f"{folder} cannot be written: {error.strerror}") from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError:
+        raise _failed(f"another process is installing into {folder}: wait for its end") from None
+    finally:
+        os.close(lock)
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise _failed(
+            f"an environment cannot be made: `{' '.join(command)}` exited with code "
+            f"{done.returncode}. Its last words:\n{done.stdout[-_LOG_CHARACTERS:]}"
+        )
+
+
+def _failed(message: str) -> AgentError:
+    return AgentError(message, cause="agent_install")

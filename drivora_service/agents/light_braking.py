@@ -1,0 +1,43 @@
+"""Braking for traffic lights on behalf of policies that know none."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from drivora_service.agents.idm.driving import halt
+from drivora_service.agents.interface import Observation
+from drivora_service.observations.trace import Light
+
+_LINE_GAP = 0.5
+"""Metres that stay between the front bumper and the stop line."""
+_CALM_BRAKING = 3.0
+"""m/s²; a yellow light that would need more is passed."""
+_HARDEST_BRAKING = 7.5
+"""m/s²; a red light that would need more, or one whose line is passed, is too late to stop for."""
+
+
+def light_acceleration(observation: Observation, max_braking: float) -> float:
+    """Gives the most acceleration that the next light on the route allows, m/s².
+
+    Args:
+        observation: Of this step.
+        max_braking: m/s², positive.
+
+    Returns:
+        inf where the light asks for nothing.
+    """
+    light, distance, speed = observation.light, observation.light_distance, observation.speed
+    if light not in (Light.RED, Light.YELLOW) or distance <= -_LINE_GAP:
+        return math.inf
+    needed = speed * speed / (2.0 * max(distance, 0.1))
+    if needed >= (_CALM_BRAKING if light is Light.YELLOW else _HARDEST_BRAKING):
+        return math.inf
+    wanted = max(observation.speed_limit, 1.0)
+    return float(halt(speed, wanted, max(distance - _LINE_GAP, 0.0), max_braking))
+
+
+@lru_cache(maxsize=1)
+def compile_braking() -> None:
+    """Compiles what braking takes, which would else be done at an agent's first red light."""
+    halt(1.0, 1.0, 1.0, 1.0)

@@ -1,0 +1,92 @@
+"""A route as MetaDrive's navigation tells it: straight pieces and arcs, a checkpoint behind each.
+
+MetaDrive's maps are put together from straight roads, arcs of 25 to 60 m radius and junctions; its
+navigation names the end of the piece that the ego is on and the end of the next one, with the bend
+of each. Here the pieces are found in the bends of the route itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.route_corridor import RouteCorridor
+
+FloatArray = NDArray[np.float64]
+
+_SPACING = 1.0
+_SMOOTHING = 9
+"""Points of the moving average over headings: centre lines are polylines with sharp corners."""
+_LEAST_BEND = 0.01
+"""1/m; a weaker bend counts as straight."""
+_LEAST_TURN = 0.26
+"""Radians, 15 degrees; what turns by less in all is straight."""
+_SHORTEST_STRAIGHT = 8.0
+"""Metres; a shorter straight piece between two arcs belongs to the first of them."""
+_TIGHTEST = 5.0
+"""Metres; least radius, where a centre line has a corner."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checkpoints:
+    """The pieces of a route, in order.
+
+    Attributes:
+        ends: (k,) arc length on the route's reference line at which each piece ends, metres.
+        pieces: (k, 5) checkpoint x and y (the middle of the corridor at the piece's end, metres),
+            radius in metres (0: straight), angle turned in radians (positive to the left), and the
+            width of the corridor at its end in metres.
+    """
+
+    ends: FloatArray
+    pieces: FloatArray
+
+
+def find_checkpoints(corridor: RouteCorridor) -> Checkpoints:
+    """Cuts a corridor into straight pieces and arcs."""
+    length = float(corridor.arc[-1])
+    bounds: list[tuple[float, float, float]] = []
+    for begin, end, angle in _turns(corridor):
+        before = bounds[-1][0] if bounds else 0.0
+        if begin - before >= _SHORTEST_STRAIGHT or not bounds:
+            if begin > before:
+                bounds.append((begin, 0.0, 0.0))
+        else:
+            bounds[-1] = (begin, *bounds[-1][1:])
+        bounds.append((end, max((end - begin) / abs(angle), _TIGHTEST), angle))
+    if not bounds or length - bounds[-1][0] > 1e-6:
+        bounds.append((length, 0.0, 0.0))
+    ends = np.array([bound[0] for bound in bounds])
+    radius, angle = np.array([bound[1:] for bound in bounds]).T
+    x, y = (np.interp(ends, corridor.arc, corridor.middle[:, k]) for k in (0, 1))
+    width = np.interp(ends, corridor.arc, corridor.width)
+    return Checkpoints(ends=ends, pieces=np.column_stack((x, y, radius, angle, width)))
+
+
+def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
+    """Gives where each arc begins and ends, metres, and how far it turns, radians."""
+    count = max(int(np.ceil(corridor.arc[-1] / _SPACING)) + 1, 2)
+    s = np.linspace(0.0, float(corridor.arc[-1]), count)
+    heading = np.interp(s, corridor.arc, corridor.heading)
+    half = _SMOOTHING // 2
+    padded = np.pad(heading, half, mode="edge")
+    smooth = np.convolve(padded, np.full(_SMOOTHING, 1.0 / _SMOOTHING), mode="valid")
+    bend = np.gradient(smooth, s)
+    side = np.where(np.abs(bend) > _LEAST_BEND, np.sign(bend), 0.0)
+    cuts = [0, *(np.flatnonzero(np.diff(side)) + 1).tolist(), count]
+    turns: list[tuple[float, float, float]] = []
+    for first, last in pairwise(cuts):
+        angle = float(smooth[last - 1] - smooth[first])
+        if side[first] == 0.0 or abs(angle) < _LEAST_TURN:
+            continue
+        # The average spreads a tight turn: its middle eight tenths lie where they are unsmoothed.
+        turned = np.maximum.accumulate(np.sign(angle) * heading[first:last])
+        low, high = (turned[0] + share * (turned[-1] - turned[0]) for share in (0.1, 0.9))
+        begin, end = (float(s[first + int(np.searchsorted(turned, x))]) for x in (low, high))
+        margin = (end - begin) / 8.0
+        earliest = turns[-1][1] if turns else 0.0
+        turns.append((max(begin - margin, earliest), min(end + margin, float(s[-1])), angle))
+    return turns

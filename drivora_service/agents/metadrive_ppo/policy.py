@@ -1,0 +1,50 @@
+"""The expert's network: two hidden layers with tanh, as MetaDrive's own NumPy expert has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float32Array = NDArray[np.float32]
+
+OBSERVATION_SIZE = 275
+HIDDEN = 256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ExpertWeights:
+    """Weights of the policy; the value function is left out.
+
+    Attributes:
+        first: (275, 256).
+        first_bias: (256,).
+        second: (256, 256).
+        second_bias: (256,).
+        out: (256, 2) to the means of the actions; the columns for their spread are left out.
+        out_bias: (2,).
+    """
+
+    first: Float32Array
+    first_bias: Float32Array
+    second: Float32Array
+    second_bias: Float32Array
+    out: Float32Array
+    out_bias: Float32Array
+
+
+def expert_action(weights: ExpertWeights, observation: Float32Array) -> Float32Array:
+    """Gives the mean action of the expert, not clipped.
+
+    Args:
+        weights: Of the network.
+        observation: (275,) as ``encoding`` lays it out.
+
+    Returns:
+        (2,) steering and throttle or brake, both meant for -1..1.
+    """
+    hidden = np.tanh(observation @ weights.first + weights.first_bias)
+    hidden = np.tanh(hidden @ weights.second + weights.second_bias)
+    action: Float32Array = hidden @ weights.out + weights.out_bias
+    return action

@@ -1,0 +1,145 @@
+"""Files that agents need out of other packages: fetched by name and version, checked by hash."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+import tarfile
+import tempfile
+import zipfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivora_service.errors import AgentError
+
+_PATIENCE_S = 1800.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PackageFile:
+    """Files inside one file of the package registry.
+
+    Attributes:
+        package: Its name there.
+        version: The exact version.
+        file: Name of the wheel or source archive, which says which of a version's files is meant.
+        sha256: Hash of that file, hexadecimal.
+        members: Names that files inside it get in the agent's folder, by their paths there.
+    """
+
+    package: str
+    version: str
+    file: str
+    sha256: str
+    members: Mapping[str, str]
+
+    @property
+    def identity(self) -> str:
+        """Text that changes whenever something else would be fetched."""
+        members = " ".join(f"{path}={name}" for path, name in sorted(self.members.items()))
+        return f"{self.file} {self.sha256} {members}"
+
+
+def fetch(wanted: PackageFile, folder: Path) -> None:
+    """Downloads a file of the registry with pip and copies its members into ``folder``.
+
+    Raises:
+        AgentError: It cannot be had, is another file than the one meant, or lacks a member.
+    """
+    with (
+        tempfile.TemporaryDirectory(prefix="drivora-fetch-") as download,
+        tempfile.TemporaryDirectory(prefix="drivora-unpack-") as scratch,
+    ):
+        path = Path(download) / wanted.file
+        log = _download(wanted, Path(download), Path(scratch))
+        unpacked = _unpacked_source(Path(scratch))
+        if not path.is_file() and unpacked is not None:
+            _copy_unpacked(wanted, unpacked, folder)
+            return
+        if log:
+            raise _failed(wanted, "pip failed; its last words are in the log", log)
+        if not path.is_file():
+            found = ", ".join(sorted(p.name for p in Path(download).iterdir())) or "nothing"
+            raise _failed(wanted, f"found {found}, wanted {wanted.file}")
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        if digest != wanted.sha256:
+            raise _failed(
+                wanted, f"the file has the hash sha256:{digest}, wanted sha256:{wanted.sha256}"
+            )
+        for member, name in wanted.members.items():
+            content = _read_member(path, member)
+            if content is None:
+                raise _failed(wanted, f"there is no {member} in {wanted.file}")
+            (folder / name).write_bytes(content)
+
+
+def fetch_all(files: Iterable[PackageFile], folder: Path) -> None:
+    """Fetches several; see :func:`fetch`."""
+    for wanted in files:
+        fetch(wanted, folder)
+
+
+def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
+    """Runs pip, which unpacks in ``scratch``; gives the end of its words where it failed, or ""."""
+    command = [
+        sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check",
+        "--no-input", "--no-deps", "--dest", str(folder),
+    ]  # fmt: skip
+    requirement = f"{wanted.package}=={wanted.version}"
+    if wanted.file.endswith(".whl"):
+        command += ["--only-binary", ":all:", requirement]
+    else:
+        listed = scratch / "requirements.txt"
+        listed.write_text(f"{requirement} --hash=sha256:{wanted.sha256}\n", encoding="utf-8")
+        command += ["--no-binary", ":all:", "--no-build-isolation", "--no-clean"]
+        command += ["--require-hashes", "--requirement", str(listed)]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_PATIENCE_S, check=False,
+            env={**os.environ, "TMPDIR": str(scratch)},
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s") from error
+    return done.stderr[-4000:] or "it said nothing" if done.returncode else ""
+
+
+def _unpacked_source(scratch: Path) -> Path | None:
+    """Gives the folder into which pip unpacked a source archive, if it did.
+
+    pip compares an archive's hash, unpacks it, and then has the package's build name its
+    dependencies, which fails where what building needs is not there. The files are all the same.
+    """
+    found = sorted(path.parent for path in scratch.glob("*/*/PKG-INFO"))
+    return found[0] if found else None
+
+
+def _copy_unpacked(wanted: PackageFile, source: Path, folder: Path) -> None:
+    for member, name in wanted.members.items():
+        path = source / member.partition("/")[2]
+        if not path.is_file():
+            raise _failed(wanted, f"there is no {member} in {wanted.file}")
+        (folder / name).write_bytes(path.read_bytes())
+
+
+def _read_member(path: Path, member: str) -> bytes | None:
+    if path.suffix in (".whl", ".zip"):
+        with zipfile.ZipFile(path) as wheel:
+            return wheel.read(member) if member in wheel.namelist() else None
+    with tarfile.open(path) as archive:
+        try:
+            file = archive.extractfile(member)
+        except KeyError:
+            return None
+        return None if file is None else file.read()
+
+
+def _failed(wanted: PackageFile, why: str, log: str = "") -> AgentError:
+    return AgentError(
+        f"{wanted.package} {wanted.version} cannot be fetched: {why}. Check the connection to the "
+        "package registry (pip's settings count) and try again",
+        cause="agent_install",
+        log=log,
+    )

@@ -1,0 +1,132 @@
+"""What the driving policy sees, made of what an ego perceives here: (1847,) numbers.
+
+The layout is that of ``compute_observations`` in PufferLib's GPUDrive, in the ego's frame, ahead
+and to the left positive:
+
+============  ===================================================================================
+0 to 5        goal ahead and to the left (1/100 m), speed (1/100 m/s), width (1/15 m), length
+              (1/30 m), 1 after a collision
+6 to 446      63 times another vehicle: place, width and length, cosine and sine of its heading,
+              speed; zeros where there are fewer
+447 to 1846   200 times a piece of road: place of its middle, half its length (1/100 m), 0.001,
+              cosine and sine of its direction, kind; zeros where there are fewer
+============  ===================================================================================
+
+Cosines and sines are multiplied by pi/2: the original means to divide by two pi, and its macro
+divides by two and multiplies by pi. Boxes are shown at 0.7 of their size, as in training.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.puffer_drive.policy import (
+    EGO_SIZE,
+    OBSERVATION_SIZE,
+    ROAD_PIECES,
+    ROAD_SIZE,
+    VEHICLE_SIZE,
+    VEHICLES,
+)
+from drivora_service.compilation import compiled
+
+FloatArray = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
+
+SIZE_SHARE = 0.7
+"""Share of its length and width at which the policy was shown every vehicle."""
+SIGHT = 50.0
+"""Metres to which others are shown."""
+_ROAD_SIGHT = 52.5
+"""Metres to which road is shown: ten and a half of the original's cells of 5 m."""
+_HUNDREDTH = 0.01
+_WIDTH_SCALE, _LENGTH_SCALE = SIZE_SHARE / 15.0, SIZE_SHARE / 30.0
+_DIRECTION_SCALE = 0.5 * math.pi
+_LINE_WIDTH = 0.001
+_ROAD_AT = EGO_SIZE + VEHICLES * VEHICLE_SIZE
+
+
+@compiled
+def encode(
+    ego: FloatArray,
+    speed: float,
+    size: FloatArray,
+    goal: FloatArray,
+    objects: FloatArray,
+    sizes: FloatArray,
+    road: FloatArray,
+    out: Float32Array,
+) -> None:
+    """Fills an observation.
+
+    The nearest vehicles and pieces are shown where there are more than fit. Walkers and obstacles
+    are shown as vehicles of their size.
+
+    Args:
+        ego: (9,) the ego's state.
+        speed: m/s.
+        size: (2,) length and width of the ego, metres.
+        goal: (2,) metres.
+        objects: (n, 9) perceived actors.
+        sizes: (n, 2) metres.
+        road: (m, 6) ``road.road_pieces``.
+        out: (1847,) filled.
+    """
+    out[:] = 0.0
+    x, y, cos, sin = ego[0], ego[1], math.cos(ego[2]), math.sin(ego[2])
+    dx, dy = goal[0] - x, goal[1] - y
+    out[0] = _HUNDREDTH * (dx * cos + dy * sin)
+    out[1] = _HUNDREDTH * (dy * cos - dx * sin)
+    out[2] = _HUNDREDTH * abs(speed)
+    out[3] = _WIDTH_SCALE * size[1]
+    out[4] = _LENGTH_SCALE * size[0]
+    at = EGO_SIZE
+    for j in _nearest(objects, x, y, SIGHT, VEHICLES):
+        dx, dy = objects[j, 0] - x, objects[j, 1] - y
+        turn = objects[j, 2] - ego[2]
+        out[at] = _HUNDREDTH * (dx * cos + dy * sin)
+        out[at + 1] = _HUNDREDTH * (dy * cos - dx * sin)
+        out[at + 2] = _WIDTH_SCALE * sizes[j, 1]
+        out[at + 3] = _LENGTH_SCALE * sizes[j, 0]
+        out[at + 4] = _DIRECTION_SCALE * math.cos(turn)
+        out[at + 5] = _DIRECTION_SCALE * math.sin(turn)
+        out[at + 6] = _HUNDREDTH * math.hypot(objects[j, 3], objects[j, 4])
+        at += VEHICLE_SIZE
+    at = _ROAD_AT
+    for j in _nearest(road, x, y, _ROAD_SIGHT, ROAD_PIECES):
+        dx, dy = road[j, 0] - x, road[j, 1] - y
+        out[at] = _HUNDREDTH * (dx * cos + dy * sin)
+        out[at + 1] = _HUNDREDTH * (dy * cos - dx * sin)
+        out[at + 2] = _HUNDREDTH * road[j, 4]
+        out[at + 3] = _LINE_WIDTH
+        out[at + 4] = _DIRECTION_SCALE * (road[j, 2] * cos + road[j, 3] * sin)
+        out[at + 5] = _DIRECTION_SCALE * (road[j, 3] * cos - road[j, 2] * sin)
+        out[at + 6] = road[j, 5]
+        at += ROAD_SIZE
+
+
+@compiled
+def _nearest(places: FloatArray, x: float, y: float, reach: float, count: int) -> NDArray[np.int64]:
+    """Gives the rows of the nearest places within reach, nearest first."""
+    rows = np.empty(places.shape[0], np.int64)
+    squared = np.empty(places.shape[0])
+    found = 0
+    for j in range(places.shape[0]):
+        dx, dy = places[j, 0] - x, places[j, 1] - y
+        d2 = dx * dx + dy * dy
+        if d2 <= reach * reach:
+            rows[found], squared[found] = j, d2
+            found += 1
+    order = np.argsort(squared[:found], kind="mergesort")[:count]
+    return rows[:found][order]
+
+
+@lru_cache(maxsize=1)
+def compile_encoding() -> None:
+    """Compiles the functions of this module, so that an agent's first step need not."""
+    two, out = np.zeros(2), np.zeros(OBSERVATION_SIZE, dtype=np.float32)
+    encode(np.zeros(9), 0.0, two, two, np.zeros((1, 9)), np.ones((1, 2)), np.zeros((1, 6)), out)

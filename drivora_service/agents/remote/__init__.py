@@ -1,0 +1,1 @@
+"""ADSs in processes of their own: the gRPC protocol, its client and its server."""

@@ -1,0 +1,106 @@
+"""An ADS in a process of its own, as an agent like any other."""
+
+from __future__ import annotations
+
+import uuid
+
+import grpc
+import numpy as np
+
+from drivora_service.agents.interface import AgentContext, Control, Observation
+from drivora_service.agents.log import AgentLog
+from drivora_service.agents.manifest import AgentDeadlines
+from drivora_service.agents.remote import agent_pb2 as pb
+from drivora_service.agents.remote.hosts import Host
+from drivora_service.agents.remote.messages import control_of, setup_request, step_request
+from drivora_service.errors import AgentError
+
+_DETAILS = 8000
+
+
+class RemoteAgent:
+    """Drives one ego of one run; the ADS behind it stays for the next."""
+
+    def __init__(self, name: str, host: Host, deadlines: AgentDeadlines) -> None:
+        """Args: deadlines: For the calls; an ADS that misses one is ended."""
+        self._name, self._host, self._deadlines = name, host, deadlines
+        self._run = uuid.uuid4().hex
+        self._ego = ""
+        self._log = AgentLog()
+        self._columns: dict[str, int] = {}
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Begins a run.
+
+        Raises:
+            AgentError: The ADS failed, died, hung or answered garbage.
+        """
+        self._ego, self._log = context.ego_id, context.log
+        request, timeout = setup_request(context, self._run), self._deadlines.setup
+        try:
+            reply = self._host.connection.setup(request, timeout)
+        except (grpc.RpcError, AgentError) as error:
+            raise self._failed("SetupEnv", timeout, error) from error
+        self._columns = {name: column for column, name in enumerate(reply.log_names)}
+        self._log.declare(*self._columns)
+        self._write(reply.text)
+
+    def run_step(self, observation: Observation) -> Control:
+        """Asks for a control; raises as :meth:`setup_env` does."""
+        request, timeout = step_request(observation, self._run), self._deadlines.step
+        try:
+            reply = self._host.connection.step(request, timeout)
+            self._record(reply)
+            return control_of(reply)
+        except (grpc.RpcError, AgentError) as error:
+            where = f"RunStep at {observation.time:.2f} s"
+            raise self._failed(where, timeout, error) from error
+
+    def _record(self, reply: pb.StepReply) -> None:
+        row = self._log.row
+        row.fill(np.nan)
+        for name, value in reply.values.items():
+            column = self._columns.get(name)
+            if column is None:
+                raise AgentError(
+                    f"the ADS logs {name!r}; SetupEnv declared: "
+                    f"{', '.join(self._columns) or 'nothing'}",
+                    cause="agent_invalid_control",
+                )
+            row[column] = value
+        self._write(reply.text)
+
+    def _write(self, text: str) -> None:
+        if text:
+            for line in text.splitlines():
+                self._log.event(line)
+
+    def _failed(self, where: str, timeout: float, error: grpc.RpcError | AgentError) -> AgentError:
+        """Says what became of the ADS; one that hangs or cannot be reached is ended."""
+        who = f"agent {self._name!r} of ego {self._ego!r}"
+        if isinstance(error, AgentError):
+            return AgentError(
+                f"{who} in {where}: {error}", cause=error.cause, log=self._host.tail()
+            )
+        code, details = error.code(), str(error.details() or "")[:_DETAILS]
+        match code:
+            case grpc.StatusCode.DEADLINE_EXCEEDED:
+                cause = "agent_hung"
+                message = f"{who} did not answer {where} within {timeout:g} s"
+            case grpc.StatusCode.UNAVAILABLE | grpc.StatusCode.CANCELLED:
+                ended = self._host.ended()
+                cause = "agent_died" if ended else "agent_unreachable"
+                message = f"{who} {ended or f'cannot be reached: {details}'}, in {where}"
+            case grpc.StatusCode.UNIMPLEMENTED:
+                cause = "agent_protocol"
+                message = f"{who} does not offer {where.split()[0]}: {details}"
+            case _:
+                # What an ADS prints comes later than its answer, so that has the traceback too.
+                message, _, traceback = details.partition("\n")
+                log = self._host.tail()
+                return AgentError(
+                    f"{who} failed in {where}: {message or code.name}",
+                    log=log if traceback.strip() in log else f"{log}\n{traceback}",
+                )
+        self._host.end()
+        return AgentError(message, cause=cause, log=self._host.tail())

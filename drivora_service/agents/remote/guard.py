@@ -1,0 +1,120 @@
+"""Runs a command, ends it with all that it started, and keeps a bounded log of what it prints.
+
+Started as ``python -I -S guard.py PARENT FOLDER LOG COMMAND…``; needs nothing but the standard
+library. It ends when the command does, when it is told to (SIGTERM), and when the process PARENT
+dies, however that one dies. In the last two cases it removes FOLDER.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import select
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from types import FrameType
+
+LOG_BYTES = 1 << 20
+"""Size at which the older half of the log is dropped."""
+
+_PR_SET_PDEATHSIG = 1
+_CHUNK = 1 << 16
+_WATCH_S = 1.0
+_DRAINED_S = 0.2
+
+
+class BoundedLog:
+    """A file of which the older half is dropped when it has grown to ``limit`` bytes."""
+
+    def __init__(self, path: Path, limit: int = LOG_BYTES) -> None:
+        self._file = path.open("w+b", buffering=0)
+        self._limit = limit
+
+    def write(self, data: bytes) -> None:
+        """Appends."""
+        self._file.write(data)
+        if self._file.tell() > self._limit:
+            self._file.seek(-self._limit // 2, os.SEEK_END)
+            kept = self._file.read()
+            self._file.seek(0)
+            self._file.write(kept)
+            self._file.truncate()
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
+
+def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
+    """Does what the module says; gives the exit code, of a signal 128 and its number."""
+    signal.signal(signal.SIGTERM, _stop)
+    _die_with_parent(signal.SIGTERM)
+    output, inlet = os.pipe()
+    try:
+        child = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=inlet, stderr=inlet, preexec_fn=_begin_child
+        )
+    except OSError as error:
+        log.write(f"the command cannot be started: {error}\n".encode())
+        return 127
+    os.close(inlet)
+    try:
+        while os.getppid() == parent:
+            # The end of the command is seen by its output's end, or, where something that it
+            # started has that too, by looking once a second.
+            if _copy(output, log, _WATCH_S) and child.poll() is None:
+                continue
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.wait(_DRAINED_S)
+            if child.returncode is not None:
+                while _copy(output, log, 0.0) is True:
+                    pass
+                return _exit_code(child.returncode, log)
+        raise SystemExit(1)
+    except SystemExit:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    finally:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+
+
+def _copy(output: int, log: BoundedLog, patience: float) -> bool | None:
+    """Copies what has come within ``patience`` seconds; false at the end, ``None`` for nothing."""
+    ready, _, _ = select.select([output], [], [], patience)
+    if not ready:
+        return None
+    data = os.read(output, _CHUNK)
+    log.write(data)
+    return bool(data)
+
+
+def _exit_code(code: int, log: BoundedLog) -> int:
+    if code >= 0:
+        log.write(f"[exited with code {code}]\n".encode())
+        return code
+    log.write(f"[ended by {signal.Signals(-code).name}]\n".encode())
+    return 128 - code
+
+
+def _stop(_number: int, _frame: FrameType | None) -> None:
+    raise SystemExit(0)
+
+
+def _begin_child() -> None:
+    os.setpgid(0, 0)
+    _die_with_parent(signal.SIGKILL)
+
+
+def _die_with_parent(number: signal.Signals) -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(number), 0, 0, 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(int(sys.argv[1]), Path(sys.argv[2]), BoundedLog(Path(sys.argv[3])), sys.argv[4:]))

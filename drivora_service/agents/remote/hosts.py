@@ -1,0 +1,230 @@
+"""Where an ADS runs: in a process that is started here, or where somebody else runs it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Protocol
+
+import grpc
+
+from drivora_service.agents.manifest import AgentManifest, command_line
+from drivora_service.agents.remote import guard
+from drivora_service.agents.remote.connection import Connection
+from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE, VERSION
+from drivora_service.errors import AgentError
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_TAIL_BYTES = 8192
+_TAIL_LINES = 40
+_LOOK_S = 0.02
+_ASK_S = 5.0
+_END_S = 5.0
+_ENDING_S = 5.0
+_PRINTED_S = 0.2
+
+
+class Host(Protocol):
+    """What an agent needs to know of where its ADS runs.
+
+    Attributes:
+        connection: To the ADS.
+    """
+
+    connection: Connection
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it may be asked."""
+        ...
+
+    def tail(self) -> str:
+        """Gives the last lines that the ADS printed."""
+        ...
+
+    def ended(self) -> str:
+        """Tells how the ADS ended by itself, "" if it did not or nobody knows."""
+        ...
+
+    def end(self) -> None:
+        """Ends it, with all that it started, and leaves nothing behind."""
+        ...
+
+
+class ProcessHost:
+    """An ADS in a process that is started here, on a socket in a folder of its own."""
+
+    def __init__(self, manifest: AgentManifest, python: Path) -> None:
+        """Starts it and waits until it answers.
+
+        Raises:
+            AgentError: It ends before, does not answer in time, or speaks another protocol.
+        """
+        self._name = manifest.name
+        self._folder = Path(tempfile.mkdtemp(prefix="drivora-agent-"))
+        self._log = self._folder / "log"
+        self._last_words = ""
+        socket = self._folder / "socket"
+        address = f"unix:{socket}"
+        self._process = subprocess.Popen(
+            [
+                sys.executable, "-I", "-S", guard.__file__, str(os.getpid()), str(self._folder),
+                str(self._log), *command_line(manifest, python),
+            ],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            cwd=manifest.folder, env=self._environment(manifest, address), start_new_session=True,
+        )  # fmt: skip
+        self.connection = Connection(address)
+        try:
+            self._wait(socket, manifest.deadlines.start)
+        except BaseException:
+            self.end()
+            raise
+
+    def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
+        """Gives the variables for the ADS: Drivora's own, which may be secret, are not for it.
+
+        The ADS finds ``drivora_service`` in a folder with nothing beside it: in the folder where it
+        is installed there are packages of versions that the ADS did not ask for.
+        """
+        packages = self._folder / "packages"
+        packages.mkdir()
+        (packages / _PACKAGE.name).symlink_to(_PACKAGE, target_is_directory=True)
+        kept = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith("DRIVORA_") and name not in ("PYTHONPATH", "PYTHONHOME")
+        }
+        kept.update(manifest.variables)
+        paths = (str(packages), kept.get("PYTHONPATH", ""))
+        kept["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
+        kept[ADDRESS_VARIABLE] = address
+        return kept
+
+    def _wait(self, socket: Path, deadline: float) -> None:
+        until = time.monotonic() + deadline
+        while time.monotonic() < until:
+            if not self.is_alive:
+                raise self._error("agent_died", f"{self.ended()} before it answered")
+            if socket.exists():
+                left = until - time.monotonic()
+                with contextlib.suppress(grpc.RpcError):
+                    check_protocol(self, self._name, min(left, _ASK_S))
+                    return
+            time.sleep(_LOOK_S)
+        raise self._error("agent_unreachable", f"did not answer Describe within {deadline:g} s")
+
+    def _error(self, cause: str, what: str) -> AgentError:
+        return AgentError(
+            f"the process of agent {self._name!r} {what}", cause=cause, log=self.tail()
+        )
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether the process has not ended."""
+        return self._process.poll() is None
+
+    def tail(self) -> str:
+        """Gives the last lines that the ADS printed; those that were kept, after its end."""
+        if self.is_alive:
+            # What it printed just now is still on its way through the guard.
+            time.sleep(_PRINTED_S)
+        try:
+            with self._log.open("rb") as log:
+                log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))
+                text = log.read().decode(errors="replace")
+        except FileNotFoundError:
+            return self._last_words
+        return "\n".join(text.splitlines()[-_TAIL_LINES:])
+
+    def ended(self) -> str:
+        """Tells how the process ended; waits a moment, as its socket closes before it is gone."""
+        try:
+            code = self._process.wait(_ENDING_S)
+        except subprocess.TimeoutExpired:
+            return ""
+        if code > 128:
+            with contextlib.suppress(ValueError):
+                return f"was ended by {signal.Signals(code - 128).name}"
+        return f"exited with code {code}"
+
+    def end(self) -> None:
+        """Ends the process with all that it started; removes its socket and its folder."""
+        self.connection.close()
+        self._last_words = self.tail()
+        self._process.terminate()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+class AddressHost:
+    """An ADS that somebody else runs."""
+
+    def __init__(self, manifest: AgentManifest) -> None:
+        """Waits until it answers.
+
+        Raises:
+            AgentError: It does not, or it speaks another protocol.
+        """
+        self._address = manifest.address
+        self.connection = Connection(manifest.address)
+        self.is_alive = True
+        try:
+            check_protocol(self, manifest.name, manifest.deadlines.start)
+        except grpc.RpcError as error:
+            self.end()
+            raise AgentError(
+                f"agent {manifest.name!r} did not answer at {manifest.address} within "
+                f"{manifest.deadlines.start:g} s: {error.details()}. Whoever runs it must start it "
+                "before",
+                cause="agent_unreachable",
+            ) from error
+        except AgentError:
+            self.end()
+            raise
+
+    def tail(self) -> str:
+        """Says where to look."""
+        return f"[the log is with whoever runs the ADS at {self._address}]"
+
+    def ended(self) -> str:
+        """Gives "": nobody here knows."""
+        return ""
+
+    def end(self) -> None:
+        """Ends the connection only."""
+        self.is_alive = False
+        self.connection.close()
+
+
+def check_protocol(host: Host, name: str, timeout: float) -> None:
+    """Asks an ADS who it is.
+
+    Raises:
+        grpc.RpcError: It does not answer.
+        AgentError: It speaks another protocol.
+    """
+    try:
+        spoken = host.connection.describe(timeout).protocol
+    except AgentError as error:
+        raise AgentError(
+            f"agent {name!r}: {error}", cause="agent_protocol", log=host.tail()
+        ) from error
+    if spoken != VERSION:
+        raise AgentError(
+            f"agent {name!r} speaks version {spoken} of the protocol; allowed: {VERSION}. Build it "
+            "with the agent.proto of this version of Drivora",
+            cause="agent_protocol",
+            log=host.tail(),
+        )

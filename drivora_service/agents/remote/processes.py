@@ -1,0 +1,70 @@
+"""The ADSs that a worker has started or reached, kept from one run to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from drivora_service.agents.manifest import AgentDeadlines, AgentManifest
+from drivora_service.agents.remote.agent import RemoteAgent
+from drivora_service.agents.remote.hosts import AddressHost, Host, ProcessHost
+
+
+@dataclass(slots=True, kw_only=True)
+class _Kept:
+    manifest: AgentManifest
+    python: Path
+    host: Host
+    in_use: bool = True
+
+
+class AgentHosts:
+    """Gives every ego of a run an ADS of its own, and the same ones to the next run."""
+
+    def __init__(self, longest_call_s: float) -> None:
+        """Begins without any.
+
+        Args:
+            longest_call_s: Seconds after which a call of an agent costs the worker its life; an ADS
+                must be found to hang before.
+        """
+        self._within = max(longest_call_s - 1.0, 0.5 * longest_call_s)
+        self._kept: list[_Kept] = []
+
+    def begin_run(self) -> None:
+        """Takes all ADSs back: the last run is over."""
+        for kept in self._kept:
+            kept.in_use = False
+
+    def agent(self, manifest: AgentManifest, python: Path) -> RemoteAgent:
+        """Gives an agent for one ego of the run; starts an ADS if no idle one is left.
+
+        Raises:
+            AgentError: It cannot be started or reached.
+        """
+        deadlines = AgentDeadlines(
+            start=manifest.deadlines.start,
+            setup=min(manifest.deadlines.setup, self._within),
+            step=min(manifest.deadlines.step, self._within),
+        )
+        return RemoteAgent(manifest.name, self._host(manifest, python), deadlines)
+
+    def _host(self, manifest: AgentManifest, python: Path) -> Host:
+        for kept in list(self._kept):
+            if kept.in_use or kept.manifest.name != manifest.name:
+                continue
+            if kept.manifest == manifest and kept.python == python and kept.host.is_alive:
+                kept.in_use = True
+                return kept.host
+            # It died in between, or the operator has changed what is to be run.
+            self._kept.remove(kept)
+            kept.host.end()
+        host = AddressHost(manifest) if manifest.address else ProcessHost(manifest, python)
+        self._kept.append(_Kept(manifest=manifest, python=python, host=host))
+        return host
+
+    def close(self) -> None:
+        """Ends all."""
+        for kept in self._kept:
+            kept.host.end()
+        self._kept.clear()

@@ -1,0 +1,127 @@
+"""ADSs in processes of their own on the slots: the same everywhere, and nothing left behind."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import psutil
+import pytest
+
+from drivora_service.execution.executor import Limits
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.running import run_all
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.model import BackgroundTraffic, Scenario
+from tests.agents.remote.folders import add_agent, processes_with
+from tests.simulation.episodes import ego, place, scenario
+
+EXAMPLE = Path(__file__).resolve().parents[3] / "deploy" / "external-agent"
+
+
+@pytest.fixture
+def agents(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of agents; what their processes leave behind would be in ``temporary`` beside it."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    return tmp_path / "agents"
+
+
+def executor(agents: Path, slots: int) -> LocalExecutor:
+    setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents, agent_deadline_s=60.0)
+    return LocalExecutor(
+        slots=slots,
+        setup=setup,
+        folder=agents.parent / "workers",
+        limits=Limits(agent_deadline_s=60.0),
+    )
+
+
+def specs_of(scenarios: Iterator[Scenario]) -> list[RunSpec]:
+    return [
+        RunSpec(run_id=f"run-{number}", document=canonical_json(what))
+        for number, what in enumerate(scenarios)
+    ]
+
+
+def one_ego(agent: str, seconds: float = 2.0) -> Scenario:
+    route = (place("harbour_1_0", 20), place("harbour_1_0", 120))
+    return scenario(ego(*route, agent=agent), seconds=seconds)
+
+
+def left_behind(agents: Path) -> list[str]:
+    folders = (agents.parent / "temporary").glob("drivora-agent-*")
+    processes = processes_with([str(agents)])
+    return [path.name for path in folders] + [process.name() for process in processes]
+
+
+def test_the_example_drives_the_same_twice_and_on_two_workers(agents: Path) -> None:
+    shutil.copytree(EXAMPLE, agents / EXAMPLE.name)
+    route = (place("harbour_0_0", 120.0), place("harbour_1_0", 60.0))
+    drives = [
+        replace(
+            scenario(ego(*route, agent=EXAMPLE.name), seconds=40.0, seed=seed),
+            background_traffic=BackgroundTraffic(count=10),
+        )
+        for seed in (1, 2, 3)
+    ]
+    specs = specs_of(iter(drives))
+    hashes: list[dict[str, str]] = []
+    for slots in (1, 2):
+        with executor(agents, slots) as workers:
+            reports = list(run_all(workers, specs))
+            reports += run_all(
+                workers, [replace(spec, run_id=f"{spec.run_id}-2") for spec in specs]
+            )
+        assert {report.status for report in reports} == {RunStatus.FINISHED}
+        hashes.append({report.run_id: report.trace_sha256 for report in reports})
+    assert hashes[0] == hashes[1]
+    assert all(hashes[0][spec.run_id] == hashes[0][f"{spec.run_id}-2"] for spec in specs)
+    assert len(set(hashes[0].values())) == len(specs)
+    assert left_behind(agents) == []
+
+
+@pytest.mark.slow
+def test_two_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
+    causes = {
+        "dies": "agent_died",
+        "hangs": "agent_hung",
+        "garbled-step": "agent_invalid_control",
+        "does-not-start": "agent_died",
+        "raises": "agent_raised",
+    }
+    for what in causes:
+        add_agent(agents, what, step=1.0 if what == "hangs" else 20.0)
+    add_agent(agents, "drives")
+    failing = [what for _ in range(40) for what in causes]
+    order = [what for pair in zip(failing, ["drives"] * len(failing), strict=True) for what in pair]
+    specs = specs_of(one_ego(what) for what in order)
+    before = {process.pid for process in psutil.Process().children(recursive=True)}
+    open_before = psutil.Process().num_fds()
+    with executor(agents, 2) as workers:
+        reports: dict[str, RunReport] = {r.run_id: r for r in run_all(workers, specs)}
+        slots = workers.slots()
+    assert len(reports) == 400
+    for spec, what in zip(specs, order, strict=True):
+        report = reports[spec.run_id]
+        if what == "drives":
+            assert report.status is RunStatus.FINISHED
+        else:
+            assert report.status is RunStatus.AGENT_FAILED
+            assert report.failure is not None
+            assert report.failure.cause == causes[what]
+    assert len({r.trace_sha256 for r in reports.values() if r.trace_sha256}) == 1
+    # No worker had to be replaced for any of it.
+    assert [slot.restarts for slot in slots] == [0, 0]
+    assert left_behind(agents) == []
+    after = {process.pid for process in psutil.Process().children(recursive=True)}
+    assert after <= before
+    assert psutil.Process().num_fds() <= open_before + 4

@@ -1,0 +1,139 @@
+"""Manifests of ADSs in processes of their own, and what is wrong with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.entry import AgentKind
+from drivora_service.agents.manifest import AgentDeadlines, command_line, read_manifest
+from drivora_service.agents.manifest_files import operator_manifests, shipped_manifests
+from drivora_service.errors import AgentError, UnknownName
+
+GOOD: dict[str, Any] = {
+    "name": "mine",
+    "kind": "end-to-end",
+    "description": "drives",
+    "source": "here",
+    "licence": "MIT",
+    "command": ["{python}", "{folder}/drive.py", "--config={folder}/c.json", '{"a": 1}'],
+}
+
+
+def write(folder: Path, content: object, name: str = "mine") -> Path:
+    path = folder / name / "agent.yaml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+    return path
+
+
+def test_a_manifest_is_read(tmp_path: Path) -> None:
+    more = {"variables": {"MODEL": "big"}, "deadlines": {"step": 0.5}}
+    path = write(tmp_path, {**GOOD, **more})
+    manifest = read_manifest(path, "mine")
+    assert (manifest.name, manifest.kind, manifest.licence) == ("mine", AgentKind.END_TO_END, "MIT")
+    assert manifest.variables == (("MODEL", "big"),)
+    assert manifest.deadlines == AgentDeadlines(step=0.5)
+    assert manifest.environment == "mine"
+    assert command_line(manifest, Path("/python")) == [
+        "/python",
+        f"{path.parent}/drive.py",
+        f"--config={path.parent}/c.json",
+        '{"a": 1}',
+    ]
+
+
+@pytest.mark.parametrize("address", ["unix:/run/ads.sock", "localhost:50051", "[::1]:50051"])
+def test_an_address_stands_in_for_a_command(tmp_path: Path, address: str) -> None:
+    content = {key: value for key, value in GOOD.items() if key != "command"}
+    manifest = read_manifest(write(tmp_path, {**content, "address": address}), "mine")
+    assert (manifest.command, manifest.address) == ((), address)
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "says"),
+    [
+        ({"name": "other"}, "/name", "'mine'"),
+        ({"name": "../mine"}, "/name", "A-Z"),
+        ({"kind": "magic"}, "/kind", "module-based"),
+        ({"licence": None}, "/licence", ""),
+        ({"colour": "red"}, "/colour", ""),
+        ({"command": "python drive.py"}, "/command", ""),
+        ({"command": []}, "/", "neither"),
+        ({"address": "localhost:1"}, "/", "both"),
+        ({"command": [], "address": "http://host/"}, "/address", ""),
+        ({"command": ["{home}/x"]}, "/command/0", "{python}, {folder}"),
+        ({"variables": {"A": 1}}, "/variables/A", ""),
+        ({"variables": {"DRIVORA_X": "1"}}, "/variables/DRIVORA_X", "Drivora's own"),
+        ({"deadlines": {"step": 0}}, "/deadlines/step", ""),
+        ({"deadlines": {"step": "fast"}}, "/deadlines/step", ""),
+        ({"deadlines": {"think": 1}}, "/deadlines/think", ""),
+    ],
+)
+def test_problems_are_named_with_their_place(
+    tmp_path: Path, change: dict[str, object], place: str, says: str
+) -> None:
+    path = write(tmp_path, {**GOOD, **change})
+    with pytest.raises(AgentError) as failure:
+        read_manifest(path, "mine")
+    assert failure.value.cause == "agent_manifest"
+    assert str(path) in str(failure.value)
+    assert f"{place}: " in str(failure.value)
+    assert says in str(failure.value)
+
+
+@pytest.mark.parametrize("text", ["- a list", "a: [", "", "!!python/object:os.system {}"])
+def test_a_file_that_is_no_manifest_is_told_of(tmp_path: Path, text: str) -> None:
+    with pytest.raises(AgentError, match=r"agent\.yaml cannot be used"):
+        read_manifest(write(tmp_path, text), "mine")
+
+
+def test_an_operators_agents_are_found_while_the_catalogue_lives(tmp_path: Path) -> None:
+    catalogue = AgentCatalogue(folder=tmp_path)
+    assert "mine" not in catalogue.names()
+    with pytest.raises(UnknownName, match="mine"):
+        catalogue.entry("mine")
+    write(tmp_path, GOOD)
+    entry = catalogue.entry("mine")
+    assert "mine" in catalogue.names()
+    assert (entry.kind, entry.installed, entry.privileged) == (AgentKind.END_TO_END, True, False)
+    assert catalogue.availability()["mine"] == ""
+
+
+def test_a_broken_manifest_spoils_only_its_own_agent(tmp_path: Path) -> None:
+    write(tmp_path, {**GOOD, "kind": "magic"})
+    write(tmp_path, {**GOOD, "name": "fine"}, name="fine")
+    catalogue = AgentCatalogue(folder=tmp_path)
+    broken = catalogue.entry("mine")
+    assert not broken.installed
+    assert "/kind" in broken.reason
+    assert catalogue.entry("fine").installed
+    with pytest.raises(AgentError, match="/kind"):
+        catalogue.create("mine", {})
+
+
+def test_a_manifest_does_not_replace_a_built_in_agent(tmp_path: Path) -> None:
+    write(tmp_path, {**GOOD, "name": "idm"}, name="idm")
+    catalogue = AgentCatalogue(folder=tmp_path)
+    assert catalogue.entry("idm").kind is AgentKind.MODULE_BASED
+
+
+def test_folders_whose_names_no_document_may_name_are_left_out(tmp_path: Path) -> None:
+    write(tmp_path, GOOD, name="no name")
+    write(tmp_path, GOOD)
+    assert list(operator_manifests(tmp_path)) == ["mine"]
+    assert operator_manifests(tmp_path / "nowhere") == {}
+    assert operator_manifests(None) == {}
+
+
+def test_the_shipped_manifests_are_good() -> None:
+    shipped = shipped_manifests()
+    assert {"fiss-plus", "fop"} <= set(shipped)
+    for name, path in shipped.items():
+        manifest = read_manifest(path, name)
+        assert manifest.licence
+        assert (path.parent / "requirements.txt").is_file()
