@@ -38,9 +38,9 @@ FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)
 """Shares of the speed limit that proposals are driven at, as in the paper."""
 _WATCHED = 40.0
 """Metres within which everybody is watched; further away, who can come near in time."""
-_OFFSET_COST = 0.01
+_OFFSET_COST = 0.05
 """What a proposal beside the lane's centre costs, in score: of two alike, the middle."""
-_CHANGE_COST = 0.01
+_CHANGE_COST = 0.02
 """What another offset than that of the step before costs."""
 
 
@@ -173,8 +173,9 @@ class PdmClosedAgent:
         merit = found[:, 0] - _OFFSET_COST * (beside > 0)
         merit -= _CHANGE_COST * (beside != self._chosen // factors)
         if found[:, 0].max() <= 0.0:
-            # All are bad: the one that goes well for longest, and of these the slowest.
-            merit = np.minimum(found[:, 1], 10.0) - 1e-3 * found[:, 2]
+            # All are bad: the one that goes well for longest; where all collide, the slowest.
+            collides = bool(np.isfinite(found[:, 1]).all())
+            merit += np.minimum(found[:, 1], 10.0) + (-1e-3 if collides else 1e-3) * found[:, 2]
         best = int(np.argmax(merit))
         self._chosen = best
         _, _, _, _, asked, steer, _, _ = self._proposed[best, 0].tolist()

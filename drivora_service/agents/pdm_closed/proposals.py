@@ -141,7 +141,8 @@ def propose(
         offset = offsets[p // factors.shape[0]]
         factor = factors[p % factors.shape[0]]
         stop = stops[p % factors.shape[0]]
-        length = max(_LEAST_SHIFT, _SHIFT_TIME * v)
+        # A small error is mended in a short way: a bend taken by half measures is not kept to.
+        length = max(_LEAST_SHIFT, _SHIFT_TIME * v) * min(max(abs(offset - lateral), 0.1), 1.0)
         x, y, yaw = ego[0], ego[1], ego[2]
         speed, pull, wheel = v, acceleration, steer
         at, along, side = cursor, s, lateral

@@ -26,6 +26,8 @@ COMFORT_WEIGHT = 2.0
 _STANDS = 0.1
 _CLEARANCE = 0.15
 """Metres by which the ego's box is larger on each side than the ego."""
+_SLACK = 0.02
+"""Metres by which a box that is outside already may come further outside."""
 _LEAST_PROGRESS = 0.5
 """Metres; where no proposal gets further, progress does not count."""
 _LOOKS = 3
@@ -139,7 +141,7 @@ def stays_on_road(
         across = half_width * abs(math.cos(turned)) + half_length * abs(math.sin(turned))
         outside = max(side + across - margins[at, 0], across - side - margins[at, 1])
         if k == 0:
-            allowed = max(outside, 0.0) + 0.1
+            allowed = max(outside, 0.0) + _SLACK
         elif outside > allowed:
             return False, oncoming
         if k > 0 and side > margins[at, 2]:
