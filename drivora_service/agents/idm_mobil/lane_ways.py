@@ -157,8 +157,9 @@ class LaneWays:
             passes.append(self._pass(lane, s, way.exit_lane, max(end, s if not way.then else 0.0)))
             if not way.then:
                 return build_route(self._network, passes)
-            for inner in way.then[:-1]:
-                passes.append(self._pass(inner, 0.0, inner, self._graph.lengths[inner]))
+            passes.extend(
+                self._pass(inner, 0.0, inner, self._graph.lengths[inner]) for inner in way.then[:-1]
+            )
             stage, lane, s = stage + 1, way.then[-1], 0.0
 
     def _pass(self, lane: int, s: float, exit_lane: int, exit_s: float) -> EdgePass:

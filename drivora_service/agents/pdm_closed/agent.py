@@ -16,6 +16,7 @@ from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
 from drivora_service.agents.idm.driving import (
+    HARD_BRAKING,
     PATIENCE,
     SIDE_ROOM,
     TIGHT_ROOM,
@@ -90,7 +91,8 @@ class PdmClosedAgent:
         self._proposed = np.zeros((count, STEPS + 1, 8))
         self._found = np.zeros((count, 5))
         self._chosen = 0
-        self._share = context.step_length / STEP
+        self._asked = 0.0
+        self._share = min(context.step_length / STEP, 1.0)
         self._log = context.log
         self._log.declare("offset", "speed_factor", "score", "collision_time", "halt_distance")
 
@@ -116,15 +118,15 @@ class PdmClosedAgent:
         room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
         self._find_stops(observation, objects, sizes, kinds, s, room)
         propose(
-            ego.copy(), v, observation.acceleration, observation.steer, self._car, self._grip,
+            ego.copy(), v, self._asked, observation.steer, self._car, self._grip,
             way.points, runs.cursor, s, lateral, self._offsets, self._factors, self._stops, room,
             seen, kinds, self._proposed,
         )  # fmt: skip
         score(
-            self._proposed, observation.acceleration, self._half_length, self._half_width,
+            self._proposed, self._asked, self._half_length, self._half_width,
             way.points, self._margins[runs.current], future, sizes, self._found,
         )  # fmt: skip
-        return self._execute(observation, s)
+        return self._execute(s)
 
     def _watched(self, observation: Observation) -> NDArray[np.int64]:
         """Gives the rows of the actors who can come near within the forecast."""
@@ -166,7 +168,7 @@ class PdmClosedAgent:
                 + self._half_length
             )  # fmt: skip
 
-    def _execute(self, observation: Observation, s: float) -> AccelerationControl:
+    def _execute(self, s: float) -> AccelerationControl:
         """Chooses a proposal and gives what it begins with."""
         found, factors = self._found, len(FACTORS)
         beside = np.arange(len(found)) // factors
@@ -179,12 +181,13 @@ class PdmClosedAgent:
         best = int(np.argmax(merit))
         self._chosen = best
         _, _, _, _, asked, steer, _, _ = self._proposed[best, 0].tolist()
-        before = min(max(observation.acceleration, -self._max_braking), self._max_braking)
-        acceleration = asked if asked < before - 2.0 else before + self._share * (asked - before)
+        before = self._asked
+        # A proposal's steps are longer than the agent's; in need the brake is stamped on.
+        self._asked = asked if asked < -HARD_BRAKING else before + self._share * (asked - before)
         if found[best, 1] <= self._parameters.brake_within:
-            acceleration = -min(self._parameters.emergency_braking, self._max_braking)
+            self._asked = -min(self._parameters.emergency_braking, self._max_braking)
         row = self._log.row
         row[0], row[1] = self._offsets[best // factors], FACTORS[best % factors]
         row[2] = found[best, 0]
         row[3], row[4] = found[best, 1], self._stops[best % factors] - s - self._half_length
-        return AccelerationControl(acceleration, steer)
+        return AccelerationControl(self._asked, steer)

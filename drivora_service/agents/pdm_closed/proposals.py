@@ -120,7 +120,7 @@ def propose(
 
     Args:
         ego: (9,) the ego's state.
-        v, acceleration, steer: Its speed, acceleration and front-wheel angle.
+        v, acceleration, steer: Its speed, the acceleration asked of it last, and front-wheel angle.
         car: (6,) half length, half width and wheelbase in metres, hardest braking in m/s², largest
             front-wheel angle, and the top speed in m/s.
         grip: Of the tyres, m/s².
@@ -172,7 +172,9 @@ def propose(
             pull = asked
             turn = min(max(turn, -car[4]), car[4])
             wheel += min(max(turn - wheel, -_STEER_RATE * STEP), _STEER_RATE * STEP)
-            after = min(max(speed + pull * STEP, 0.0), car[5])
+            # A motor pulls less at speed.
+            gained = pull * max(0.0, 1.0 - speed / car[5]) if pull > 0.0 else pull
+            after = min(max(speed + gained * STEP, 0.0), car[5])
             mean = 0.5 * (speed + after)
             slip = math.atan(0.5 * math.tan(wheel))
             yaw_rate = mean * math.cos(slip) * math.tan(wheel) / wheelbase
