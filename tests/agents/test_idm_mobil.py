@@ -92,8 +92,9 @@ def test_it_waits_for_those_who_come_from_behind() -> None:
     )
     assert not trace.contacts
     for npc in fast:
-        braking = -np.nanmin(np.diff(speeds(trace, npc.id))) / trace.step_length
-        assert braking < 4.0, npc.id
+        # They begin too near to one another, and brake for that.
+        settled = speeds(trace, npc.id)[60:]
+        assert -np.nanmin(np.diff(settled)) / trace.step_length < 2.0, npc.id
 
 
 def test_it_ends_in_the_lane_of_its_destination() -> None:

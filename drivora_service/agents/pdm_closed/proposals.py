@@ -37,6 +37,11 @@ _SHIFT_TIME = 2.0
 _LEAST_SHIFT = 5.0
 _WALKER_ROOM = 0.5
 """Metres more that are left to people on foot."""
+_PASSING_ROOM = 3.0
+"""Metres more that are kept behind what stands at the side of the lane: from nearer by, there is no
+way round it."""
+_AT_THE_SIDE = 0.8
+_STANDING = 0.3
 
 
 @compiled
@@ -91,6 +96,8 @@ def _next_ahead(
         if there < -0.5 * half_length and kinds[j] == 0:
             # Beside us: keeping our line is all that there is to do.
             continue
+        if abs(side) > _AT_THE_SIDE and kinds[j] != 1 and abs(seen[j, 4]) < _STANDING:
+            there -= _PASSING_ROOM
         if there < gap:
             gap, other = there, seen[j, 4]
     return gap, other

@@ -128,9 +128,12 @@ def stays_on_road(
     Outside is only what is further outside than where the ego is now.
     """
     allowed, oncoming = 0.0, 0.0
-    at = 0
+    # Behind the end of its line a lane run knows nothing of the road.
+    at, end = 0, way[way.shape[0] - 1, 2] - 0.1
     for k in range(path.shape[0]):
         s, side = path[k, 6], path[k, 7]
+        if s >= end:
+            break
         if k == 0:
             at = int(np.searchsorted(way[:, 2], s))
         while at < way.shape[0] - 2 and way[at + 1, 2] < s:
