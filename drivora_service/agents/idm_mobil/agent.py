@@ -7,6 +7,7 @@ Helbing, *General lane-changing model MOBIL for car-following models* (2007).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -39,6 +40,10 @@ _PULL_TIME = 25.0
 """Seconds before a lane must have been left from which on the route pulls."""
 _BETWEEN_LANES = 1.3
 """Metres beside the new lane's centre up to which those in the old lane are still in the way."""
+_CHANGED = 0.3
+"""Metres beside the new lane's centre at which a change is complete."""
+_SIDE_ACCELERATION = 3.0
+"""m/s² to the side that a lane change takes at most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +76,7 @@ class MobilAgent:
         model = context.model
         self._context = context
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
+        self._wheelbase = model.wheelbase
         self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
         self._runs = RunFollower(context, self._parameters.speed_factor)
         self._driver = IdmDriver(context)
@@ -93,7 +99,7 @@ class MobilAgent:
             self._next_look = time + _PERIOD
             self._change_if_it_pays(observation)
         control = self._driver.drive(observation, runs)
-        return control if self._left_lane is None else self._mind_old_lane(observation, control)
+        return control if self._left_lane is None else self._between_lanes(observation, control)
 
     def _place(self) -> Place | None:
         place = self._places.at(
@@ -179,28 +185,33 @@ class MobilAgent:
         near[np.abs(run.arc - run.start_s) > 30.0] = np.inf
         self._runs.follow(route, min(int(np.argmin(near)), len(run.line) - 2))
         self._places = Places(self._context.network, route, place.stage)
-        self._context.log.event(f"overtakes or gives way by lane {place.lane}")
+        self._context.log.event(f"moves over to lane {place.lane}")
         return True
 
     def _leave(self, place: Place, time: float) -> None:
         self._left_lane = self._line(place)
         self._next_look = time + _PAUSE
 
-    def _mind_old_lane(
+    def _between_lanes(
         self, observation: Observation, control: AccelerationControl
     ) -> AccelerationControl:
-        """Keeps off those in the lane that is being left, as long as the ego reaches into it."""
-        way, cursor = self._runs.way, self._runs.cursor
+        """Keeps a lane change smooth, and off those in the old lane while it reaches into it."""
+        way, cursor, v = self._runs.way, self._runs.cursor, observation.speed
         x, y = observation.ego[:2].tolist()
         _, _, lateral = track_line(way.run.line, way.run.arc, cursor, 5, 5, x, y)
-        if abs(lateral) < _BETWEEN_LANES or self._left_lane is None:
+        if abs(lateral) < _CHANGED or self._left_lane is None:
             self._left_lane = None
             return control
-        self._look(self._left_lane, observation, self._here)
-        wanted = float(way.points[cursor, 3])
-        gap, other = float(self._here[0]), float(self._here[1])
-        kept = follow(observation.speed, wanted, max(gap, 0.1), other, self._max_braking)
-        return control._replace(acceleration=min(control.acceleration, kept))
+        most = math.atan(self._wheelbase * _SIDE_ACCELERATION / max(v * v, 1.0))
+        steer = min(max(control.steer, -most), most)
+        acceleration = control.acceleration
+        if abs(lateral) > _BETWEEN_LANES:
+            self._look(self._left_lane, observation, self._here)
+            wanted = float(way.points[cursor, 3])
+            gap, other = float(self._here[0]), float(self._here[1])
+            kept = follow(v, wanted, max(gap, 0.1), other, self._max_braking)
+            acceleration = min(acceleration, kept)
+        return AccelerationControl(acceleration, steer)
 
 
 def _nearness(room: float, horizon: float) -> float:

@@ -46,16 +46,13 @@ _STANDING = 0.3
 
 @compiled
 def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: float) -> float:
-    """Gives the acceleration of the improved intelligent driver model.
+    """Gives the acceleration of the intelligent driver model (Treiber, Hennecke, Helbing 2000).
 
-    Above the wanted speed it brakes no harder than is comfortable (Treiber and Kesting, *Traffic
-    Flow Dynamics*, 2013, section 11.3.7), where the original would stamp on the brake.
+    Above the wanted speed it brakes no harder than is comfortable: a slow proposal that begins fast
+    would stamp on the brake otherwise.
     """
-    if v <= wanted:
-        free = MAX_ACCELERATION * (1.0 - (v / max(wanted, 0.1)) ** 4)
-    else:
-        power = 4.0 * MAX_ACCELERATION / COMFORTABLE_BRAKING
-        free = -COMFORTABLE_BRAKING * (1.0 - (max(wanted, 0.0) / v) ** power)
+    free = MAX_ACCELERATION * (1.0 - (v / max(wanted, 0.1)) ** 4)
+    free = max(free, -COMFORTABLE_BRAKING)
     closing = v * (v - other) / (2.0 * math.sqrt(MAX_ACCELERATION * COMFORTABLE_BRAKING))
     space = STANDSTILL_GAP + max(0.0, v * TIME_HEADWAY + closing)
     return max(free - MAX_ACCELERATION * (space / max(gap, 0.1)) ** 2, -max_braking)

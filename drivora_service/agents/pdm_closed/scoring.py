@@ -72,7 +72,7 @@ def first_collision(
     Returns:
         The step, or the number of steps where there is none.
     """
-    steps = path.shape[0]
+    steps: int = path.shape[0]
     for j in range(sizes.shape[0]):
         if _touches(
             path[0, 0], path[0, 1], path[0, 2], half_length, half_width, future[0, j], sizes[j]
