@@ -125,7 +125,8 @@ def speed_profile(run: LaneRun, speed_factor: float, friction: float) -> FloatAr
     turn = np.abs(np.diff(heading))
     bend = np.zeros(len(run.line))
     bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
-    bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
+    if len(bend) >= _SMOOTHING:
+        bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
     side = _SIDE_ACCELERATION * friction
     speed = np.minimum(run.speed_limits * speed_factor, np.sqrt(side / np.maximum(bend, 1e-4)))
     speed = np.maximum(speed, 2.0)

@@ -77,6 +77,7 @@ class LaneWays:
                 exit_lane=destination, here=sibling.changes, in_all=sibling.changes, then=()
             )
             for sibling in self._graph.siblings[destination]
+            if change_cost(sibling.changes, self._end_s) is not None
         }
         stages = [final]
         for edge in reversed(edges[:-1]):
