@@ -39,6 +39,10 @@ FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)
 """Shares of the speed limit that proposals are driven at, as in the paper."""
 _WATCHED = 40.0
 """Metres within which everybody is watched; further away, who can come near in time."""
+_ROAD_AHEAD = 30
+"""Points of the way, about metres, whose narrowest place bounds the offsets."""
+_EDGE_ROOM = 0.15
+"""Metres that proposals keep from the edge of the road."""
 _OFFSET_COST = 0.05
 """What a proposal beside the lane's centre costs, in score: of two alike, the middle."""
 _CHANGE_COST = 0.02
@@ -51,7 +55,8 @@ class PdmParameters:
 
     Attributes:
         speed_factor: Share of the speed limit that the fastest proposal drives at.
-        offset: Metres beside the lane's centre at which proposals to either side drive.
+        offset: Metres beside the lane's centre at which proposals to either side drive; less where
+            the road is narrower.
         brake_within: Seconds to a collision below which it brakes hard if no proposal avoids it.
         emergency_braking: How hard it brakes then, m/s².
     """
@@ -83,8 +88,7 @@ class PdmClosedAgent:
                 model.max_steer, model.max_speed,
             ]
         )  # fmt: skip
-        side = self._parameters.offset
-        self._offsets = np.array([0.0, side, -side])
+        self._offsets = np.zeros(3)
         self._factors = np.array(FACTORS)
         self._stops = np.empty(len(FACTORS))
         count = len(self._offsets) * len(FACTORS)
@@ -117,6 +121,7 @@ class PdmClosedAgent:
         see_from_way(way.points, runs.cursor, sizes, future, seen)
         room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
         self._find_stops(observation, objects, sizes, kinds, s, room)
+        self._find_offsets()
         propose(
             ego.copy(), v, self._asked, observation.steer, self._car, self._grip,
             way.points, runs.cursor, s, lateral, self._offsets, self._factors, self._stops, room,
@@ -137,6 +142,15 @@ class PdmClosedAgent:
             away < _WATCHED + STEPS * STEP * (observation.speed + speeds)
         )
         return rows
+
+    def _find_offsets(self) -> None:
+        """Fills in how far to either side the road ahead lets the car go."""
+        cursor, half_width = self._runs.cursor, self._half_width
+        ahead = self._margins[self._runs.current][cursor : cursor + _ROAD_AHEAD]
+        left, right = ahead[:, :2].min(axis=0).tolist()
+        side = self._parameters.offset
+        self._offsets[1] = min(side, max(left - half_width - _EDGE_ROOM, 0.0))
+        self._offsets[2] = -min(side, max(right - half_width - _EDGE_ROOM, 0.0))
 
     def _find_stops(
         self,
