@@ -5,14 +5,14 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from drivora_service.errors import SearchError
+from drivora_service.errors import DrivoraError, SearchError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -66,7 +66,13 @@ def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
 _NOT_TYPE = frozenset({"default", "title", "description"})
 
 
-def read_parameters(type_: type[P], parameters: Mapping[str, Any], *, of: str) -> P:
+def read_parameters(
+    type_: type[P],
+    parameters: Mapping[str, Any],
+    *,
+    of: str,
+    error: Callable[[str], DrivoraError] = SearchError,
+) -> P:
     """Makes a dataclass from what a user wrote.
 
     Types are checked strictly: text is no number, and 1 is not true. Limits that the fields state
@@ -76,28 +82,30 @@ def read_parameters(type_: type[P], parameters: Mapping[str, Any], *, of: str) -
         type_: The dataclass; every field has a default.
         parameters: Values by field name, as they can stand in JSON.
         of: What takes the parameters, for messages: ``tester 'random'``.
+        error: Makes the error to raise from its message.
 
     Raises:
-        SearchError: If there is no such parameter, or its value is not allowed.
+        DrivoraError: As ``error`` makes it, if there is no such parameter, or its value is not
+            allowed.
     """
     known = tuple(field.name for field in fields(type_))
     for name in parameters:
         if name not in known:
             allowed = f"known: {', '.join(known)}" if known else "it takes none: leave them out"
-            raise SearchError(f"{of} has no parameter {name!r}; {allowed}")
+            raise error(f"{of} has no parameter {name!r}; {allowed}")
     try:
         text = json.dumps(dict(parameters), allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise SearchError(
-            f"{of}: the parameters hold what JSON cannot ({error}); allowed: finite numbers, text, "
-            "true, false, lists"
-        ) from error
+    except (TypeError, ValueError) as problem:
+        raise error(
+            f"{of}: the parameters hold what JSON cannot ({problem}); allowed: finite numbers, "
+            "text, true, false, lists"
+        ) from problem
     try:
         read: P = _adapter(type_).validate_json(text, strict=True)
-    except ValidationError as error:
+    except ValidationError as invalid:
         found = "; ".join(
             f"{'.'.join(map(str, problem['loc']))} is {problem['input']!r}: {problem['msg']}"
-            for problem in error.errors(include_url=False)
+            for problem in invalid.errors(include_url=False)
         )
-        raise SearchError(f"{of}: {found}") from error
+        raise error(f"{of}: {found}") from invalid
     return read

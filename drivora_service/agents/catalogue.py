@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from drivora_service.agents.entry import AgentEntry as AgentEntry
 from drivora_service.agents.entry import AgentKind as AgentKind
-from drivora_service.agents.idm.agent import IdmAgent
+from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
+from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
 from drivora_service.agents.installing import (
     environment_python,
     install_environment,
@@ -24,14 +25,21 @@ from drivora_service.agents.manifest_files import operator_manifests, shipped_ma
 from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
 from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
 from drivora_service.agents.package_files import PackageFile
+from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
 from drivora_service.agents.puffer_drive import agent as puffer_drive
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError, UnknownName
+from drivora_service.parameters import read_parameters
 from drivora_service.plugin_table import PluginTable
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from drivora_service.agents.remote.processes import AgentHosts
+
+P = TypeVar("P", bound="DataclassInstance")
+
 
 LONGEST_CALL_S = 10.0
 """Seconds that one call of an agent may take unless the settings say otherwise."""
@@ -77,38 +85,26 @@ class AgentPlugin:
         return self.entry.name
 
 
-def _idm(parameters: Mapping[str, Any]) -> IdmAgent:
-    known = {"speed_factor"}
-    unknown = set(parameters) - known
-    if unknown:
-        raise AgentError(
-            f"agent 'idm' has no parameter {sorted(unknown)[0]!r}; known: speed_factor",
-            cause="agent_parameters",
-        )
-    factor = parameters.get("speed_factor", 1.0)
-    if isinstance(factor, bool) or not isinstance(factor, int | float) or not 0.1 <= factor <= 2.0:
-        raise AgentError(
-            f"agent 'idm': speed_factor is {factor!r}; allowed: a number from 0.1 to 2",
-            cause="agent_parameters",
-        )
-    return IdmAgent(speed_factor=float(factor))
+def _built_in(
+    entry: AgentEntry, type_: type[P], make: Callable[[P], Agent | SumoDriver]
+) -> AgentPlugin:
+    """Makes the plug-in of an agent whose parameters are the fields of a dataclass."""
+    error = partial(AgentError, cause="agent_parameters")
+
+    def create(parameters: Mapping[str, Any]) -> Agent | SumoDriver:
+        return make(read_parameters(type_, parameters, of=f"agent {entry.name!r}", error=error))
+
+    return AgentPlugin(entry=entry, create=create)
 
 
-def _sumo(type_id: str) -> Callable[[Mapping[str, Any]], SumoDriver]:
-    def create(parameters: Mapping[str, Any]) -> SumoDriver:
-        if parameters:
-            raise AgentError(
-                "SUMO's drivers take no parameters: leave `parameters` out",
-                cause="agent_parameters",
-            )
-        return SumoDriver(type_id=type_id)
-
-    return create
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _NoParameters:
+    """What SUMO's drivers take."""
 
 
 def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
-    return AgentPlugin(
-        entry=AgentEntry(
+    return _built_in(
+        AgentEntry(
             name=name,
             kind=AgentKind.BASELINE,
             description=f"SUMO's own driver: {model} with the lane-change model LC2013",
@@ -116,13 +112,14 @@ def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
             licence="EPL-2.0",
             privileged=True,
         ),
-        create=_sumo(type_id),
+        _NoParameters,
+        lambda _: SumoDriver(type_id=type_id),
     )
 
 
 BUILT_IN: tuple[AgentPlugin, ...] = (
-    AgentPlugin(
-        entry=AgentEntry(
+    _built_in(
+        AgentEntry(
             name="idm",
             kind=AgentKind.MODULE_BASED,
             description=(
@@ -132,7 +129,36 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             source="written here after Treiber, Hennecke, Helbing 2000 and Coulter 1992",
             licence="Apache-2.0",
         ),
-        create=_idm,
+        IdmParameters,
+        lambda parameters: IdmAgent(parameters.speed_factor),
+    ),
+    _built_in(
+        AgentEntry(
+            name="idm-mobil",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "`idm` that overtakes: lane changes where they pay off and cost others little, "
+                "and back in time for its route"
+            ),
+            source="written here after Kesting, Treiber, Helbing 2007",
+            licence="Apache-2.0",
+        ),
+        MobilParameters,
+        MobilAgent,
+    ),
+    _built_in(
+        AgentEntry(
+            name="pdm-closed",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "drives the best of fifteen simulated proposals: three lateral offsets and five "
+                "speeds, scored by nuPlan's terms"
+            ),
+            source="written here after Dauner, Hallgarten, Geiger, Chitta 2023",
+            licence="Apache-2.0",
+        ),
+        PdmParameters,
+        PdmClosedAgent,
     ),
     _sumo_plugin("sumo-krauss", "Krauss car following", "krauss-LC2013"),
     _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),

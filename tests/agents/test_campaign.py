@@ -1,4 +1,4 @@
-"""The intelligent-driver agent on random routes of every shipped network, in traffic."""
+"""The module-based agents on random routes of every shipped network, in traffic."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def _networks() -> NetworkCatalogue:
     return NetworkCatalogue(shipped_networks())
 
 
-def seeds(town: str, count: int = 10) -> list[Scenario]:
+def seeds(town: str, agent: str, count: int = 10) -> list[Scenario]:
     documents = generate_seeds(
-        network(town), count=count, min_length=150.0, max_length=700.0, seed=7, agent="idm"
+        network(town), count=count, min_length=150.0, max_length=700.0, seed=7, agent=agent
     )
     return [
         replace(
-            validate_document(document, _networks(), ["idm"]).scenario,
+            validate_document(document, _networks(), [agent]).scenario,
             background_traffic=BackgroundTraffic(count=15),
         )
         for document in documents
@@ -43,10 +43,11 @@ def seeds(town: str, count: int = 10) -> list[Scenario]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("agent", ["idm", "idm-mobil", "pdm-closed"])
 @pytest.mark.parametrize("town", TOWNS)
-def test_it_arrives_without_being_at_fault(town: str) -> None:
+def test_it_arrives_without_being_at_fault(town: str, agent: str) -> None:
     arrived, faults = 0, []
-    for number, what in enumerate(seeds(town)):
+    for number, what in enumerate(seeds(town, agent)):
         trace = run(what)
         arrived += trace.ego_ends[0] is TerminalEvent.ARRIVED
         if trace.ego_ends[0] is not TerminalEvent.ARRIVED:

@@ -60,7 +60,8 @@ def installed_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_built_in_agents_have_entries() -> None:
     catalogue = AgentCatalogue()
-    assert {"idm", "sumo-krauss", "sumo-idm", "sumo-eidm"} <= set(catalogue.names())
+    names = {"idm", "idm-mobil", "pdm-closed", "sumo-krauss", "sumo-idm", "sumo-eidm"}
+    assert names <= set(catalogue.names())
     assert list(catalogue.names()) == sorted(catalogue.names())
     for entry in catalogue.entries():
         assert entry.description
@@ -101,6 +102,7 @@ def test_parameters_that_an_agent_does_not_take_are_refused(
     with pytest.raises(AgentError) as failure:
         AgentCatalogue().create(name, parameters)
     assert failure.value.cause == "agent_parameters"
+    assert f"'{name}'" in str(failure.value)
 
 
 @pytest.mark.usefixtures("installed_package")

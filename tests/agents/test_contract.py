@@ -9,11 +9,25 @@ from drivora_service.testing.agent_contract import AgentContract
 from tests.simulation.episodes import Blind
 
 
+def made(name: str) -> Agent:
+    agent = AgentCatalogue().create(name, {})
+    assert not isinstance(agent, SumoDriver)
+    return agent
+
+
 class TestIdm(AgentContract):
     def make_agent(self) -> Agent:
-        agent = AgentCatalogue().create("idm", {})
-        assert not isinstance(agent, SumoDriver)
-        return agent
+        return made("idm")
+
+
+class TestIdmMobil(AgentContract):
+    def make_agent(self) -> Agent:
+        return made("idm-mobil")
+
+
+class TestPdmClosed(AgentContract):
+    def make_agent(self) -> Agent:
+        return made("pdm-closed")
 
 
 class TestAnAgentWithoutALog(AgentContract):

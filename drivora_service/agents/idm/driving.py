@@ -22,17 +22,17 @@ COMFORTABLE_BRAKING = 2.5
 TIME_HEADWAY = 1.3
 STANDSTILL_GAP = 2.0
 _LOOK_AHEAD = 90.0
-_SIDE_ROOM = 0.35
-_TIGHT_ROOM = 0.08
+SIDE_ROOM = 0.35
+TIGHT_ROOM = 0.08
 """Metres that are enough to creep past somebody who stands."""
-_HARD_BRAKING = 4.5
+HARD_BRAKING = 4.5
 _GAP_MARGIN = 1.6
 """Seconds between another's passage of a conflict zone and ours."""
 _START_ACCELERATION = 1.6
 _WALKER_HORIZON = 3.5
-_DRIVING_JERK = 3.0
-_BRAKING_JERK = 8.0
-_PATIENCE = 6.0
+DRIVING_JERK = 3.0
+BRAKING_JERK = 8.0
+PATIENCE = 6.0
 _LEAST_PREVIEW = 3.5
 _PREVIEW_TIME = 0.6
 
@@ -221,7 +221,7 @@ def must_wait(
         if at - half > foe_leave + 0.5:
             continue
         speed = max(objects[j, 3] * ux + objects[j, 4] * uy, 0.0)
-        if speed < 0.3 and waited > _PATIENCE:
+        if speed < 0.3 and waited > PATIENCE:
             # Each waits for the other: whoever really stands in our way ends the corridor ahead.
             continue
         front_gap = foe_enter - (at + half)
@@ -295,6 +295,117 @@ def lane_is_free(
 
 
 @compiled
+def find_halt(
+    v: float,
+    s: float,
+    wanted: float,
+    waited: float,
+    light_distance: float,
+    light: int,
+    protected: bool,
+    objects: FloatArray,
+    sizes: FloatArray,
+    kinds: IntArray,
+    half_length: float,
+    wall: float,
+    zones: FloatArray,
+    first: IntArray,
+    foes: FloatArray,
+    gap: float,
+    other: float,
+    index: int,
+) -> float:
+    """Finds how far the front bumper may go: lights, the end of the lane, the right of way.
+
+    Args:
+        v: The ego's speed, m/s.
+        s: Arc length of its centre, metres.
+        wanted: The speed that it would drive, m/s.
+        gap, other, index: What is ahead, as ``gap_on_line`` gives it.
+        waited, light_distance, light, protected, objects, sizes, kinds, half_length, wall, zones,
+            first, foes: As ``decide`` takes them.
+
+    Returns:
+        Metres; inf where nothing asks for a halt.
+    """
+    count = objects.shape[0]
+    front = s + half_length
+    stop = np.inf
+    if light == 3 or light == 2:
+        needed = v * v / (2.0 * max(light_distance, 0.1))
+        if light_distance > -0.5 and (light == 3 or needed < 3.0) and needed < HARD_BRAKING + 3.0:
+            stop = max(light_distance - 0.5, 0.0)
+    if wall < np.inf:
+        stop = min(stop, max(wall - front, 0.0))
+    for z in range(zones.shape[0]):
+        zone = zones[z]
+        enter, leave, gate, leaves_junction = zone[0], zone[1], zone[2], zone[3]
+        to_zone = enter - front
+        if leave < s - half_length:
+            continue
+        if to_zone > 12.0 + 2.5 * v + v * v / 4.0:
+            break
+        if to_zone < -1.0:
+            # Already in it: the corridor ahead is all that counts now.
+            continue
+        held = max(to_zone - 1.2, 0.0)
+        if v * v / (2.0 * max(held, 0.05)) > HARD_BRAKING and v > 1.0:
+            continue
+        yields = zone[4] > 0.0
+        if zone[5] > 0.0 and gate - front > -1.0 and protected:
+            yields = False
+        if must_wait(
+            to_zone,
+            leave - (s - half_length),
+            v,
+            min(wanted, 9.0) if wanted > 3.0 else 3.0,
+            yields,
+            waited,
+            foes[first[z] : first[z + 1]],
+            zone[6],
+            zone[7],
+            objects,
+            sizes,
+            kinds,
+            count,
+        ):
+            if front - gate < 0.5 and enter - 1.2 - 2.0 * half_length < gate:
+                # Too short a place to wait in: the tail would still stand on the stop line.
+                held = max(gate - front - 0.5, 0.0)
+            stop = min(stop, held)
+        elif gate - front > -0.5 and index >= 0 and other < 1.5:
+            # Do not stop in the junction behind somebody who stands beyond it.
+            rear_of_other = front + gap
+            if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
+                stop = min(stop, max(gate - front - 0.5, 0.0))
+    return stop
+
+
+@compiled
+def preview(v: float, wheelbase: float) -> float:
+    """Gives how far before the rear axle the point lies that is steered at, metres."""
+    return max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
+
+
+@compiled
+def steer_at(tx: float, ty: float, x: float, y: float, yaw: float, wheelbase: float) -> float:
+    """Gives the front-wheel angle that leads to a point, by pure pursuit (Coulter 1992).
+
+    It leads the rear axle: led by its centre, a car cuts its corners.
+
+    Args:
+        tx, ty: The point, metres.
+        x, y, yaw: The car's centre and heading.
+        wheelbase: Metres.
+    """
+    rear_x, rear_y = x - 0.5 * wheelbase * math.cos(yaw), y - 0.5 * wheelbase * math.sin(yaw)
+    dx, dy = tx - rear_x, ty - rear_y
+    angle = math.atan2(dy, dx) - yaw
+    curvature = 2.0 * math.sin(angle) / max(math.hypot(dx, dy), 1.0)
+    return math.atan(wheelbase * curvature)
+
+
+@compiled
 def decide(
     v: float,
     cursor: int,
@@ -342,7 +453,6 @@ def decide(
     count = objects.shape[0]
     cursor, s, lateral = track_line(line, arc, cursor, 5, 30, x, y)
     wanted = profile[cursor]
-    front = s + half_length
     gap, other, index = gap_on_line(
         line,
         arc,
@@ -351,7 +461,7 @@ def decide(
         min(_LOOK_AHEAD, 25.0 + 4.0 * v),
         half_length,
         half_width,
-        _SIDE_ROOM if waited < _PATIENCE else _TIGHT_ROOM,
+        SIDE_ROOM if waited < PATIENCE else TIGHT_ROOM,
         v,
         objects,
         sizes,
@@ -359,70 +469,36 @@ def decide(
         count,
     )
     acceleration = follow(v, wanted, gap, other, max_braking)
-    stop = np.inf
-    if light == 3 or light == 2:
-        needed = v * v / (2.0 * max(light_distance, 0.1))
-        if light_distance > -0.5 and (light == 3 or needed < 3.0) and needed < _HARD_BRAKING + 3.0:
-            stop = max(light_distance - 0.5, 0.0)
-    if wall < np.inf:
-        stop = min(stop, max(wall - front, 0.0))
-    for z in range(zones.shape[0]):
-        zone = zones[z]
-        enter, leave, gate, leaves_junction = zone[0], zone[1], zone[2], zone[3]
-        to_zone = enter - front
-        if leave < s - half_length:
-            continue
-        if to_zone > 12.0 + 2.5 * v + v * v / 4.0:
-            break
-        if to_zone < -1.0:
-            # Already in it: the corridor ahead is all that counts now.
-            continue
-        held = max(to_zone - 1.2, 0.0)
-        if v * v / (2.0 * max(held, 0.05)) > _HARD_BRAKING and v > 1.0:
-            continue
-        yields = zone[4] > 0.0
-        if zone[5] > 0.0 and gate - front > -1.0 and protected:
-            yields = False
-        if must_wait(
-            to_zone,
-            leave - (s - half_length),
-            v,
-            min(wanted, 9.0) if wanted > 3.0 else 3.0,
-            yields,
-            waited,
-            foes[first[z] : first[z + 1]],
-            zone[6],
-            zone[7],
-            objects,
-            sizes,
-            kinds,
-            count,
-        ):
-            if front - gate < 0.5 and enter - 1.2 - 2.0 * half_length < gate:
-                # Too short a place to wait in: the tail would still stand on the stop line.
-                held = max(gate - front - 0.5, 0.0)
-            stop = min(stop, held)
-        elif gate - front > -0.5 and index >= 0 and other < 1.5:
-            # Do not stop in the junction behind somebody who stands beyond it.
-            rear_of_other = front + gap
-            if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
-                stop = min(stop, max(gate - front - 0.5, 0.0))
+    stop = find_halt(
+        v,
+        s,
+        wanted,
+        waited,
+        light_distance,
+        light,
+        protected,
+        objects,
+        sizes,
+        kinds,
+        half_length,
+        wall,
+        zones,
+        first,
+        foes,
+        gap,
+        other,
+        index,
+    )
     if stop < np.inf:
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
-    # Pure pursuit (Coulter 1992) with the rear axle: led by its centre, a car cuts its corners.
-    rear_x, rear_y = x - 0.5 * wheelbase * math.cos(yaw), y - 0.5 * wheelbase * math.sin(yaw)
-    reach = max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
-    tx, ty = point_at(line, arc, cursor, s - 0.5 * wheelbase + reach)
-    dx, dy = tx - rear_x, ty - rear_y
-    angle = math.atan2(dy, dx) - yaw
-    curvature = 2.0 * math.sin(angle) / max(math.hypot(dx, dy), 1.0)
-    if acceleration > -_HARD_BRAKING:
+    if acceleration > -HARD_BRAKING:
         # As a calm foot moves the pedals; in need, the brake is stamped on.
-        calm = max(acceleration, out[0] - _BRAKING_JERK * dt)
-        acceleration = min(calm, out[0] + _DRIVING_JERK * dt)
+        calm = max(acceleration, out[0] - BRAKING_JERK * dt)
+        acceleration = min(calm, out[0] + DRIVING_JERK * dt)
     out[0] = acceleration
-    out[1] = math.atan(wheelbase * curvature)
+    tx, ty = point_at(line, arc, cursor, s - 0.5 * wheelbase + preview(v, wheelbase))
+    out[1] = steer_at(tx, ty, x, y, yaw, wheelbase)
     out[2] = gap
     out[3] = other
     out[4] = float(index)

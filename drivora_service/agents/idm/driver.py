@@ -1,0 +1,54 @@
+"""Driving along lane runs as the intelligent-driver agent does, for agents that build on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drivora_service.agents.idm.driving import decide
+from drivora_service.agents.idm.run_following import RunFollower, Way
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+
+
+class IdmDriver:
+    """Follows the way that a ``RunFollower`` is on, and logs what it sees ahead."""
+
+    def __init__(self, context: AgentContext) -> None:
+        model = context.model
+        self._car = np.array(
+            [
+                0.5 * model.length,
+                0.5 * model.width,
+                model.wheelbase,
+                min(model.max_deceleration, 9.81 * context.friction),
+                context.step_length,
+            ]
+        )
+        self._out = np.zeros(8)
+        self._way: Way | None = None
+        self._fixed: tuple[Any, ...] = ()
+        self._log = context.log
+        self._log.declare("gap", "wanted_speed", "halt_distance")
+
+    def _take(self, way: Way) -> None:
+        """Collects the last arguments of ``decide``, which stay the same along a way."""
+        zones = way.conflicts
+        self._way = way
+        self._fixed = (
+            self._car, way.wall, way.points, zones.zones, zones.first, zones.foes, self._out,
+        )  # fmt: skip
+
+    def drive(self, observation: Observation, runs: RunFollower) -> AccelerationControl:
+        """Decides until the next step; moves the follower's cursor on."""
+        if runs.way is not self._way:
+            self._take(runs.way)
+        runs.cursor = decide(
+            observation.speed, runs.cursor, runs.waited, observation.light_distance,
+            int(observation.light), observation.light_protected, observation.ego,
+            observation.objects, observation.object_sizes, observation.object_kinds, *self._fixed,
+        )  # fmt: skip
+        acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
+        row = self._log.row
+        row[0], row[1], row[2] = gap, wanted, stop
+        return AccelerationControl(acceleration, steer)

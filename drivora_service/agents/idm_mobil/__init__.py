@@ -1,0 +1,1 @@
+"""The intelligent driver that overtakes: lane changes by MOBIL."""

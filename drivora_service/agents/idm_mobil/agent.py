@@ -1,0 +1,219 @@
+"""The intelligent-driver agent with discretionary lane changes by MOBIL.
+
+It drives as ``idm`` does, and also changes lanes where that pays: to overtake, and back to the
+lanes from which its route can be followed. Source of the lane-change model: Kesting, Treiber,
+Helbing, *General lane-changing model MOBIL for car-following models* (2007).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from drivora_service.agents.idm.agent import SpeedFactor
+from drivora_service.agents.idm.driver import IdmDriver
+from drivora_service.agents.idm.driving import follow, lane_is_free
+from drivora_service.agents.idm.run_following import RunFollower
+from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
+from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.networks.line_tracking import track_line
+
+FloatArray = NDArray[np.float64]
+
+_PERIOD = 0.5
+"""Seconds between two looks at the neighbouring lanes."""
+_PAUSE = 4.0
+"""Seconds after a lane change before the next that only pays."""
+_CHANGE_TIME = 10.0
+"""Seconds that a lane change that the route needs is begun before it must be complete."""
+_CHANGE_ROOM = 80.0
+"""Metres that it is begun before, at least."""
+_ROUTE_PULL = 2.0
+"""m/s² that the route's lanes are worth where they must be reached at once."""
+_PULL_TIME = 25.0
+"""Seconds before a lane must have been left from which on the route pulls."""
+_BETWEEN_LANES = 1.3
+"""Metres beside the new lane's centre up to which those in the old lane are still in the way."""
+_CHANGED = 0.3
+"""Metres beside the new lane's centre at which a change is complete."""
+_SIDE_ACCELERATION = 3.0
+"""m/s² to the side that a lane change takes at most."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MobilParameters:
+    """What a document may set.
+
+    Attributes:
+        speed_factor: Share of the speed limit that it drives where the road is free.
+        politeness: Weight of what a lane change gains or costs others; 0 is an egoist.
+        safe_braking: The hardest that the one behind may have to brake, m/s².
+        threshold: What a lane change must gain, m/s².
+        bias: What the lane to the right is worth more, m/s².
+    """
+
+    speed_factor: SpeedFactor = 1.0
+    politeness: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
+    safe_braking: Annotated[float, Field(ge=0.5, le=8.0)] = 4.0
+    threshold: Annotated[float, Field(ge=0.0, le=2.0)] = 0.1
+    bias: Annotated[float, Field(ge=0.0, le=2.0)] = 0.3
+
+
+class MobilAgent:
+    """The agent. One object drives one ego through one run."""
+
+    def __init__(self, parameters: MobilParameters) -> None:
+        self._parameters = parameters
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares the ways from all lanes along the route."""
+        model = context.model
+        self._context = context
+        self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
+        self._wheelbase = model.wheelbase
+        self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
+        self._runs = RunFollower(context, self._parameters.speed_factor)
+        self._driver = IdmDriver(context)
+        self._ways = LaneWays(context.network, context.route)
+        self._places = Places(context.network, context.route, 0)
+        self._lines: dict[tuple[int, int], FloatArray] = {}
+        self._here, self._there = np.zeros(4), np.zeros(4)
+        self._left_lane: FloatArray | None = None
+        self._next_look = 0.0
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        """Drives."""
+        runs, time = self._runs, observation.time
+        runs.wait(observation.speed)
+        if self._must_change(observation.speed):
+            before = self._place()
+            if runs.change_when_possible(observation) and before is not None:
+                self._leave(before, time)
+        elif time >= self._next_look:
+            self._next_look = time + _PERIOD
+            self._change_if_it_pays(observation)
+        control = self._driver.drive(observation, runs)
+        return control if self._left_lane is None else self._between_lanes(observation, control)
+
+    def _place(self) -> Place | None:
+        place = self._places.at(
+            self._runs.current, float(self._runs.way.run.arc[self._runs.cursor])
+        )
+        return place if place is not None and self._ways.knows(place) else None
+
+    def _must_change(self, speed: float) -> bool:
+        """Says whether it is time for the next lane change that the route needs."""
+        if self._runs.onward is None:
+            return False
+        run = self._runs.way.run
+        left = run.end_s - float(run.arc[self._runs.cursor])
+        return left < max(_CHANGE_ROOM, _CHANGE_TIME * speed)
+
+    def _line(self, place: Place) -> FloatArray:
+        key = (place.stage, place.lane)
+        if key not in self._lines:
+            self._lines[key] = self._ways.line(place)
+        return self._lines[key]
+
+    def _change_if_it_pays(self, observation: Observation) -> None:
+        place, v = self._place(), observation.speed
+        if place is None or self._ways.to_lane_end(place) < max(20.0, 2.0 * v):
+            return
+        self._look(self._line(place), observation, self._here)
+        # Nearer than this, the old lane's next one is hit on the way out.
+        if self._here[0] < 4.0 + 0.8 * v:
+            return
+        wanted = float(self._runs.way.points[self._runs.cursor, 3])
+        best, chosen = self._parameters.threshold, None
+        for left in (True, False):
+            beside = self._ways.beside(place, left=left)
+            if beside is None:
+                continue
+            gain = self._gain(place, beside, observation, wanted)
+            gain += -self._parameters.bias if left else self._parameters.bias
+            if gain > best:
+                best, chosen = gain, beside
+        if chosen is not None and self._take(chosen, observation):
+            self._leave(place, observation.time)
+
+    def _gain(self, place: Place, beside: Place, observation: Observation, wanted: float) -> float:
+        """Gives what changing would gain, m/s²: MOBIL's incentive and the pull of the route."""
+        v = observation.speed
+        stays, _ = self._ways.room(place)
+        room, changes = self._ways.room(beside)
+        if room < changes * 2.0 * max(_CHANGE_ROOM, _CHANGE_TIME * v):
+            return -np.inf
+        self._look(self._line(beside), observation, self._there)
+        parameters = self._parameters
+        gain = float(
+            incentive(
+                v, wanted, 2.0 * self._half_length, self._here, self._there,
+                parameters.politeness, parameters.safe_braking,
+            )
+        )  # fmt: skip
+        horizon = 2.0 * _CHANGE_ROOM + _PULL_TIME * v
+        return gain + _ROUTE_PULL * (_nearness(stays, horizon) - _nearness(room, horizon))
+
+    def _look(self, line: FloatArray, observation: Observation, out: FloatArray) -> None:
+        x, y = observation.ego[:2].tolist()
+        find_neighbours(
+            line, x, y, self._half_length, self._half_width, observation.objects,
+            observation.object_sizes, out,
+        )  # fmt: skip
+
+    def _take(self, place: Place, observation: Observation) -> bool:
+        """Changes over to the way from a place beside, if there is room."""
+        line = self._line(place)
+        x, y = observation.ego[:2].tolist()
+        nearest = int(np.argmin(np.hypot(line[:, 0] - x, line[:, 1] - y)))
+        points, arc = np.ascontiguousarray(line[:, :2]), np.ascontiguousarray(line[:, 2])
+        cursor, s, _ = track_line(points, arc, nearest, 5, 5, x, y)
+        if not lane_is_free(
+            points, arc, cursor, s, observation.speed, self._half_length, observation.objects,
+            observation.object_sizes, len(observation.objects),
+        ):  # fmt: skip
+            return False
+        route = self._ways.route(place)
+        run = route.runs[0]
+        near = np.hypot(run.line[:, 0] - x, run.line[:, 1] - y)
+        near[np.abs(run.arc - run.start_s) > 30.0] = np.inf
+        self._runs.follow(route, min(int(np.argmin(near)), len(run.line) - 2))
+        self._places = Places(self._context.network, route, place.stage)
+        self._context.log.event(f"moves over to lane {place.lane}")
+        return True
+
+    def _leave(self, place: Place, time: float) -> None:
+        self._left_lane = self._line(place)
+        self._next_look = time + _PAUSE
+
+    def _between_lanes(
+        self, observation: Observation, control: AccelerationControl
+    ) -> AccelerationControl:
+        """Keeps a lane change smooth, and off those in the old lane while it reaches into it."""
+        way, cursor, v = self._runs.way, self._runs.cursor, observation.speed
+        x, y = observation.ego[:2].tolist()
+        _, _, lateral = track_line(way.run.line, way.run.arc, cursor, 5, 5, x, y)
+        if abs(lateral) < _CHANGED or self._left_lane is None:
+            self._left_lane = None
+            return control
+        most = math.atan(self._wheelbase * _SIDE_ACCELERATION / max(v * v, 1.0))
+        steer = min(max(control.steer, -most), most)
+        acceleration = control.acceleration
+        if abs(lateral) > _BETWEEN_LANES:
+            self._look(self._left_lane, observation, self._here)
+            wanted = float(way.points[cursor, 3])
+            gap, other = float(self._here[0]), float(self._here[1])
+            kept = follow(v, wanted, max(gap, 0.1), other, self._max_braking)
+            acceleration = min(acceleration, kept)
+        return AccelerationControl(acceleration, steer)
+
+
+def _nearness(room: float, horizon: float) -> float:
+    """Gives how near the end of a lane's use is: 0 beyond the horizon, 1 at the end."""
+    return max(0.0, 1.0 - room / horizon)

@@ -1,0 +1,1 @@
+"""The planner that simulates proposals along its route and drives the best of them."""

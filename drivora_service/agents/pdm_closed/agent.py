@@ -1,0 +1,207 @@
+"""A planner that simulates proposals along its route, scores them and drives the best.
+
+The method of PDM-Closed: Dauner, Hallgarten, Geiger, Chitta, *Parting with Misconceptions about
+Learning-based Vehicle Motion Planning* (CoRL 2023). Lights, right of way and lane changes that the
+route needs are those of ``idm``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from drivora_service.agents.idm.agent import SpeedFactor
+from drivora_service.agents.idm.driving import (
+    HARD_BRAKING,
+    PATIENCE,
+    SIDE_ROOM,
+    TIGHT_ROOM,
+    find_halt,
+    gap_on_line,
+)
+from drivora_service.agents.idm.run_following import RunFollower
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way
+from drivora_service.agents.pdm_closed.margins import side_margins
+from drivora_service.agents.pdm_closed.paths import LanePaths
+from drivora_service.agents.pdm_closed.proposals import propose
+from drivora_service.agents.pdm_closed.scoring import score
+from drivora_service.networks.line_tracking import track_line
+from drivora_service.observations.trace import Col
+
+FloatArray = NDArray[np.float64]
+
+FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)
+"""Shares of the speed limit that proposals are driven at, as in the paper."""
+_WATCHED = 40.0
+"""Metres within which everybody is watched; further away, who can come near in time."""
+_ROAD_AHEAD = 30
+"""Points of the way, about metres, whose narrowest place bounds the offsets."""
+_EDGE_ROOM = 0.15
+"""Metres that proposals keep from the edge of the road."""
+_OFFSET_COST = 0.05
+"""What a proposal beside the lane's centre costs, in score: of two alike, the middle."""
+_CHANGE_COST = 0.02
+"""What another offset than that of the step before costs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PdmParameters:
+    """What a document may set.
+
+    Attributes:
+        speed_factor: Share of the speed limit that the fastest proposal drives at.
+        offset: Metres beside the lane's centre at which proposals to either side drive; less where
+            the road is narrower.
+        brake_within: Seconds to a collision below which it brakes hard if no proposal avoids it.
+        emergency_braking: How hard it brakes then, m/s².
+    """
+
+    speed_factor: SpeedFactor = 1.0
+    offset: Annotated[float, Field(ge=0.2, le=2.0)] = 1.0
+    brake_within: Annotated[float, Field(ge=0.0, le=4.0)] = 2.0
+    emergency_braking: Annotated[float, Field(ge=2.0, le=9.0)] = 6.0
+
+
+class PdmClosedAgent:
+    """The agent. One object drives one ego through one run."""
+
+    def __init__(self, parameters: PdmParameters) -> None:
+        self._parameters = parameters
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares the lane runs of the route, and the room beside them."""
+        model = context.model
+        self._runs = RunFollower(context, self._parameters.speed_factor)
+        self._margins = [side_margins(context.network, way.run) for way in self._runs.ways]
+        self._paths = LanePaths(context.network)
+        self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
+        self._grip = 9.81 * context.friction
+        self._max_braking = min(model.max_deceleration, self._grip)
+        self._car = np.array(
+            [
+                self._half_length, self._half_width, model.wheelbase, self._max_braking,
+                model.max_steer, model.max_speed,
+            ]
+        )  # fmt: skip
+        self._offsets = np.zeros(3)
+        self._factors = np.array(FACTORS)
+        self._stops = np.empty(len(FACTORS))
+        count = len(self._offsets) * len(FACTORS)
+        self._proposed = np.zeros((count, STEPS + 1, 8))
+        self._found = np.zeros((count, 5))
+        self._chosen = 0
+        self._asked = 0.0
+        self._share = min(context.step_length / STEP, 1.0)
+        self._log = context.log
+        self._log.declare("offset", "speed_factor", "score", "collision_time", "halt_distance")
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        """Drives."""
+        runs, v = self._runs, observation.speed
+        runs.wait(v)
+        runs.change_when_possible(observation)
+        way, ego = runs.way, observation.ego
+        line, arc = way.points[:, :2], way.points[:, 2]
+        x, y = ego[:2].tolist()
+        runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, x, y)
+        watched = self._watched(observation)
+        objects, sizes = observation.objects[watched], observation.object_sizes[watched]
+        kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
+        future = np.empty((STEPS + 1, len(objects), 4))
+        seen = np.empty((STEPS + 1, len(objects), 5))
+        forecast(
+            objects, self._paths.spans(observation.step, objects, kinds, ids),
+            self._paths.points, future,
+        )  # fmt: skip
+        see_from_way(way.points, runs.cursor, sizes, future, seen)
+        room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
+        self._find_stops(observation, objects, sizes, kinds, s, room)
+        self._find_offsets()
+        propose(
+            ego.copy(), v, self._asked, observation.steer, self._car, self._grip,
+            way.points, runs.cursor, s, lateral, self._offsets, self._factors, self._stops, room,
+            seen, kinds, self._proposed,
+        )  # fmt: skip
+        score(
+            self._proposed, self._asked, self._half_length, self._half_width,
+            way.points, self._margins[runs.current], future, sizes, self._found,
+        )  # fmt: skip
+        return self._execute(s)
+
+    def _watched(self, observation: Observation) -> NDArray[np.int64]:
+        """Gives the rows of the actors who can come near within the forecast."""
+        objects, ego = observation.objects, observation.ego
+        away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
+        speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])
+        rows: NDArray[np.int64] = np.flatnonzero(
+            away < _WATCHED + STEPS * STEP * (observation.speed + speeds)
+        )
+        return rows
+
+    def _find_offsets(self) -> None:
+        """Fills in how far to either side the road ahead lets the car go."""
+        cursor, half_width = self._runs.cursor, self._half_width
+        ahead = self._margins[self._runs.current][cursor : cursor + _ROAD_AHEAD]
+        left, right = ahead[:, :2].min(axis=0).tolist()
+        side = self._parameters.offset
+        self._offsets[1] = min(side, max(left - half_width - _EDGE_ROOM, 0.0))
+        self._offsets[2] = -min(side, max(right - half_width - _EDGE_ROOM, 0.0))
+
+    def _find_stops(
+        self,
+        observation: Observation,
+        objects: FloatArray,
+        sizes: FloatArray,
+        kinds: NDArray[np.int64],
+        s: float,
+        room: float,
+    ) -> None:
+        """Fills in where lights, right of way and lane ends halt each speed, as arc lengths."""
+        runs, v = self._runs, observation.speed
+        way, zones = runs.way, runs.way.conflicts
+        line, arc = way.points[:, :2], way.points[:, 2]
+        gap, other, index = gap_on_line(
+            line, arc, runs.cursor, s, min(90.0, 25.0 + 4.0 * v), self._half_length,
+            self._half_width, room, v, objects, sizes, kinds, len(objects),
+        )  # fmt: skip
+        limit = float(way.points[runs.cursor, 3])
+        for number, factor in enumerate(FACTORS):
+            self._stops[number] = (
+                find_halt(
+                    v, s, limit * factor, runs.waited, observation.light_distance,
+                    int(observation.light), observation.light_protected, objects, sizes, kinds,
+                    self._half_length, way.wall, zones.zones, zones.first, zones.foes, gap, other,
+                    index,
+                )
+                + s
+                + self._half_length
+            )  # fmt: skip
+
+    def _execute(self, s: float) -> AccelerationControl:
+        """Chooses a proposal and gives what it begins with."""
+        found, factors = self._found, len(FACTORS)
+        beside = np.arange(len(found)) // factors
+        merit = found[:, 0] - _OFFSET_COST * (beside > 0)
+        merit -= _CHANGE_COST * (beside != self._chosen // factors)
+        if found[:, 0].max() <= 0.0:
+            # All are bad: the one that goes well for longest; where all collide, the slowest.
+            collides = bool(np.isfinite(found[:, 1]).all())
+            merit += np.minimum(found[:, 1], 10.0) + (-1e-3 if collides else 1e-3) * found[:, 2]
+        best = int(np.argmax(merit))
+        self._chosen = best
+        _, _, _, _, asked, steer, _, _ = self._proposed[best, 0].tolist()
+        before = self._asked
+        # A proposal's steps are longer than the agent's; in need the brake is stamped on.
+        self._asked = asked if asked < -HARD_BRAKING else before + self._share * (asked - before)
+        if found[best, 1] <= self._parameters.brake_within:
+            self._asked = -min(self._parameters.emergency_braking, self._max_braking)
+        row = self._log.row
+        row[0], row[1] = self._offsets[best // factors], FACTORS[best % factors]
+        row[2] = found[best, 0]
+        row[3], row[4] = found[best, 1], self._stops[best % factors] - s - self._half_length
+        return AccelerationControl(self._asked, steer)

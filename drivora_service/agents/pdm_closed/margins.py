@@ -1,0 +1,58 @@
+"""How much room there is beside a lane run: to the edge of the road, and to oncoming traffic."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.networks.drivable_area import near_area
+from drivora_service.networks.lane_route import LaneRun
+from drivora_service.networks.road_network import RoadNetwork
+
+FloatArray = NDArray[np.float64]
+
+_SAMPLES = np.arange(1.0, 3.6, 0.25)
+"""Metres beside the line at which it is looked whether the road goes on."""
+_EVERY = 2
+"""Points of a run's line of which one is looked from."""
+
+
+@lru_cache(maxsize=256)
+def side_margins(network: RoadNetwork, run: LaneRun) -> FloatArray:
+    """Gives the room beside a run's line; not to be changed.
+
+    Returns:
+        (n, 3) metres from each point of the line: to the edge of the drivable area on the left and
+        on the right (inf where it is far), and to the left edge of the lanes of this direction (inf
+        inside a junction).
+    """
+    points = run.line[::_EVERY]
+    step = np.gradient(run.line, axis=0)[::_EVERY]
+    normal = np.column_stack((-step[:, 1], step[:, 0]))
+    normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-9)[:, None]
+    margins = np.empty((len(run.line), 3))
+    for column, sign in ((0, 1.0), (1, -1.0)):
+        spread = points[:, None, :] + sign * _SAMPLES[None, :, None] * normal[:, None, :]
+        inside = near_area(network, spread.reshape(-1, 2), 0.0).reshape(len(points), -1)
+        first = np.where(inside.all(axis=1), len(_SAMPLES), np.argmin(inside, axis=1))
+        reach = np.append(_SAMPLES - 0.125, np.inf)[first]
+        margins[:, column] = np.repeat(reach, _EVERY)[: len(margins)]
+    margins[:, 2] = _to_oncoming(network, run)
+    return margins
+
+
+def _to_oncoming(network: RoadNetwork, run: LaneRun) -> FloatArray:
+    """Gives the metres from each point of a run to the left edge of its direction's lanes."""
+    lengths = np.array([float(network.lanes[lane].arc[-1]) for lane in run.lanes])
+    ends = np.cumsum(lengths) * (float(run.arc[-1]) / max(float(lengths.sum()), 1e-9))
+    widths = []
+    for index in run.lanes:
+        lane = network.lanes[index]
+        width = np.inf if lane.is_internal else 0.5 * lane.width
+        while lane.left >= 0 and not lane.is_internal:
+            lane = network.lanes[lane.left]
+            width += lane.width
+        widths.append(width)
+    return np.array(widths)[np.minimum(np.searchsorted(ends, run.arc), len(widths) - 1)]
