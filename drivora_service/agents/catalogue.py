@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from drivora_service.agents.entry import AgentEntry as AgentEntry
-from drivora_service.agents.entry import AgentKind as AgentKind
-from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
-from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
+from drivora_service.agents.built_in import BUILT_IN, FETCHED
+from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.installing import (
     environment_python,
     install_environment,
@@ -22,181 +20,16 @@ from drivora_service.agents.installing import (
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.manifest import AgentManifest, read_manifest
 from drivora_service.agents.manifest_files import operator_manifests, shipped_manifests
-from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
-from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
-from drivora_service.agents.package_files import PackageFile
-from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
-from drivora_service.agents.puffer_drive import agent as puffer_drive
-from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
+from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError, UnknownName
-from drivora_service.parameters import read_parameters
 from drivora_service.plugin_table import PluginTable
 
 if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
     from drivora_service.agents.remote.processes import AgentHosts
-
-P = TypeVar("P", bound="DataclassInstance")
-
 
 LONGEST_CALL_S = 10.0
 """Seconds that one call of an agent may take unless the settings say otherwise."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FetchedAgentPlugin:
-    """A built-in agent that runs in process and needs files of other packages, such as weights.
-
-    ``drivora agents install NAME`` fetches the files into a folder of the agent's own; until then
-    its entry says that it is not installed. Drivora itself ships none of them.
-
-    Attributes:
-        entry: As for every agent; ``licence`` is shown before anything is fetched.
-        files: What to fetch. A change here makes an older installation count as none.
-        create: Takes the document's parameters and the folder that holds the files; raises
-            ``AgentError`` if it cannot use them.
-    """
-
-    entry: AgentEntry
-    files: tuple[PackageFile, ...]
-    create: Callable[[Mapping[str, Any], Path], Agent]
-
-    @property
-    def name(self) -> str:
-        """Name in the catalogue."""
-        return self.entry.name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AgentPlugin:
-    """What an entry point of the group ``drivora_service.agents`` gives: an entry and a factory.
-
-    The factory takes the document's parameters and raises ``AgentError`` if it cannot use them.
-    """
-
-    entry: AgentEntry
-    create: Callable[[Mapping[str, Any]], Agent | SumoDriver]
-
-    @property
-    def name(self) -> str:
-        """Name in the catalogue."""
-        return self.entry.name
-
-
-def _built_in(
-    entry: AgentEntry, type_: type[P], make: Callable[[P], Agent | SumoDriver]
-) -> AgentPlugin:
-    """Makes the plug-in of an agent whose parameters are the fields of a dataclass."""
-    error = partial(AgentError, cause="agent_parameters")
-
-    def create(parameters: Mapping[str, Any]) -> Agent | SumoDriver:
-        return make(read_parameters(type_, parameters, of=f"agent {entry.name!r}", error=error))
-
-    return AgentPlugin(entry=entry, create=create)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _NoParameters:
-    """What SUMO's drivers take."""
-
-
-def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
-    return _built_in(
-        AgentEntry(
-            name=name,
-            kind=AgentKind.BASELINE,
-            description=f"SUMO's own driver: {model} with the lane-change model LC2013",
-            source="Eclipse SUMO",
-            licence="EPL-2.0",
-            privileged=True,
-        ),
-        _NoParameters,
-        lambda _: SumoDriver(type_id=type_id),
-    )
-
-
-BUILT_IN: tuple[AgentPlugin, ...] = (
-    _built_in(
-        AgentEntry(
-            name="idm",
-            kind=AgentKind.MODULE_BASED,
-            description=(
-                "intelligent driver model and pure pursuit along the route; obeys lights and right "
-                "of way, changes lanes where the route needs it"
-            ),
-            source="written here after Treiber, Hennecke, Helbing 2000 and Coulter 1992",
-            licence="Apache-2.0",
-        ),
-        IdmParameters,
-        lambda parameters: IdmAgent(parameters.speed_factor),
-    ),
-    _built_in(
-        AgentEntry(
-            name="idm-mobil",
-            kind=AgentKind.MODULE_BASED,
-            description=(
-                "`idm` that overtakes: lane changes where they pay off and cost others little, "
-                "and back in time for its route"
-            ),
-            source="written here after Kesting, Treiber, Helbing 2007",
-            licence="Apache-2.0",
-        ),
-        MobilParameters,
-        MobilAgent,
-    ),
-    _built_in(
-        AgentEntry(
-            name="pdm-closed",
-            kind=AgentKind.MODULE_BASED,
-            description=(
-                "drives the best of fifteen simulated proposals: three lateral offsets and five "
-                "speeds, scored by nuPlan's terms"
-            ),
-            source="written here after Dauner, Hallgarten, Geiger, Chitta 2023",
-            licence="Apache-2.0",
-        ),
-        PdmParameters,
-        PdmClosedAgent,
-    ),
-    _sumo_plugin("sumo-krauss", "Krauss car following", "krauss-LC2013"),
-    _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),
-    _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
-)
-
-FETCHED: tuple[FetchedAgentPlugin, ...] = (
-    FetchedAgentPlugin(
-        entry=AgentEntry(
-            name="metadrive-ppo",
-            kind=AgentKind.END_TO_END,
-            description=(
-                "expert policy trained by PPO in MetaDrive, from rays and the nearest vehicles to "
-                "steering and throttle; knows neither lights nor right of way nor limits: its "
-                "adapter brakes for lights and holds back at the limit"
-            ),
-            source="metadrive-simulator 0.4.3 (Li et al. 2022)",
-            licence="Apache-2.0",
-        ),
-        files=(METADRIVE_WEIGHTS,),
-        create=metadrive_ppo.create,
-    ),
-    FetchedAgentPlugin(
-        entry=AgentEntry(
-            name="puffer-drive",
-            kind=AgentKind.END_TO_END,
-            description=(
-                "self-play policy trained on recorded city scenes, from roads and vehicles to a "
-                "choice of acceleration and steering; reckless; knows neither lights nor right of "
-                "way nor limits: its adapter brakes for lights and holds back at the limit"
-            ),
-            source="pufferlib 3.0.0 (Suarez 2024; scenes of GPUDrive, Kazemkhani et al. 2024)",
-            licence="MIT",
-        ),
-        files=(PUFFER_WEIGHTS,),
-        create=puffer_drive.create,
-    ),
-)
 
 
 class AgentCatalogue:

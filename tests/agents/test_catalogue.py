@@ -8,14 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.agents.catalogue import AgentCatalogue, AgentKind
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.entry import AgentKind
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError, UnknownName
 
 PLUGIN = """
-from drivora_service.agents.catalogue import AgentEntry, AgentKind, AgentPlugin
+from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import AccelerationControl
+from drivora_service.agents.plugin import AgentPlugin
 
 
 class Parked:

@@ -10,13 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.agents.catalogue import (
-    BUILT_IN,
-    AgentCatalogue,
-    AgentEntry,
-    AgentKind,
-    AgentPlugin,
-)
+from drivora_service.agents.built_in import BUILT_IN
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import (
     AccelerationControl,
     AgentContext,
@@ -25,6 +21,7 @@ from drivora_service.agents.interface import (
     PoseControl,
     TrajectoryControl,
 )
+from drivora_service.agents.plugin import AgentPlugin
 from drivora_service.errors import AgentError
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs import performing

@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 import yaml
 
-from drivora_service.agents.catalogue import AgentCatalogue, FetchedAgentPlugin
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.package_files import PackageFile
+from drivora_service.agents.plugin import FetchedAgentPlugin
 from drivora_service.errors import AgentError, InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import TerminalEvent

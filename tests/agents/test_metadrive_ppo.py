@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from drivora_service.agents.catalogue import FETCHED
+from drivora_service.agents.built_in import FETCHED
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.metadrive_ppo.agent import create
 from drivora_service.agents.metadrive_ppo.checkpoints import find_checkpoints

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.special import softmax
 
-from drivora_service.agents.catalogue import FETCHED
+from drivora_service.agents.built_in import FETCHED
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.puffer_drive.agent import create
 from drivora_service.agents.puffer_drive.encoding import encode

@@ -10,9 +10,10 @@ from typing import Any
 import libsumo
 import numpy as np
 
-from drivora_service.agents.catalogue import AgentEntry, AgentKind, AgentPlugin
+from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import AccelerationControl, Observation
+from drivora_service.agents.plugin import AgentPlugin
 
 AFTER_S = 1.0
 

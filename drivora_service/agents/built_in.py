@@ -1,0 +1,141 @@
+"""The agents that Drivora brings, but for those that need an environment of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from drivora_service.agents.entry import AgentEntry, AgentKind
+from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
+from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
+from drivora_service.agents.interface import Agent
+from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
+from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
+from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
+from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
+from drivora_service.agents.puffer_drive import agent as puffer_drive
+from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
+from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.errors import AgentError
+from drivora_service.parameters import read_parameters
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+P = TypeVar("P", bound="DataclassInstance")
+
+
+def _built_in(
+    entry: AgentEntry, type_: type[P], make: Callable[[P], Agent | SumoDriver]
+) -> AgentPlugin:
+    """Makes the plug-in of an agent whose parameters are the fields of a dataclass."""
+    error = partial(AgentError, cause="agent_parameters")
+
+    def create(parameters: Mapping[str, Any]) -> Agent | SumoDriver:
+        return make(read_parameters(type_, parameters, of=f"agent {entry.name!r}", error=error))
+
+    return AgentPlugin(entry=entry, create=create)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _NoParameters:
+    """What SUMO's drivers take."""
+
+
+def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
+    return _built_in(
+        AgentEntry(
+            name=name,
+            kind=AgentKind.BASELINE,
+            description=f"SUMO's own driver: {model} with the lane-change model LC2013",
+            source="Eclipse SUMO",
+            licence="EPL-2.0",
+            privileged=True,
+        ),
+        _NoParameters,
+        lambda _: SumoDriver(type_id=type_id),
+    )
+
+
+BUILT_IN: tuple[AgentPlugin, ...] = (
+    _built_in(
+        AgentEntry(
+            name="idm",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "intelligent driver model and pure pursuit along the route; obeys lights and right "
+                "of way, changes lanes where the route needs it"
+            ),
+            source="written here after Treiber, Hennecke, Helbing 2000 and Coulter 1992",
+            licence="Apache-2.0",
+        ),
+        IdmParameters,
+        lambda parameters: IdmAgent(parameters.speed_factor),
+    ),
+    _built_in(
+        AgentEntry(
+            name="idm-mobil",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "`idm` that overtakes: lane changes where they pay off and cost others little, "
+                "and back in time for its route"
+            ),
+            source="written here after Kesting, Treiber, Helbing 2007",
+            licence="Apache-2.0",
+        ),
+        MobilParameters,
+        MobilAgent,
+    ),
+    _built_in(
+        AgentEntry(
+            name="pdm-closed",
+            kind=AgentKind.MODULE_BASED,
+            description=(
+                "drives the best of fifteen simulated proposals: three lateral offsets and five "
+                "speeds, scored by nuPlan's terms"
+            ),
+            source="written here after Dauner, Hallgarten, Geiger, Chitta 2023",
+            licence="Apache-2.0",
+        ),
+        PdmParameters,
+        PdmClosedAgent,
+    ),
+    _sumo_plugin("sumo-krauss", "Krauss car following", "krauss-LC2013"),
+    _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),
+    _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
+)
+
+FETCHED: tuple[FetchedAgentPlugin, ...] = (
+    FetchedAgentPlugin(
+        entry=AgentEntry(
+            name="metadrive-ppo",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "expert policy trained by PPO in MetaDrive, from rays and the nearest vehicles to "
+                "steering and throttle; knows neither lights nor right of way nor limits: its "
+                "adapter brakes for lights and holds back at the limit"
+            ),
+            source="metadrive-simulator 0.4.3 (Li et al. 2022)",
+            licence="Apache-2.0",
+        ),
+        files=(METADRIVE_WEIGHTS,),
+        create=metadrive_ppo.create,
+    ),
+    FetchedAgentPlugin(
+        entry=AgentEntry(
+            name="puffer-drive",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "self-play policy trained on recorded city scenes, from roads and vehicles to a "
+                "choice of acceleration and steering; reckless; knows neither lights nor right of "
+                "way nor limits: its adapter brakes for lights and holds back at the limit"
+            ),
+            source="pufferlib 3.0.0 (Suarez 2024; scenes of GPUDrive, Kazemkhani et al. 2024)",
+            licence="MIT",
+        ),
+        files=(PUFFER_WEIGHTS,),
+        create=puffer_drive.create,
+    ),
+)
