@@ -74,6 +74,7 @@ def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
                 while _copy(output, log, 0.0) is True:
                     pass
                 return _exit_code(child.returncode, log)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise SystemExit(1)
     except SystemExit:
         shutil.rmtree(folder, ignore_errors=True)
@@ -103,6 +104,9 @@ def _exit_code(code: int, log: BoundedLog) -> int:
 
 
 def _stop(_number: int, _frame: FrameType | None) -> None:
+    # The kernel tells of the death of every thread of the parent that was ours for a moment: the
+    # second signal must not interrupt the tidying up after the first.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise SystemExit(0)
 
 

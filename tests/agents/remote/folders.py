@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import psutil
@@ -42,3 +43,11 @@ def processes_with(words: Sequence[str]) -> list[psutil.Process]:
         if all(word in line for word in words):
             found.append(process)
     return found
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    """Waits for what happens in other processes, a minute at most."""
+    limit = time.monotonic() + 60
+    while not is_so():
+        assert time.monotonic() < limit
+        time.sleep(0.05)

@@ -76,6 +76,19 @@ def test_being_told_to_end_ends_all_and_removes_the_folder(tmp_path: Path) -> No
     assert not (tmp_path / "folder").exists()
 
 
+def test_being_told_to_end_again_and_again_disturbs_nothing(tmp_path: Path) -> None:
+    guarded = start(tmp_path, "import time; print('ready', flush=True); time.sleep(3600)")
+    for number in range(200):
+        (tmp_path / "folder" / str(number)).touch()
+    wait_for(tmp_path, "ready")
+    for _ in range(1000):
+        if guarded.poll() is not None:
+            break
+        guarded.send_signal(signal.SIGTERM)
+    guarded.wait(60)
+    assert not (tmp_path / "folder").exists()
+
+
 def test_an_orphan_that_holds_the_output_does_not_keep_the_guard(tmp_path: Path) -> None:
     code = (
         "import subprocess, sys\n"

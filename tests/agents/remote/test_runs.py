@@ -23,7 +23,7 @@ from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
 from tests.agents.remote.ads import FAULT_STEP
-from tests.agents.remote.folders import add_agent, processes_with
+from tests.agents.remote.folders import add_agent, processes_with, wait_until
 from tests.simulation.episodes import ego, place, run, scenario
 
 Perform = Callable[..., RunReport]
@@ -297,10 +297,3 @@ def test_an_ads_dies_with_its_worker(agents: Path, tmp_path: Path) -> None:
     os.kill(worker, signal.SIGKILL)
     os.waitpid(worker, 0)
     wait_until(lambda: left_behind(agents) == [])
-
-
-def wait_until(is_so: Callable[[], bool]) -> None:
-    limit = time.monotonic() + 60
-    while not is_so():
-        assert time.monotonic() < limit
-        time.sleep(0.05)
