@@ -4,8 +4,9 @@
     python -m benchmarks.method_checks kills --out FILE
 
 ``budget`` runs a campaign of every method on two shipped networks and Town01, and counts what
-became of the candidates. ``kills`` runs one of every method with two workers, again with one, and
-again with three SIGKILLs at random moments, and compares the evaluations one by one.
+became of the candidates. ``kills`` runs one of every method, on a scene in which it finds failures,
+with two workers, again with one, and again with three SIGKILLs at random moments, and compares the
+evaluations one by one.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.method_study import ARMS, SCENES
+from benchmarks.method_study import campaign_document as study_document
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.figures import Subject, figures_of
 from drivora_service.campaigns.journal import MemoryJournal
@@ -187,13 +190,14 @@ def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
 
 def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Runs every method whole with K = 2 and K = 1, and killed three times."""
-    networks = NetworkCatalogue(shipped_networks())
     for tester in options.testers:
+        arm = next(arm for arm in ARMS if arm.tester == tester)
+        scene = next(scene for scene in SCENES if scene.egos == arm.egos)
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             file = folder / "campaign.json"
-            wanted = Wanted(tester=tester, town="tee-town", simulations=options.simulations)
-            file.write_text(json.dumps(campaign_document(networks, wanted)))
+            document = study_document(scene, arm, options.seed, options.simulations)
+            file.write_text(json.dumps(document))
             two = finish(folder / "two", "run", str(file), "--workers", "2")
             one = finish(folder / "one", "run", str(file), "--workers", "1")
             luck = random.Random(f"{tester} {options.seed}")
@@ -214,6 +218,7 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
             again = sequence(data, arguments[1])
             yield {
                 "method": tester,
+                "scene": scene.name,
                 "evaluations": len(whole),
                 "failing": sum(bool(told[7]) for told in whole),
                 "one_worker_the_same": alone == whole,

@@ -25,6 +25,10 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 _TAIL_BYTES = 8192
 _TAIL_LINES = 40
 _LOOK_S = 0.02
+_LONGEST_SOCKET_PATH = 107
+"""Bytes of the path of a Unix socket, the closing zero left out (unix(7))."""
+_SHORT_FOLDER = "/tmp"
+"""Where sockets go if the folder for temporary files has a path that is too long for them."""
 _ASK_S = 5.0
 _END_S = 5.0
 _ENDING_S = 5.0
@@ -58,6 +62,15 @@ class Host(Protocol):
         ...
 
 
+def _socket_folder() -> Path:
+    """Makes a folder for temporary files in which a socket's path is not too long."""
+    prefix, drawn, socket = "drivora-agent-", 8, "socket"
+    parent = tempfile.gettempdir()
+    if len(os.fsencode(parent)) + len(prefix) + drawn + len(socket) + 2 > _LONGEST_SOCKET_PATH:
+        parent = _SHORT_FOLDER
+    return Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+
+
 class ProcessHost:
     """An ADS in a process that is started here, on a socket in a folder of its own."""
 
@@ -68,7 +81,7 @@ class ProcessHost:
             AgentError: It ends before, does not answer in time, or speaks another protocol.
         """
         self._name = manifest.name
-        self._folder = Path(tempfile.mkdtemp(prefix="drivora-agent-"))
+        self._folder = _socket_folder()
         self._log = self._folder / "log"
         self._last_words = ""
         socket = self._folder / "socket"

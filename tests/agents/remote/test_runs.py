@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
+import subprocess
+import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -32,12 +32,14 @@ START, END = place("harbour_1_0", 20), place("harbour_1_0", 120)
 
 
 @pytest.fixture
-def agents(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def agents(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder of agents; what they leave behind would be in ``tmp_path / "temporary"``."""
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    return tmp_path / "agents"
+    # Not in the test's own folder, whose path may be too long for a socket.
+    with tempfile.TemporaryDirectory() as temporary:
+        (tmp_path / "temporary").symlink_to(temporary)
+        with monkeypatch.context() as patch:
+            patch.setattr(tempfile, "tempdir", temporary)
+            yield tmp_path / "agents"
 
 
 @pytest.fixture
@@ -236,7 +238,7 @@ def test_an_ads_at_an_address_is_reached_and_left_alone(
     home = AgentCatalogue(folder=agents)
     here = home.create("drives", {})
     assert here is not None
-    socket = next((tmp_path / "temporary").glob("*/socket"))
+    socket = next((tmp_path / "temporary").resolve().glob("*/socket"))
     add_agent(agents, "elsewhere", command=[], address=f"unix:{socket}")
     trace = drive(catalogue, "elsewhere")
     assert trace.step_count == 41
@@ -258,7 +260,7 @@ def test_two_runs_at_one_address_do_not_mix(
 ) -> None:
     add_agent(agents, "drives")
     catalogue.create("drives", {})
-    socket = next((tmp_path / "temporary").glob("*/socket"))
+    socket = next((tmp_path / "temporary").resolve().glob("*/socket"))
     add_agent(agents, "elsewhere", command=[], address=f"unix:{socket}")
     other = (place("-harbour_1_0", 20), place("-harbour_1_0", 120))
     two = scenario(
@@ -285,15 +287,41 @@ def test_an_ads_does_not_see_the_settings_of_the_service(
     assert "good day" in log
 
 
+def test_the_folder_for_temporary_files_may_have_a_long_path(
+    catalogue: AgentCatalogue, agents: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add_agent(agents, "drives")
+    folder = tmp_path / ("long" * 30)
+    folder.mkdir()
+    with monkeypatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(folder))
+        assert drive(catalogue, "drives").step_count > 1
+
+
+_WORKER = """
+import sys, time
+from pathlib import Path
+from drivora_service.agents.catalogue import AgentCatalogue
+
+catalogue = AgentCatalogue(folder=Path(sys.argv[1]))
+agent = catalogue.create("hangs", {})
+Path(sys.argv[2]).touch()
+time.sleep(3600)
+"""
+
+
 def test_an_ads_dies_with_its_worker(agents: Path, tmp_path: Path) -> None:
     add_agent(agents, "hangs")
-    worker = os.fork()
-    if worker == 0:
-        AgentCatalogue(folder=agents).create("hangs", {})
-        (tmp_path / "ready").touch()
-        time.sleep(3600)
-    wait_until(lambda: (tmp_path / "ready").exists())
-    assert len(processes_with([str(agents)])) == 2
-    os.kill(worker, signal.SIGKILL)
-    os.waitpid(worker, 0)
+    ready = tmp_path / "ready"
+    worker = subprocess.Popen(
+        [sys.executable, "-c", _WORKER, str(agents), str(ready)],
+        env={**os.environ, "TMPDIR": str((tmp_path / "temporary").resolve())},
+    )
+    try:
+        wait_until(ready.exists)
+        # The guard and the ADS; the worker has the folder in its command line as well.
+        assert len(processes_with([str(agents)])) == 3
+    finally:
+        worker.kill()
+        worker.wait()
     wait_until(lambda: left_behind(agents) == [])

@@ -26,13 +26,15 @@ EXAMPLE = Path(__file__).resolve().parents[3] / "deploy" / "external-agent"
 
 
 @pytest.fixture
-def agents(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def agents(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder of agents; what their processes leave behind would be in ``temporary`` beside it."""
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setenv("TMPDIR", str(temporary))
-    monkeypatch.setattr(tempfile, "tempdir", None)
-    return tmp_path / "agents"
+    # Not in the test's own folder, whose path may be too long for a socket.
+    with tempfile.TemporaryDirectory() as temporary:
+        (tmp_path / "temporary").symlink_to(temporary)
+        with monkeypatch.context() as patch:
+            patch.setenv("TMPDIR", temporary)
+            patch.setattr(tempfile, "tempdir", None)
+            yield tmp_path / "agents"
 
 
 def executor(agents: Path, slots: int) -> LocalExecutor:
