@@ -79,7 +79,7 @@ def test_a_gate_fails_on_a_broken_rule(drivora: Drivora, tmp_path: Path) -> None
     ("arguments", "code", "said"),
     [
         (["nope.json"], 2, "there is no file"),
-        (["crossing.json", "--agent", "nobody"], 2, "known: idm"),
+        (["crossing.json", "--agent", "nobody"], 2, ", idm, "),
         (["crossing.json", "--seed", "-1"], 2, "--seed"),
         ([], 2, "Missing argument"),
         (["crossing.json", "--server", "http://127.0.0.1:9"], 3, "does not answer"),
