@@ -38,9 +38,11 @@ class FrameTransform:
         """Gives radians counter-clockwise from east in [-pi, pi).
 
         Wrapped while still in degrees, which is exact, so that either frame gives the same numbers.
+        Never minus zero, which equals zero and is written differently.
         """
         wrapped = math.remainder(-degrees if self.mirrored else degrees, 360.0)
-        return math.radians(-180.0 if wrapped == 180.0 else wrapped + 0.0)
+        # The tiniest numbers become zero by the conversion only: the sum comes after it.
+        return math.radians(-180.0 if wrapped == 180.0 else wrapped) + 0.0
 
     def yaw_from_network(self, radians: float) -> float:
         """Gives degrees as the document counts them, in [-180, 180]."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from drivora_service.networks.catalogue import NetworkCatalogue
@@ -26,6 +27,14 @@ def test_the_document_of_a_scenario_gives_the_same_scenario(
     again = to_scenario(parse_document(text), network)
     assert again == scenario
     assert scenario_sha256(again) == scenario_sha256(scenario)
+
+
+@example(degrees=-5e-324, mirrored=False)
+@example(degrees=0.0, mirrored=True)
+@given(st.floats(-720, 720), st.booleans())
+def test_a_heading_is_never_minus_zero(degrees: float, mirrored: bool) -> None:
+    angle = FrameTransform(mirrored=mirrored).yaw_to_network(degrees)
+    assert angle or math.copysign(1.0, angle) == 1.0
 
 
 @given(st.floats(-720, 720), st.booleans())
