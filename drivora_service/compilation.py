@@ -17,3 +17,9 @@ def compiled(function: Function) -> Function:
     by zero gives an infinity, as in NumPy.
     """
     return cast("Function", njit(cache=True, error_model="numpy")(function))
+
+
+@compiled
+def compiler_ready() -> bool:
+    """Gives true; the first call of any compiled function makes numba load what it knows."""
+    return True

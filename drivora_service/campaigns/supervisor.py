@@ -8,13 +8,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
+from multiprocessing.context import ForkServerProcess
 
 import structlog
 
 from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
 from drivora_service.errors import StoreError
 from drivora_service.execution.deaths import signal_name
+from drivora_service.execution.fork_server import fork_server
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 
@@ -42,7 +43,7 @@ class _Engine:
     """A running process; ``queued`` is ``None`` once it has closed its end."""
 
     campaign_id: str
-    process: SpawnProcess
+    process: ForkServerProcess
     queued: Connection | None
 
 
@@ -171,14 +172,14 @@ class CampaignSupervisor:
 
     def _begin(self, campaign_id: str) -> None:
         reader, writer = multiprocessing.Pipe(duplex=False)
-        process = multiprocessing.get_context("spawn").Process(
+        process = fork_server().Process(
             target=run_engine,
             args=(self._setup, campaign_id, writer),
             name=f"campaign-{campaign_id}",
         )
         try:
             process.start()
-        except OSError as error:
+        except (OSError, EOFError) as error:
             # The system is short of processes or memory, which passes.
             _log.error("engine_not_started", campaign=campaign_id, error=repr(error))
             reader.close()

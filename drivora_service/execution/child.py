@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
 import os
 import signal
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkServerProcess
 
 import psutil
-from pebble import ProcessFuture, ProcessPool
 
-from drivora_service.execution.worker import WorkerFiles, be_ready, set_up, work
+from drivora_service.execution.fork_server import fork_server
+from drivora_service.execution.worker import Ready, WorkerFiles, serve
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunReport, RunSpec
 
@@ -19,15 +20,30 @@ _TAIL_LINES = 40
 _LOG_BYTES = 4 << 20
 
 
+class WorkerDiedError(Exception):
+    """The worker process ended unasked.
+
+    Attributes:
+        exit_code: Its exit code; the negative number of the signal that ended it, if one did.
+        was_ready: Whether it had been set up, so that it was at the run that it had been given.
+    """
+
+    def __init__(self, exit_code: int, *, was_ready: bool) -> None:
+        """Takes the attributes."""
+        super().__init__(f"the worker process ended with {exit_code}")
+        self.exit_code = exit_code
+        self.was_ready = was_ready
+
+
 class Child:
     """A worker process and its successors.
 
-    A pool of one process: it replaces the process after a number of runs by itself. After a death
-    the whole pool is replaced, so that nothing which the dead process held can matter.
+    A process is replaced after a number of runs, and after every death. A connection and a process
+    belong to each other, so that nothing which a dead process held can matter.
 
     Attributes:
         board: What the process shows of its progress.
-        pid: Its process id, ``None`` until it is known.
+        ready: Whether the process has been set up.
         restarts: Processes there have been, beyond the first.
     """
 
@@ -38,44 +54,73 @@ class Child:
         self._initial = (perform, warm_up, setup, files)
         self._files = files
         self._runs_per_worker = runs_per_worker
-        self._process: psutil.Process | None = None
-        self.pid: int | None = None
-        self.restarts = 0
+        # Workers that are not warmed up need nothing that would have to be imported.
+        self._context = fork_server(preloaded=bool(warm_up))
+        self._process: ForkServerProcess | None = None
+        self._seen: psutil.Process | None = None
+        self._channel: Connection | None = None
+        self._log_begin = 0
+        self._runs = 0
+        self.ready = False
+        self.restarts = -1
         files.log.write_bytes(b"")
         self.board = ProgressBoard(files.board)
-        self._pool: ProcessPool | None = None
 
-    def begin(self, spec: RunSpec) -> ProcessFuture[RunReport]:
-        """Gives the process a run; the last one has ended.
+    @property
+    def pid(self) -> int | None:
+        """The process's id, ``None`` while there is no process."""
+        return None if self._process is None else self._process.pid
+
+    @property
+    def worn(self) -> bool:
+        """Whether the process has had its runs and is to be replaced."""
+        return self._runs >= self._runs_per_worker
+
+    def begin(self, spec: RunSpec) -> None:
+        """Gives the process a run, which it begins once it is ready; the last one has ended.
 
         Raises:
-            RuntimeError: There is no process, or it died.
+            RuntimeError: No process could be started.
         """
-        if self._pool is None:
+        if self._process is None or wait([self._process.sentinel], 0):
+            # It died while it had nothing to do, which is no run's fault.
+            self.replace()
+        if self._channel is None:
             raise RuntimeError("no worker process could be started")
-        if self.log_size() > _LOG_BYTES:
-            os.truncate(self._files.log, 0)
-        return self._pool.schedule(work, args=(spec,))
+        self._runs += 1
+        # A process that has died since then is found by whoever waits for the report.
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            self._channel.send(spec)
 
-    def identify(self) -> None:
-        """Looks up which process has taken the run; called once it has."""
-        try:
-            pid = int(self._files.pid.read_text())
-        except (FileNotFoundError, ValueError):
-            return
-        if self.pid == pid:
-            return
-        if self.pid is not None:
-            self.restarts += 1
-        self.pid = pid
-        self._process = None
-        with contextlib.suppress(psutil.NoSuchProcess):
-            self._process = psutil.Process(pid)
+    def wait(self, timeout: float) -> RunReport | None:
+        """Waits for the report of the run; ``None`` after ``timeout`` seconds or when ready.
+
+        Raises:
+            WorkerDiedError: The process has ended and left no report.
+        """
+        process, channel = self._process, self._channel
+        if process is None or channel is None:
+            raise WorkerDiedError(1, was_ready=False)
+        if not wait([channel, process.sentinel], timeout):
+            return None
+        # What it sent before it died counts.
+        if channel.poll():
+            try:
+                message: RunReport | Ready = channel.recv()
+            except (EOFError, ConnectionResetError):
+                # Closed by its end, which the system tells a little later.
+                process.join()
+            else:
+                if not isinstance(message, Ready):
+                    return message
+                self.ready = True
+                return None
+        raise WorkerDiedError(process.exitcode or 0, was_ready=self.ready)
 
     def memory_bytes(self) -> int:
         """Resident memory of the process, 0 if there is none."""
         try:
-            return 0 if self._process is None else int(self._process.memory_info().rss)
+            return 0 if self._seen is None else int(self._seen.memory_info().rss)
         except psutil.NoSuchProcess:
             return 0
 
@@ -84,9 +129,11 @@ class Child:
         return self._files.log.stat().st_size if self._files.log.exists() else 0
 
     def log_tail(self, begin: int) -> str:
-        """Gives the last lines that were printed after ``begin``."""
+        """Gives the last lines printed after ``begin``, or since the start of one not yet ready."""
         if not self._files.log.exists():
             return ""
+        if not self.ready:
+            begin = self._log_begin
         with self._files.log.open("rb") as log:
             end = log.seek(0, os.SEEK_END)
             log.seek(max(begin if begin <= end else 0, end - _TAIL_BYTES))
@@ -101,37 +148,46 @@ class Child:
         Raises:
             Exception: The system gives no process; what kind depends on what is short.
         """
-        if self._pool is not None:
-            self.restarts += 1
         self.end()
         self._files.board.parent.mkdir(parents=True, exist_ok=True)
         # Mapped anew, so that both sides see the same file even if somebody has removed the old.
         self.board = ProgressBoard(self._files.board)
         self.board.cells[:] = 0
-        self._pool = self._start()
+        self._start()
+        self.restarts += 1
 
     def end(self) -> None:
         """Ends the process with all that it started."""
-        self.identify()
-        if self.pid is not None:
-            # The group may outlive the process that leads it.
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(self.pid, signal.SIGKILL)
-        if self._pool is not None:
-            self._pool.stop()  # type: ignore[no-untyped-call] # pebble leaves it untyped
-            self._pool.join()
-            self._pool = None
-        self._process = self.pid = None
-        self._files.pid.unlink(missing_ok=True)
+        if self._process is not None:
+            # The group may outlive the process that leads it; a young one leads none yet.
+            if self._process.pid is not None:
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.kill()
+            self._process.join()
+            self._process.close()
+        if self._channel is not None:
+            self._channel.close()
+        self._process = self._channel = self._seen = None
+        self.ready = False
 
-    def _start(self) -> ProcessPool:
-        pool = ProcessPool(
-            max_workers=1,
-            max_tasks=self._runs_per_worker,
-            initializer=set_up,
-            initargs=self._initial,
-            context=multiprocessing.get_context("spawn"),
-        )
-        # The pool starts its process with its first task.
-        pool.schedule(be_ready)
-        return pool
+    def _start(self) -> None:
+        if self.log_size() > _LOG_BYTES:
+            os.truncate(self._files.log, 0)
+        self._log_begin = self.log_size()
+        self._runs = 0
+        ours, theirs = self._context.Pipe()
+        try:
+            process = self._context.Process(
+                target=serve, args=(theirs, *self._initial), daemon=True
+            )
+            process.start()
+        except BaseException:
+            ours.close()
+            raise
+        finally:
+            # With no end of it left here, the channel ends with the worker.
+            theirs.close()
+        self._process, self._channel = process, ours
+        with contextlib.suppress(psutil.NoSuchProcess):
+            self._seen = psutil.Process(process.pid)

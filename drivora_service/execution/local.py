@@ -58,7 +58,6 @@ class LocalExecutor:
                 files=WorkerFiles(
                     log=folder / f"{name}.log",
                     board=folder / f"{name}.board",
-                    pid=folder / f"{name}.pid",
                 ),
                 limits=limits,
                 source=self,

@@ -14,17 +14,18 @@ _PR_SET_PDEATHSIG = 1
 
 
 def die_with_parent() -> None:
-    """Arranges that this process is killed when its parent dies, also by ``SIGKILL``.
+    """Arranges that this process is killed when the one that owns it dies, also by ``SIGKILL``.
 
     On Linux the kernel does it (``prctl(2)``), even if native code here never lets go of the
-    interpreter. Elsewhere a thread waits for the end of the parent.
+    interpreter; where a fork server lies between, that one ends with its owner and takes this
+    process along. Elsewhere a thread waits for the end of the owner.
     """
     parent = multiprocessing.parent_process()
     if parent is None:
         return
     if platform.system() == "Linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
-        if os.getppid() != parent.pid:
+        if wait([parent.sentinel], 0):
             os._exit(1)
         return
 

@@ -10,9 +10,8 @@ from datetime import UTC, datetime
 from typing import Protocol
 
 import structlog
-from pebble import ProcessExpired, ProcessFuture
 
-from drivora_service.execution.child import Child
+from drivora_service.execution.child import Child, WorkerDiedError
 from drivora_service.execution.deaths import report_death, report_loss, signal_name
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.watch import Watch
@@ -99,7 +98,6 @@ class Slot:
         self._thread.join()
 
     def _serve(self) -> None:
-        # The kernel ends a worker with the thread that started it, so that must be this one.
         self._child = child = Child(
             perform=self._perform,
             warm_up=self._warm_up,
@@ -111,6 +109,8 @@ class Slot:
             self._renew(child)
             while (spec := self._source.take()) is not None:
                 self._sink(self._attempt(child, spec))
+                if child.worn:
+                    self._renew(child)
         finally:
             child.end()
 
@@ -120,17 +120,20 @@ class Slot:
         log_begin = child.log_size()
         exit_code = 0
         try:
-            report = self._supervise(child, child.begin(spec), spec.run_id, log_begin)
-        except ProcessExpired as death:
-            exit_code = death.exitcode or 0
+            child.begin(spec)
+            report = self._supervise(child, spec.run_id, log_begin)
+        except WorkerDiedError as death:
             log = child.log_tail(log_begin)
-            report = report_death(spec.run_id, exit_code, child.board.read(), log)
+            if death.was_ready:
+                exit_code = death.exit_code
+                report = report_death(spec.run_id, exit_code, child.board.read(), log)
+            else:
+                report = report_loss(spec.run_id, f"{death} before it was ready", log)
             self._bury(child, report)
         except Exception as error:
-            # The worker turns whatever a run raises into a report: this is the pool itself, which
-            # found its process dead or could not start one.
-            log = child.log_tail(log_begin)
-            report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", log)
+            # The worker turns whatever a run raises into a report: this is the system, which gave
+            # no process.
+            report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", "")
             self._bury(child, report)
         self._run_id = ""
         self._stop_run.clear()
@@ -143,17 +146,13 @@ class Slot:
             signal=signal_name(exit_code),
         )
 
-    def _supervise(
-        self, child: Child, future: ProcessFuture[RunReport], run_id: str, log_begin: int
-    ) -> RunReport:
+    def _supervise(self, child: Child, run_id: str, log_begin: int) -> RunReport:
         begun = time.monotonic()
         watch: Watch | None = None
         while True:
-            try:
-                return future.result(timeout=_POLL_S)
-            except TimeoutError:
-                if future.done():
-                    raise
+            report = child.wait(_POLL_S)
+            if report is not None:
+                return report
             now = time.monotonic()
             if self._stop_run.is_set():
                 self._renew(child)
@@ -169,8 +168,7 @@ class Slot:
                         wall_time_s=now - begun,
                         failure=failure,
                     )
-            elif future.running():
-                child.identify()
+            elif child.ready:
                 watch = Watch(self._limits, now=now)
             elif now - begun > self._limits.start_s:
                 message = f"no worker process was ready within {self._limits.start_s:g} s"

@@ -1,7 +1,7 @@
 """The inside of a worker process: set up once, then one run after another.
 
 This module is also imported by the process that owns the workers; what only a worker needs, above
-all the simulator, is imported in :func:`set_up`.
+all the simulator, is imported where it is used.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import pkgutil
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 from drivora_service.errors import SimulatorError
@@ -48,34 +49,31 @@ class WorkerFiles:
     Attributes:
         log: Takes everything that the worker process prints.
         board: See :class:`ProgressBoard`.
-        pid: Holds the worker's process id.
     """
 
     log: Path
     board: Path
-    pid: Path
 
 
-@dataclass(slots=True)
-class _Worker:
-    perform: Perform
-    setup: object
-    board: ProgressBoard
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """What a worker sends when it has been set up."""
 
 
-_worker: _Worker | None = None
+def serve(
+    channel: Connection, perform: str, warm_up: str, setup: object, files: WorkerFiles
+) -> None:
+    """Is the worker: does the runs that come through the channel until that is closed.
 
-
-def set_up(perform: str, warm_up: str, setup: object, files: WorkerFiles) -> None:
-    """Prepares this process for its runs.
+    Sends :class:`Ready` once, and then the report of each run.
 
     Args:
+        channel: The worker's end of the connection with its slot.
         perform: The :data:`Perform` to use, as ``module:function``.
         warm_up: What to call first, or "" for nothing.
         setup: What it gets with every run.
         files: Where to log and to show progress.
     """
-    global _worker
     die_with_parent()
     # A session of its own: an interrupt typed at a terminal is the server's to handle, and whatever
     # an agent starts can be ended together with the worker.
@@ -87,22 +85,26 @@ def set_up(perform: str, warm_up: str, setup: object, files: WorkerFiles) -> Non
     faulthandler.enable()
     board = ProgressBoard(files.board)
     board.cells[:] = 0
-    files.pid.write_text(str(os.getpid()))
     if warm_up:
         try:
             pkgutil.resolve_name(warm_up)(setup)
         except Exception:
             # The runs will show what is wrong, each for itself.
             traceback.print_exc()
-    _worker = _Worker(perform=pkgutil.resolve_name(perform), setup=setup, board=board)
+    do: Perform = pkgutil.resolve_name(perform)
+    channel.send(Ready())
+    while True:
+        try:
+            spec = channel.recv()
+        except EOFError:
+            return
+        channel.send(_work(do, spec, setup, board))
 
 
-def work(spec: RunSpec) -> RunReport:
+def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     """Does one run; whatever it raises becomes its report."""
-    if _worker is None:
-        raise RuntimeError("set_up was not called in this process")
     try:
-        return _worker.perform(spec, _worker.setup, _worker.board)
+        return perform(spec, setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, "simulator_error", error)
     except SystemExit as error:
@@ -122,7 +124,3 @@ def _raised(spec: RunSpec, status: RunStatus, cause: str, error: BaseException) 
             log="".join(traceback.format_exception(error)[-12:]),
         ),
     )
-
-
-def be_ready() -> None:
-    """Does nothing; answering shows that the worker is set up."""

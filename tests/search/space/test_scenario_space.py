@@ -55,12 +55,10 @@ def test_repaired_samples_are_valid(town: str, options: SpaceOptions) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("behavior", list(NpcBehavior))
 @pytest.mark.parametrize("town", SHIPPED)
-def test_hardly_any_of_many_samples_is_invalid(town: str, behavior: NpcBehavior) -> None:
-    found = 0
+def test_none_of_many_samples_is_invalid(town: str, behavior: NpcBehavior) -> None:
+    options = replace(FULL, behavior=behavior)
     for number in range(3):
-        options = replace(FULL, behavior=behavior)
-        found += invalid(space_around(town, options, number), NETWORKS, 100)
-    assert found <= 2
+        assert invalid(space_around(town, options, number), NETWORKS, 40) == 0
 
 
 def test_samples_are_valid_in_real_towns(shared_data: Path) -> None:

@@ -1,0 +1,25 @@
+"""What every worker needs, imported once: the fork server imports this module, workers inherit it.
+
+A worker is then ready in a fraction of the seconds that the imports take, which counts where code
+under test keeps crashing, and on machines with many slots. Nothing of a run lies in here: no
+network, no agent, no simulation.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+
+# The fork server may still be importing when its owner has ended; who reads the owner's output must
+# not have to wait for that. Workers write to logs of their own.
+_nowhere = os.open(os.devnull, os.O_WRONLY)
+os.dup2(_nowhere, 1)
+os.dup2(_nowhere, 2)
+os.close(_nowhere)
+
+# What fails here fails again in the worker, where it is reported.
+with contextlib.suppress(Exception):
+    import drivora_service.runs.performing  # noqa: F401 # workers find it imported
+    from drivora_service.compilation import compiler_ready
+
+    compiler_ready()
