@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from pymoo.operators.crossover.sbx import cross_sbx
 
 from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace
 
@@ -63,6 +62,9 @@ def simulated_binary(
         eta: Distribution index; the greater, the nearer children are to their parents.
         rate: Probability with which a gene takes part.
     """
+    # Here, not above: what only lists or reads campaigns shall not load pymoo for half a second.
+    from pymoo.operators.crossover.sbx import cross_sbx
+
     spread = cross_sbx(
         np.stack((first, second))[:, None, :],
         space.lows,

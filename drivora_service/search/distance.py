@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.distance import cdist
 
 from drivora_service.search.genes import FloatArray, GeneSpace
 from drivora_service.search.mutation import effective_genes, varying_blocks
@@ -26,6 +25,9 @@ def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace)
     Returns:
         (n, m).
     """
+    # Here, not above: what only lists campaigns shall not load SciPy for a fifth of a second.
+    from scipy.spatial.distance import cdist
+
     one, other = _coordinates(first, space), _coordinates(second, space)
     total = np.zeros((len(first), len(second)))
     blocks = varying_blocks(space)

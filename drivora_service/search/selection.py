@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
-from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 from drivora_service.errors import SearchError
 from drivora_service.search.components import IntArray
@@ -27,6 +25,9 @@ def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
     Returns:
         Indices of each front, in ascending order.
     """
+    # Here, not above: what only lists or reads campaigns shall not load pymoo for half a second.
+    from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
+
     found = NonDominatedSorting().do(measurable(objectives))
     return tuple(np.sort(np.asarray(front, dtype=np.int64)) for front in found)
 
@@ -36,6 +37,8 @@ def crowding_distances(objectives: FloatArray) -> FloatArray:
 
     Source: Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II" (2002).
     """
+    from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
+
     return np.asarray(get_crowding_function("cd").do(measurable(objectives)), dtype=np.float64)
 
 
