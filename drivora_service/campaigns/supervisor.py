@@ -8,14 +8,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerProcess
+from multiprocessing.process import BaseProcess
 
 import structlog
 
 from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
 from drivora_service.errors import StoreError
 from drivora_service.execution.deaths import signal_name
-from drivora_service.execution.fork_server import fork_server
+from drivora_service.execution.fork_server import exit_code, kill_process, start_process
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 
@@ -43,7 +43,7 @@ class _Engine:
     """A running process; ``queued`` is ``None`` once it has closed its end."""
 
     campaign_id: str
-    process: ForkServerProcess
+    process: BaseProcess
     queued: Connection | None
 
 
@@ -119,16 +119,15 @@ class CampaignSupervisor:
                 _log.error("database_unusable", error=str(error))
                 time.sleep(_LOOK_S)
         for engine in self._engines.values():
-            engine.process.kill()
-        for engine in self._engines.values():
-            engine.process.join()
+            kill_process(engine.process)
 
     def _turn(self) -> None:
         if self._listen():
             self._on_queued()
         for engine in list(self._engines.values()):
-            if engine.process.exitcode is not None:
-                self._bury(engine)
+            code = exit_code(engine.process)
+            if code is not None:
+                self._bury(engine, code)
         now = time.monotonic()
         if now >= self._look_at:
             self._look_at = now + _LOOK_S
@@ -172,13 +171,8 @@ class CampaignSupervisor:
 
     def _begin(self, campaign_id: str) -> None:
         reader, writer = multiprocessing.Pipe(duplex=False)
-        process = fork_server().Process(
-            target=run_engine,
-            args=(self._setup, campaign_id, writer),
-            name=f"campaign-{campaign_id}",
-        )
         try:
-            process.start()
+            process = start_process(run_engine, (self._setup, campaign_id, writer))
         except (OSError, EOFError) as error:
             # The system is short of processes or memory, which passes.
             _log.error("engine_not_started", campaign=campaign_id, error=repr(error))
@@ -192,29 +186,29 @@ class CampaignSupervisor:
         )
         _log.info("campaign_started", campaign=campaign_id, pid=process.pid)
 
-    def _bury(self, engine: _Engine) -> None:
-        campaign_id, exit_code = engine.campaign_id, engine.process.exitcode or 0
+    def _bury(self, engine: _Engine, code: int) -> None:
+        campaign_id = engine.campaign_id
         with self._database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
         if record.state in (CampaignState.QUEUED, CampaignState.RUNNING):
-            if exit_code == NOT_MINE:
+            if code == NOT_MINE:
                 self._not_before[campaign_id] = time.monotonic() + _RETRY_S
             else:
-                self._note_death(campaign_id, exit_code, record.counts.evaluations)
+                self._note_death(campaign_id, code, record.counts.evaluations)
         else:
             _log.info("campaign_ended", campaign=campaign_id, state=record.state)
             self._deaths.pop(campaign_id, None)
             self._not_before.pop(campaign_id, None)
         del self._engines[campaign_id]
-        engine.process.close()
+        kill_process(engine.process)
         if engine.queued is not None:
             engine.queued.close()
 
-    def _note_death(self, campaign_id: str, exit_code: int, evaluations: int) -> None:
+    def _note_death(self, campaign_id: str, code: int, evaluations: int) -> None:
         known = self._deaths.get(campaign_id)
         before = known.count if known is not None and known.evaluations == evaluations else 0
         deaths = _Deaths(count=before + 1, evaluations=evaluations)
-        how = signal_name(exit_code) or f"exit code {exit_code}"
+        how = signal_name(code) or f"exit code {code}"
         _log.warning("engine_died", campaign=campaign_id, how=how, deaths=deaths.count)
         if deaths.count < _MOST_DEATHS:
             self._deaths[campaign_id] = deaths

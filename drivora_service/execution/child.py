@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import multiprocessing
 import os
 import signal
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerProcess
+from multiprocessing.process import BaseProcess
 
 import psutil
 
-from drivora_service.execution.fork_server import fork_server
+from drivora_service.execution.fork_server import exit_code, kill_process, start_process
 from drivora_service.execution.worker import Ready, WorkerFiles, serve
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunReport, RunSpec
@@ -55,8 +56,8 @@ class Child:
         self._files = files
         self._runs_per_worker = runs_per_worker
         # Workers that are not warmed up need nothing that would have to be imported.
-        self._context = fork_server(preloaded=bool(warm_up))
-        self._process: ForkServerProcess | None = None
+        self._preloaded = bool(warm_up)
+        self._process: BaseProcess | None = None
         self._seen: psutil.Process | None = None
         self._channel: Connection | None = None
         self._log_begin = 0
@@ -109,13 +110,13 @@ class Child:
                 message: RunReport | Ready = channel.recv()
             except (EOFError, ConnectionResetError):
                 # Closed by its end, which the system tells a little later.
-                process.join()
+                wait([process.sentinel])
             else:
                 if not isinstance(message, Ready):
                     return message
                 self.ready = True
                 return None
-        raise WorkerDiedError(process.exitcode or 0, was_ready=self.ready)
+        raise WorkerDiedError(exit_code(process) or 0, was_ready=self.ready)
 
     def memory_bytes(self) -> int:
         """Resident memory of the process, 0 if there is none."""
@@ -163,9 +164,7 @@ class Child:
             if self._process.pid is not None:
                 with contextlib.suppress(ProcessLookupError, PermissionError):
                     os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.kill()
-            self._process.join()
-            self._process.close()
+            kill_process(self._process)
         if self._channel is not None:
             self._channel.close()
         self._process = self._channel = self._seen = None
@@ -176,18 +175,17 @@ class Child:
             os.truncate(self._files.log, 0)
         self._log_begin = self.log_size()
         self._runs = 0
-        ours, theirs = self._context.Pipe()
+        ours, theirs = multiprocessing.Pipe()
         try:
-            process = self._context.Process(
-                target=serve, args=(theirs, *self._initial), daemon=True
+            self._process = start_process(
+                serve, (theirs, *self._initial), preloaded=self._preloaded
             )
-            process.start()
         except BaseException:
             ours.close()
             raise
         finally:
             # With no end of it left here, the channel ends with the worker.
             theirs.close()
-        self._process, self._channel = process, ours
+        self._channel = ours
         with contextlib.suppress(psutil.NoSuchProcess):
-            self._seen = psutil.Process(process.pid)
+            self._seen = psutil.Process(self._process.pid)

@@ -1,20 +1,74 @@
-"""The process that starts our other processes, with the imports done that they need."""
+"""Starting processes from one that has the imports done that they need."""
 
 from __future__ import annotations
 
 import multiprocessing
-from multiprocessing.context import ForkServerContext
+import os
+import threading
+from collections.abc import Callable
+from multiprocessing.connection import wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+import structlog
 
 _PRELOADED = "drivora_service.execution.preloaded"
 
+_log = structlog.get_logger(__name__)
 
-def fork_server(*, preloaded: bool = True) -> ForkServerContext:
-    """Gives the way to start processes; a process has one fork server, started with its first.
+# With each start, multiprocessing looks at all the processes there are. Of two threads that look at
+# one that has just ended, the slower would be told that its exit code is unknown.
+_looking = threading.Lock()
+
+
+def start_process(
+    target: Callable[..., None], args: tuple[Any, ...], *, preloaded: bool = True
+) -> BaseProcess:
+    """Starts a process.
 
     Args:
-        preloaded: Whether it shall import what workers need, which takes a second or two; heeded
-            until the fork server is started.
+        target: What it does.
+        args: With what; must be picklable.
+        preloaded: Whether the fork server shall import what workers need, which takes it a second
+            or two; heeded by the first call of a process, which starts the fork server.
+
+    Raises:
+        OSError: The system gives no process.
+        EOFError: The fork server ended while it was asked; the next call starts another.
     """
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
-    return context
+    call = (dict(os.environ), target, args)
+    process: BaseProcess = context.Process(target=_run, args=call, daemon=True)
+    with _looking:
+        try:
+            process.start()
+        except (FileNotFoundError, ConnectionRefusedError) as error:
+            # Its socket lies among the temporary files, which some systems clear away after days.
+            _log.warning("fork_server_not_reached", error=repr(error))
+            spawn = multiprocessing.get_context("spawn")
+            process = spawn.Process(target=_run, args=call, daemon=True)
+            process.start()
+    return process
+
+
+def _run(environment: dict[str, str], target: Callable[..., None], args: tuple[Any, ...]) -> None:
+    # The fork server has the variables with which it was started itself.
+    os.environ.clear()
+    os.environ.update(environment)
+    target(*args)
+
+
+def exit_code(process: BaseProcess) -> int | None:
+    """Gives the code with which a process has ended, minus the signal's number where one did it."""
+    with _looking:
+        return process.exitcode
+
+
+def kill_process(process: BaseProcess) -> None:
+    """Kills a process, if it has not ended, and waits until it is gone."""
+    process.kill()
+    wait([process.sentinel])
+    with _looking:
+        process.join()
+        process.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
+import fcntl
 import multiprocessing
 import os
 import platform
@@ -10,21 +10,24 @@ import signal
 import threading
 from multiprocessing.connection import wait
 
-_PR_SET_PDEATHSIG = 1
-
 
 def die_with_parent() -> None:
     """Arranges that this process is killed when the one that owns it dies, also by ``SIGKILL``.
 
-    On Linux the kernel does it (``prctl(2)``), even if native code here never lets go of the
-    interpreter; where a fork server lies between, that one ends with its owner and takes this
-    process along. Elsewhere a thread waits for the end of the owner.
+    The owner holds the other end of a pipe. On Linux the kernel sends the signal when that is
+    closed (``F_SETSIG`` in ``fcntl(2)``), even if native code here never lets go of the
+    interpreter. Elsewhere a thread waits for it.
     """
     parent = multiprocessing.parent_process()
     if parent is None:
         return
     if platform.system() == "Linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
+        # Not the kernel's death signal of parents: a fork server lies between, which lives as long
+        # as any of its children do.
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, int(signal.SIGKILL))
+        flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
         if wait([parent.sentinel], 0):
             os._exit(1)
         return
