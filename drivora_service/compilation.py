@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar, cast
 
-from numba import njit
+from numba import config, njit
+
+# Before anything is compiled: results do not depend on what a machine's processor can do, and what
+# one process has compiled all others find on the disk.
+vars(config).update(CPU_NAME="generic", CPU_FEATURES="")
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -17,9 +21,3 @@ def compiled(function: Function) -> Function:
     by zero gives an infinity, as in NumPy.
     """
     return cast("Function", njit(cache=True, error_model="numpy")(function))
-
-
-@compiled
-def compiler_ready() -> bool:
-    """Gives true; the first call of any compiled function makes numba load what it knows."""
-    return True

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, stats
 
 from drivora_service.errors import CampaignError
 
@@ -60,6 +59,9 @@ def compare_samples(first: Sample, second: Sample) -> Effect:
     low, high = a12_interval(a12, len(x), len(y))
     if np.ptp(np.concatenate((x, y))) == 0.0:
         return Effect(a12=a12, low=low, high=high, p=1.0)
+    # Here, as below, not above: a service need not start with what takes half a second to load.
+    from scipy import stats
+
     test = stats.mannwhitneyu(x, y, alternative="two-sided", method="asymptotic")
     return Effect(a12=a12, low=low, high=high, p=float(test.pvalue))
 
@@ -83,6 +85,8 @@ def a12_interval(a12: float, n: int, m: int) -> tuple[float, float]:
     errors, these being Hanley and McNeil's at that value. It stays within 0..1, and has a width at
     its ends too.
     """
+    from scipy import optimize, stats
+
     z = float(stats.norm.ppf(0.5 + CONFIDENCE / 2.0))
     half = (n + m) / 2.0 - 1.0
 

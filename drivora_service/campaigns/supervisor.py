@@ -15,7 +15,7 @@ import structlog
 from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
 from drivora_service.errors import StoreError
 from drivora_service.execution.deaths import signal_name
-from drivora_service.execution.fork_server import exit_code, kill_process, start_process
+from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 
@@ -172,8 +172,9 @@ class CampaignSupervisor:
     def _begin(self, campaign_id: str) -> None:
         reader, writer = multiprocessing.Pipe(duplex=False)
         try:
-            process = start_process(run_engine, (self._setup, campaign_id, writer))
-        except (OSError, EOFError) as error:
+            # Not from the fork server of the workers: an engine never needs the simulator.
+            process = spawn_process(run_engine, (self._setup, campaign_id, writer))
+        except OSError as error:
             # The system is short of processes or memory, which passes.
             _log.error("engine_not_started", campaign=campaign_id, error=repr(error))
             reader.close()

@@ -24,7 +24,7 @@ _looking = threading.Lock()
 def start_process(
     target: Callable[..., None], args: tuple[Any, ...], *, preloaded: bool = True
 ) -> BaseProcess:
-    """Starts a process.
+    """Starts a process from the fork server.
 
     Args:
         target: What it does.
@@ -40,15 +40,23 @@ def start_process(
     context.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
     call = (dict(os.environ), target, args)
     process: BaseProcess = context.Process(target=_run, args=call, daemon=True)
+    try:
+        with _looking:
+            process.start()
+    except (FileNotFoundError, ConnectionRefusedError) as error:
+        # Its socket lies among the temporary files, which some systems clear away after days.
+        _log.warning("fork_server_not_reached", error=repr(error))
+        return spawn_process(target, args)
+    return process
+
+
+def spawn_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
+    """Starts a process with nothing in it; arguments and errors as of :func:`start_process`."""
+    process: BaseProcess = multiprocessing.get_context("spawn").Process(
+        target=target, args=args, daemon=True
+    )
     with _looking:
-        try:
-            process.start()
-        except (FileNotFoundError, ConnectionRefusedError) as error:
-            # Its socket lies among the temporary files, which some systems clear away after days.
-            _log.warning("fork_server_not_reached", error=repr(error))
-            spawn = multiprocessing.get_context("spawn")
-            process = spawn.Process(target=_run, args=call, daemon=True)
-            process.start()
+        process.start()
     return process
 
 

@@ -1,8 +1,8 @@
 """What every worker needs, imported once: the fork server imports this module, workers inherit it.
 
-A worker is then ready in a fraction of the seconds that the imports take, which counts where code
-under test keeps crashing, and on machines with many slots. Nothing of a run lies in here: no
-network, no agent, no simulation.
+A worker is then ready in a fraction of the seconds that this takes, which counts where code under
+test keeps crashing, and on machines with many slots. Nothing of a user's run lies in here, and no
+agent but our own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ os.close(_nowhere)
 
 # What fails here fails again in the worker, where it is reported.
 with contextlib.suppress(Exception):
-    import drivora_service.runs.performing  # noqa: F401 # workers find it imported
-    from drivora_service.compilation import compiler_ready
+    from drivora_service.networks.catalogue import shipped_networks
+    from drivora_service.runs.warm_up import warm_up
+    from drivora_service.runs.worker_setup import WorkerSetup
 
-    compiler_ready()
+    warm_up(WorkerSetup(shipped_networks=shipped_networks()))

@@ -1,11 +1,15 @@
-"""The command line, run as users run it: a process of its own."""
+"""The command line, run as users run it: a process of its own.
+
+The processes come from a fork server, which has imported the package: a suite of commands would
+else spend its time on imports. The pages of the documentation test commands as a shell starts them.
+"""
 
 from __future__ import annotations
 
+import itertools
 import json
+import multiprocessing
 import os
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +18,17 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
+from tests.cli.command_process import run_command
+
+_TIME_LIMIT_S = 120.0
+_PRELOADED = (
+    "drivora_service.execution.preloaded",
+    "drivora_service.app",
+    "drivora_service.cli.local_campaigns",
+    "drivora_service.cli.local_runs",
+    "drivora_service.cli.service_comparison",
+    "drivora_service.plotting.run_picture",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,21 +48,28 @@ Drivora = Callable[..., Ended]
 
 
 @pytest.fixture
-def drivora(tmp_path: Path) -> Drivora:
+def drivora(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Drivora:
     """Runs ``drivora`` with a data folder of the test's own."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(_PRELOADED))
+    numbers = itertools.count()
+    printed = tmp_path_factory.mktemp("printed")
 
     def run(*arguments: str | Path, **environment: str) -> Ended:
-        command = [sys.executable, "-m", "drivora_service.cli", *map(str, arguments)]
-        ended = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            timeout=120,
-            check=False,
-            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment},
+        number = next(numbers)
+        out, err = printed / f"{number}.out", printed / f"{number}.err"
+        variables = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment}
+        process = context.Process(
+            target=run_command, args=([*map(str, arguments)], tmp_path, variables, out, err)
         )
-        return Ended(ended.returncode, ended.stdout, ended.stderr)
+        process.start()
+        process.join(_TIME_LIMIT_S)
+        code = process.exitcode
+        if code is None:
+            process.kill()
+            process.join()
+            raise AssertionError(f"drivora {arguments} did not end: {err.read_text()}")
+        return Ended(code, out.read_text(), err.read_text())
 
     return run
 

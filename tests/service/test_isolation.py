@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 import time
@@ -101,6 +102,11 @@ def _run(client: httpx.Client, job: str) -> dict[str, Any]:
 
 def _is_worker(process: psutil.Process, site: Path) -> bool:
     environment = process.info["environ"] or {}
-    # The server and the resource tracker share the environment, but are not spawned workers.
-    spawned = any("spawn_main" in part for part in process.info["cmdline"] or [])
-    return spawned and environment.get("PYTHONPATH") == str(site)
+    if environment.get("PYTHONPATH") != str(site):
+        return False
+    # The server, the resource tracker and the fork server share the environment with the workers,
+    # which the fork server has started.
+    with contextlib.suppress(psutil.NoSuchProcess):
+        parent = process.parent()
+        return parent is not None and any("forkserver" in part for part in parent.cmdline())
+    return False

@@ -54,8 +54,9 @@ def test_every_run_is_judged_exactly_once(tmp_path: Path) -> None:
                     headers={"Content-Type": "application/x-ndjson"},
                 )
                 batch = answer.raise_for_status().json()["batch"]["id"]
-            # Workers first need to get ready; then kill at any moment of their work.
-            time.sleep(4.0 + luck.uniform(0.0, 4.0))
+            # At any moment of the workers' work, however fast they are.
+            _wait_until_done(client, f"{url}/api/v1/batches/{batch}", luck.randrange(5, 35))
+            time.sleep(luck.uniform(0.0, 0.3))
         server.kill()
         server.wait()
         interrupted += _statuses(tmp_path)[RunStatus.RUNNING]
@@ -85,6 +86,20 @@ def _wait_until_ready(client: httpx.Client, announcement: Path) -> str:
                 pass
         time.sleep(0.05)
     raise AssertionError("the service was not ready in time")
+
+
+def _wait_until_done(client: httpx.Client, batch: str, more: int) -> None:
+    """Waits until so many more runs of a batch have ended than now."""
+    begin = _ended(client, batch)
+    deadline = time.monotonic() + 120.0
+    while _ended(client, batch) < begin + more:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def _ended(client: httpx.Client, batch: str) -> int:
+    counts: dict[str, int] = client.get(batch).raise_for_status().json()["counts"]
+    return sum(counts.get(status, 0) for status in RunStatus if status.is_final)
 
 
 def _statuses(folder: Path) -> Counter[RunStatus]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -130,7 +130,9 @@ class VehicleDecoder:
         if self._options.behavior is NpcBehavior.REPLAY:
             route = _drawn(path, [first, *stops])
         else:
-            route = _joined(path, [first, *stops])
+            route = _joined(
+                path, [first, *stops], lambda s, wanted: self._speed(path, model, s, wanted)
+            )
         return NpcVehicle(
             id=self._id, model=model.name, route=route, behavior=self._options.behavior
         )
@@ -204,11 +206,21 @@ def _offset(path: DrivenPath, stop: _Stop) -> float:
     return stop.side * 0.5 * (own.width + other.width)
 
 
-def _joined(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
-    """Gives waypoints between which the planner finds the path again."""
+def _joined(
+    path: DrivenPath, stops: Sequence[_Stop], allowed: Callable[[float, float], float]
+) -> tuple[Waypoint, ...]:
+    """Gives waypoints between which the planner finds the path again.
+
+    Args:
+        path: On which they lie.
+        stops: The waypoints that genes have placed.
+        allowed: Gives the speed at an arc length for one that is wanted there.
+    """
     route = [_waypoint(path, stops[0])]
     for before, stop in pairwise(stops):
-        route.extend(path.at(s).waypoint(stop.speed) for s in _ties(path, before.s, stop.s))
+        route.extend(
+            path.at(s).waypoint(allowed(s, stop.speed)) for s in _ties(path, before.s, stop.s)
+        )
         route.append(_waypoint(path, stop))
     return tuple(route)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivora_service.networks.catalogue import NetworkCatalogue
@@ -88,6 +88,7 @@ def test_every_path_is_driven_by_somebody(town: str) -> None:
 
 
 @settings(max_examples=25)
+@example(number=59780, town="tee-town")
 @given(number=st.integers(0, 2**32 - 1), town=st.sampled_from(SHIPPED))
 def test_waypoints_are_in_order_on_lanes_and_within_the_limits(number: int, town: str) -> None:
     space = space_around(town, ONE)
