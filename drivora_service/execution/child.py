@@ -55,8 +55,6 @@ class Child:
         self._initial = (perform, warm_up, setup, files)
         self._files = files
         self._runs_per_worker = runs_per_worker
-        # Workers that are not warmed up need nothing that would have to be imported.
-        self._preloaded = bool(warm_up)
         self._process: BaseProcess | None = None
         self._seen: psutil.Process | None = None
         self._channel: Connection | None = None
@@ -177,9 +175,7 @@ class Child:
         self._runs = 0
         ours, theirs = multiprocessing.Pipe()
         try:
-            self._process = start_process(
-                serve, (theirs, *self._initial), preloaded=self._preloaded
-            )
+            self._process = start_process(serve, (theirs, *self._initial))
         except BaseException:
             ours.close()
             raise

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import threading
 from collections.abc import Callable
+from multiprocessing import forkserver
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -14,6 +15,18 @@ import structlog
 
 _PRELOADED = "drivora_service.execution.preloaded"
 
+_ENVIRONMENT = {
+    # Results must not depend on the order of sets, nor on what this machine's processor can do.
+    "PYTHONHASHSEED": "0",
+    "NUMBA_CPU_NAME": "generic",
+    # A worker has one core; more threads would only take those of its neighbours.
+    "NUMBA_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment variables with which every process must be started."""
+
 _log = structlog.get_logger(__name__)
 
 # With each start, multiprocessing looks at all the processes there are. Of two threads that look at
@@ -21,25 +34,31 @@ _log = structlog.get_logger(__name__)
 _looking = threading.Lock()
 
 
-def start_process(
-    target: Callable[..., None], args: tuple[Any, ...], *, preloaded: bool = True
-) -> BaseProcess:
+def prepare_processes(*, preloaded: bool = True) -> None:
+    """Starts the fork server, if it is not running, and does not wait for it.
+
+    Args:
+        preloaded: Whether it shall import what workers need, which takes it a second or two.
+    """
+    os.environ.update(_ENVIRONMENT)
+    forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
+    forkserver.ensure_running()
+
+
+def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
     """Starts a process from the fork server.
 
     Args:
         target: What it does.
         args: With what; must be picklable.
-        preloaded: Whether the fork server shall import what workers need, which takes it a second
-            or two; heeded by the first call of a process, which starts the fork server.
 
     Raises:
         OSError: The system gives no process.
         EOFError: The fork server ended while it was asked; the next call starts another.
     """
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
-    call = (dict(os.environ), target, args)
-    process: BaseProcess = context.Process(target=_run, args=call, daemon=True)
+    process: BaseProcess = multiprocessing.get_context("forkserver").Process(
+        target=_run, args=(dict(os.environ), target, args), daemon=True
+    )
     try:
         with _looking:
             process.start()

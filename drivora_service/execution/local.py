@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections import deque
 from datetime import UTC, datetime
@@ -10,8 +9,9 @@ from pathlib import Path
 from types import TracebackType
 
 from drivora_service.execution.executor import Limits
+from drivora_service.execution.fork_server import prepare_processes
 from drivora_service.execution.slot import Slot
-from drivora_service.execution.worker import ENVIRONMENT, PERFORM, WARM_UP, WorkerFiles
+from drivora_service.execution.worker import PERFORM, WARM_UP, WorkerFiles
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
@@ -41,8 +41,8 @@ class LocalExecutor:
             perform: What does a run, as ``module:function``; see ``execution.worker.Perform``.
             warm_up: What gets a worker ready, as ``module:function``, or "" for nothing.
         """
-        # Worker processes inherit these, before anything is imported there.
-        os.environ.update(ENVIRONMENT)
+        # Workers that are not warmed up need nothing that would have to be imported.
+        prepare_processes(preloaded=bool(warm_up))
         folder.mkdir(parents=True, exist_ok=True)
         self._changed = threading.Condition()
         self._waiting: deque[RunSpec] = deque()

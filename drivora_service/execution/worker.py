@@ -29,18 +29,6 @@ PERFORM = "drivora_service.runs.performing:perform"
 WARM_UP = "drivora_service.runs.warm_up:warm_up"
 """What gets a worker ready for it: called once with the worker's set-up."""
 
-ENVIRONMENT = {
-    # Results must not depend on the order of sets, nor on what this machine's processor can do.
-    "PYTHONHASHSEED": "0",
-    "NUMBA_CPU_NAME": "generic",
-    # A worker has one core; more threads would only take those of its neighbours.
-    "NUMBA_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-}
-"""Environment variables that every worker must be started with."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerFiles:

@@ -72,6 +72,7 @@ def run(
             elif as_json:
                 _show(service, record.id, as_json=True)
         return
+    _prepare()
     from drivora_service.cli.local_campaigns import create_campaign
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
@@ -114,6 +115,7 @@ def resume(
             elif as_json:
                 _show(service, campaign_id, as_json=True)
         return
+    _prepare()
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     with StoredCampaigns(data_dir) as campaigns:
@@ -250,6 +252,13 @@ def _refuse_local_options(workers: int | None, evaluator: str) -> None:
             "--workers and --evaluator are for campaigns that run here; a service has its own "
             "workers, and a campaign may want fewer of them (`workers` in its file)"
         )
+
+
+def _prepare() -> None:
+    """Lets worker processes get ready while this one reads and checks what they are to do."""
+    from drivora_service.execution.fork_server import prepare_processes
+
+    prepare_processes()
 
 
 def _work(

@@ -54,6 +54,11 @@ def run(
     With --json, one scenario prints one object with status, verdicts, metrics, scores,
     trace_sha256, steps, sim_time_s, wall_time_s and step_cost_us; several print {"runs": […]}.
     """
+    if not server:
+        from drivora_service.execution.fork_server import prepare_processes
+
+        # They get ready while this process reads and checks what they are to do.
+        prepare_processes()
     from drivora_service.cli import results
     from drivora_service.cli.scenario_files import read_files
 
