@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivora_service.networks.drivable_area import outside_distance
@@ -30,6 +30,7 @@ def walker(space: ScenarioSpace, values: FloatArray, **genes: float) -> NpcWalke
 
 
 @settings(max_examples=30)
+@example(number=1703, town="tee-town")
 @given(number=st.integers(0, 2**32 - 1), town=st.sampled_from(SHIPPED))
 def test_it_crosses_the_way_of_the_ego(number: int, town: str) -> None:
     space = space_around(town, OPTIONS)
@@ -41,8 +42,10 @@ def test_it_crosses_the_way_of_the_ego(number: int, town: str) -> None:
     way = shapely.LineString(ends)
     crossing = way.intersection(shapely.LineString(route.line))
     assert not crossing.is_empty
-    first = crossing.centroid
-    assert route.place_of(first.x, first.y)[0] >= AHEAD_OF_EGO - 6.0
+    # A route that comes back on the other side of the road is crossed twice, and may be so where it
+    # begins; the place that was chosen is ahead.
+    points = [part.centroid for part in shapely.get_parts(crossing)]
+    assert max(route.place_of(at.x, at.y)[0] for at in points) >= AHEAD_OF_EGO - 6.0
     assert way.length < 60.0
     assert begin.speed == end.speed
     assert 1.25 <= (begin.speed or 0.0) <= 3.0
