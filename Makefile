@@ -1,5 +1,7 @@
 # Everything stands on `make install`: a virtual environment in .venv with pinned, hashed packages.
 PYTHON ?= python3
+# Tests wait for other processes now and then: one more at a time than there are cores.
+TEST_PROCESSES ?= $(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)")
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
@@ -33,10 +35,10 @@ demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failure
 
 test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, all tests
 	$(BIN)/drivora schema --check
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal
 
 test-fast: $(DEV_STAMP) ## The tests without the slow ones
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow"
 
 lint: $(DEV_STAMP)
 	$(BIN)/ruff check .
