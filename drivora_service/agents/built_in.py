@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,7 +16,7 @@ from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameter
 from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
 from drivora_service.agents.puffer_drive import agent as puffer_drive
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
-from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
 from drivora_service.errors import AgentError
 from drivora_service.parameters import read_parameters
 
@@ -39,23 +38,20 @@ def _built_in(
     return AgentPlugin(entry=entry, create=create)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _NoParameters:
-    """What SUMO's drivers take."""
-
-
-def _sumo_plugin(name: str, model: str, type_id: str) -> AgentPlugin:
+def _sumo_plugin(name: str, model: str, car_following: str) -> AgentPlugin:
     return _built_in(
         AgentEntry(
             name=name,
             kind=AgentKind.BASELINE,
-            description=f"SUMO's own driver: {model} with the lane-change model LC2013",
+            description=f"SUMO's own driver: {model}, lane changes by LC2013 or SL2015",
             source="Eclipse SUMO",
             licence="EPL-2.0",
             privileged=True,
         ),
-        _NoParameters,
-        lambda _: SumoDriver(type_id=type_id),
+        SumoDriverParameters,
+        lambda parameters: SumoDriver(
+            car_following=car_following, lane_change_model=parameters.lane_change_model
+        ),
     )
 
 
@@ -102,9 +98,11 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         PdmParameters,
         PdmClosedAgent,
     ),
-    _sumo_plugin("sumo-krauss", "Krauss car following", "krauss-LC2013"),
-    _sumo_plugin("sumo-idm", "IDM car following", "idm-LC2013"),
-    _sumo_plugin("sumo-eidm", "EIDM car following", "eidm-LC2013"),
+    _sumo_plugin("sumo-krauss", "Krauss car following", "krauss"),
+    _sumo_plugin("sumo-idm", "IDM car following", "idm"),
+    _sumo_plugin("sumo-eidm", "EIDM car following", "eidm"),
+    _sumo_plugin("sumo-acc", "adaptive cruise control", "acc"),
+    _sumo_plugin("sumo-cacc", "cooperative adaptive cruise control", "cacc"),
 )
 
 FETCHED: tuple[FetchedAgentPlugin, ...] = (

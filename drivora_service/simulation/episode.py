@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.interface import Agent, Control
-from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.agents.sumo_driver import SumoDriver, common_lane_change_model
 from drivora_service.errors import SimulatorError
 from drivora_service.observations.trace import Actor, Contact, Role, TerminalEvent, Trace
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker
@@ -74,7 +74,8 @@ class Episode:
             cells: (4,) progress integers to keep current (``runs.progress``).
 
         Raises:
-            AgentError: If an agent fails in ``setup_env``.
+            AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers want different
+                lane-change models.
             SimulatorError: If SUMO refuses the network or an actor.
         """
         self.plan = plan
@@ -82,6 +83,7 @@ class Episode:
         self._dt = plan.scenario.step_length
         self._k = 0
         self._has_sumo_drivers = any(isinstance(agent, SumoDriver) for agent in agents)
+        lane_change_model = common_lane_change_model(agents)
         self._privileged = tuple(privileged) or (False,) * len(agents)
         self._cells = np.zeros(4, dtype=np.int64) if cells is None else cells
         self._team = EgoTeam(plan, agents, self._cells)
@@ -105,6 +107,7 @@ class Episode:
             step_length=self._dt,
             seed=plan.scenario.seed,
             slippery=slippery,
+            sublanes=lane_change_model == "SL2015",
         )
         if slippery:
             edges = [edge for edge in plan.network.edge_lanes if not edge.startswith(":")]
@@ -112,7 +115,7 @@ class Episode:
         # SUMO switches at the beginning of a step: what it shows after the step that makes row 0 is
         # what the programmes say of time 0.
         self._sumo.set_programs(plan.programs, 0.0)
-        self._traffic = Traffic(self._sumo, cast.bodies, len(actors))
+        self._traffic = Traffic(self._sumo, cast.bodies, len(actors), lane_change_model)
         self._announce(actors)
         self._bind()
         self._make_first_frame()

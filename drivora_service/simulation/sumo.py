@@ -42,6 +42,8 @@ _PROGRAM = "drivora"
 """Name of the programmes that the service gives to traffic lights."""
 _OBEYS_ALL = 31
 _IMPATIENT_AFTER = "30"
+_SUBLANE_WIDTH = "0.8"
+"""Metres: the middle of the range that SUMO's documentation names for cars."""
 _CHANGES_LANES = 0b011001010101
 _READ = (
     libsumo.constants.VAR_POSITION3D,
@@ -336,7 +338,9 @@ class _Process:
     started = False
 
 
-def open_world(network: Path, *, step_length: float, seed: int, slippery: bool) -> SumoWorld:
+def open_world(
+    network: Path, *, step_length: float, seed: int, slippery: bool, sublanes: bool = False
+) -> SumoWorld:
     """Resets this process's SUMO to an empty network at time 0.
 
     Args:
@@ -344,6 +348,8 @@ def open_world(network: Path, *, step_length: float, seed: int, slippery: bool) 
         step_length: Seconds.
         seed: Of SUMO's own random draws.
         slippery: Whether SUMO's drivers must heed the friction of the road (the device costs time).
+        sublanes: Whether vehicles have places within lanes. Then SUMO takes drivers with the
+            lane-change model SL2015 only; without, it would drive them by LC2013 and not say so.
 
     Raises:
         SimulatorError: If SUMO does not accept the network.
@@ -360,6 +366,7 @@ def open_world(network: Path, *, step_length: float, seed: int, slippery: bool) 
         # Drivers who wait at a minor road grow bold, else full junctions lock up for good.
         "--time-to-impatience", _IMPATIENT_AFTER,
         "--device.friction.probability", "1" if slippery else "0",
+        *(("--lateral-resolution", _SUBLANE_WIDTH) if sublanes else ()),
     ]  # fmt: skip
     try:
         if _Process.started:

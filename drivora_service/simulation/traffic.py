@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.agents.sumo_driver import LaneChangeModel
 from drivora_service.simulation.background import LENGTH, WIDTH, Wanderers
 from drivora_service.simulation.plan import DrivenPlan
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
@@ -15,7 +16,7 @@ from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_DRIVER = "krauss-LC2013"
+_DRIVER = "krauss"
 _ROUTE_CHECK_STEPS = 20
 _EDGES_LEFT = 4
 
@@ -58,9 +59,16 @@ class Traffic:
         is_moved, known, placements: As ``step_kernels.write_placements`` takes and fills them.
     """
 
-    def __init__(self, sumo: SumoWorld, bodies: Sequence[Body], count: int) -> None:
-        """Takes the bodies of a world of ``count`` rows."""
+    def __init__(
+        self,
+        sumo: SumoWorld,
+        bodies: Sequence[Body],
+        count: int,
+        lane_change_model: LaneChangeModel = "LC2013",
+    ) -> None:
+        """Takes the bodies of a world of ``count`` rows, and how SUMO's vehicles change lanes."""
         self._sumo = sumo
+        self._driver = f"{_DRIVER}-{lane_change_model}"
         self._bodies = {body.row: body for body in bodies}
         self._moved: dict[int, MovedActor] = {}
         self._moved_list: list[MovedActor] = []
@@ -178,7 +186,7 @@ class Traffic:
                     row,
                     plan.id,
                     plan.edges,
-                    driver=_DRIVER,
+                    driver=self._driver,
                     length=plan.model.length,
                     width=plan.model.width,
                     lane_number=plan.lane_number,
@@ -215,7 +223,7 @@ class Traffic:
                         row,
                         vehicle,
                         wanderers.route_from(lane.edge_id),
-                        driver=_DRIVER,
+                        driver=self._driver,
                         length=LENGTH,
                         width=WIDTH,
                         lane_number=lane.lane_number,

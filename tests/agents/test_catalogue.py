@@ -62,7 +62,8 @@ def installed_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_built_in_agents_have_entries() -> None:
     catalogue = AgentCatalogue()
-    names = {"idm", "idm-mobil", "pdm-closed", "sumo-krauss", "sumo-idm", "sumo-eidm"}
+    names = {"idm", "idm-mobil", "pdm-closed"}
+    names |= {"sumo-krauss", "sumo-idm", "sumo-eidm", "sumo-acc", "sumo-cacc"}
     assert names <= set(catalogue.names())
     assert list(catalogue.names()) == sorted(catalogue.names())
     for entry in catalogue.entries():
@@ -96,6 +97,7 @@ def test_each_call_makes_a_new_agent() -> None:
         ("idm", {"speed_factor": float("nan")}),
         ("idm", {"speed_factor": True}),
         ("sumo-krauss", {"sigma": 0.0}),
+        ("sumo-acc", {"lane_change_model": "DK2008"}),
     ],
 )
 def test_parameters_that_an_agent_does_not_take_are_refused(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.errors import AgentError
 from drivora_service.observations.trace import Light, TerminalEvent
-from drivora_service.scenario.model import LightTimes, TrafficLights
+from drivora_service.scenario.model import AgentChoice, EgoVehicle, LightTimes, TrafficLights
 from tests.simulation.episodes import (
     Blind,
     car,
@@ -157,7 +160,10 @@ def test_without_a_limit_the_run_lasts_as_long_as_its_longest_route_may() -> Non
     assert trace.max_sim_time == pytest.approx(13.0, abs=0.2)
 
 
-@pytest.mark.parametrize("agent", ["sumo-krauss", "sumo-idm", "sumo-eidm"])
+SUMO_DRIVERS = ("sumo-krauss", "sumo-idm", "sumo-eidm", "sumo-acc", "sumo-cacc")
+
+
+@pytest.mark.parametrize("agent", SUMO_DRIVERS)
 def test_sumos_drivers_drive_an_ego_and_a_crashed_one_stays(agent: str) -> None:
     what = scenario(
         ego(place("harbour_0_0", 20), place(ROAD, 60), agent=agent, initial_speed=5.0),
@@ -180,7 +186,42 @@ def test_sumos_drivers_drive_an_ego_and_a_crashed_one_stays(agent: str) -> None:
 
 def test_sumos_drivers_differ() -> None:
     ways = []
-    for agent in ("sumo-krauss", "sumo-idm", "sumo-eidm"):
-        what = scenario(ego(place("harbour_0_0", 20), place(ROAD, 60), agent=agent), seconds=8.0)
-        ways.append(float(np.nansum(speeds(run(what), "ego"))))
-    assert len(set(ways)) == 3
+    ahead = car(place("harbour_0_0", 45, speed=6.0), place(ROAD, 60, speed=6.0))
+    for agent in SUMO_DRIVERS:
+        one = ego(place("harbour_0_0", 20), place(ROAD, 60), agent=agent)
+        trace = run(scenario(one, npc_vehicles=(ahead,), seconds=8.0))
+        ways.append(float(np.nansum(speeds(trace, "ego"))))
+    assert len(set(ways)) == len(SUMO_DRIVERS)
+
+
+def overtaker(lane_change_model: str, name: str = "ego") -> EgoVehicle:
+    town = "highway"
+    one = ego(
+        place("eb_1_0", 20, on=town), place("eb_1_0", 300, on=town), name=name,
+        initial_speed=20.0,
+    )  # fmt: skip
+    parameters = {"lane_change_model": lane_change_model}
+    return replace(one, agent=AgentChoice(name="sumo-krauss", parameters=parameters))
+
+
+def test_sl2015_moves_sideways_where_lc2013_jumps() -> None:
+    town = "highway"
+    slow = car(
+        place("eb_1_0", 70, on=town, speed=6.0), place("eb_1_0", 300, on=town, speed=6.0),
+        behavior="sumo",
+    )  # fmt: skip
+    steps = {}
+    for model in ("LC2013", "SL2015"):
+        what = scenario(overtaker(model), on=town, npc_vehicles=(slow,), seconds=20.0)
+        way = track(run(what), "ego")
+        aside = way[:, 1] - np.polyval(np.polyfit(way[:, 0], way[:, 1], 1), way[:, 0])
+        steps[model] = float(np.abs(np.diff(aside)).max())
+    assert steps["LC2013"] > 2.0
+    assert 0.01 < steps["SL2015"] < 0.2
+
+
+def test_one_run_has_one_lane_change_model() -> None:
+    two = (overtaker("LC2013"), overtaker("SL2015", name="other"))
+    with pytest.raises(AgentError, match="lane_change_model") as failure:
+        run(scenario(*two, on="highway"))
+    assert failure.value.cause == "agent_parameters"
