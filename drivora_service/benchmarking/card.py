@@ -226,14 +226,13 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
 def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
     """Gives the judged run in which most went wrong; of runs alike in that, the longest.
 
-    What the ego was at fault for weighs most, then how many rules were broken.
+    A collision at the ego's fault weighs most, then how many rules were broken.
     """
 
-    def badness(run: BenchmarkRun) -> tuple[int, int, float]:
-        broken = run.violations
+    def badness(run: BenchmarkRun) -> tuple[bool, int, float]:
         return (
-            sum(bool(verdict.at_fault) for verdict in broken),
-            len({verdict.oracle for verdict in broken}),
+            run.broke(COLLISION, at_fault=True),
+            len({verdict.oracle for verdict in run.violations}),
             run.report.sim_time_s,
         )
 

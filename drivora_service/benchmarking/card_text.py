@@ -11,12 +11,13 @@ from drivora_service.benchmarking.courses import COURSES, VERSION
 COLUMNS = (
     "runs",
     "arrived",
-    "collided",
+    "crashed",
     "at fault",
     "red lights",
     "driving score",
     "comfort",
     "step (ms)",
+    "95 %",
     "failed",
 )
 """What :func:`cells` gives, in this order."""
@@ -34,7 +35,8 @@ def cells(figures: Figures) -> tuple[str, ...]:
         ),
         _number(figures.driving_score, 1),
         _number(figures.comfort, 2),
-        f"{_milliseconds(figures.step_cost_median_us)} … {_milliseconds(figures.step_cost_p95_us)}",
+        _milliseconds(figures.step_cost_median_us),
+        _milliseconds(figures.step_cost_p95_us),
         str(figures.runs - judged),
     )
 
@@ -62,13 +64,13 @@ def setting(runs: int) -> tuple[str, ...]:
 
 
 HOW_TO_READ = (
-    "Counts are of runs. *arrived*: in time; *collided*: touched somebody, *at fault*: by its own "
+    "Counts are of runs. *arrived*: in time; *crashed*: touched somebody, *at fault*: by its own "
     "fault; *red lights*: ran at least one. *driving score*: mean of Leaderboard 2.1 (per cent), "
-    "0 where the agent failed. *comfort*: mean share of the time within nuPlan's bounds. *step*: "
-    "median and 95th percentile over the runs of a step's mean wall time, simulation and agent "
-    "together; what a `sumo-` driver takes is the simulation's part. *failed*: runs without a "
-    "judgement. *view*: whether the agent sees everything, or what the perception model lets "
-    "through."
+    "0 where the agent failed. *comfort*: mean share of the time within nuPlan's bounds. "
+    "*step*, *95 %*: median and 95th percentile over the runs of the mean wall time of a step, "
+    "simulation and agent together; what a `sumo-` driver takes is the simulation's part. "
+    "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
+    "perception model lets through."
 )
 
 
