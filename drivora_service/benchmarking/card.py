@@ -56,6 +56,11 @@ class BenchmarkRun:
         """What was broken."""
         return tuple(v for v in self.report.verdicts if v.outcome is Outcome.VIOLATED)
 
+    def metric(self, name: str) -> float | None:
+        """Gives a metric; ``None`` if it could not be measured."""
+        value = self.report.metrics.get(name)
+        return value if value is not None and math.isfinite(value) else None
+
     def broke(self, rule: str, *, at_fault: bool = False) -> bool:
         """Says whether the ego broke a rule; with ``at_fault``, whether that was its fault."""
         return any(v.oracle == rule and (not at_fault or v.at_fault) for v in self.violations)
@@ -281,8 +286,7 @@ def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
 
 def _values(runs: Iterable[BenchmarkRun], metric: str) -> list[float]:
     """Gives a metric of the runs in which it could be measured."""
-    values = (run.report.metrics.get(metric) for run in runs)
-    return [value for value in values if value is not None and math.isfinite(value)]
+    return [value for run in runs if (value := run.metric(metric)) is not None]
 
 
 def _mean(values: Sequence[float]) -> float | None:

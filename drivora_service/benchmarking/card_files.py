@@ -90,7 +90,7 @@ def _run_content(run: BenchmarkRun) -> dict[str, Any]:
         "arrived": run.arrived,
         "broken": sorted({verdict.oracle for verdict in run.violations}),
         "at_fault": sorted({verdict.oracle for verdict in run.violations if verdict.at_fault}),
-        "driving_score": run.report.metrics.get("driving_score"),
+        "driving_score": run.metric("driving_score"),
         "sim_time_s": run.report.sim_time_s,
         "step_cost_us": run.report.step_cost_us,
         "trace_sha256": run.report.trace_sha256,
