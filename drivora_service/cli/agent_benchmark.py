@@ -129,13 +129,13 @@ _COLUMNS = (
     "agent",
     "arrived",
     "crashed",
-    "at fault",
-    "red lights",
+    "at\nfault",
+    "red\nlights",
     "score",
     "comfort",
-    "step (ms)",
-    "failed",
+    "step\n(ms)",
 )
+"""Two lines where one would make the table wider than a terminal."""
 
 
 def _row(card: AgentCard) -> tuple[str, ...]:
@@ -150,7 +150,6 @@ def _row(card: AgentCard) -> tuple[str, ...]:
         number(total.driving_score),
         number(total.comfort, 2),
         number(None if cost is None else cost / 1000.0, 2),
-        str(total.runs - total.judged),
     )
 
 

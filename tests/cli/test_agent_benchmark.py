@@ -3,9 +3,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from tests.cli.conftest import Drivora
 
 
+@pytest.mark.slow
 def test_an_agent_gets_a_card_and_an_absent_one_its_reason(
     drivora: Drivora, tmp_path: Path
 ) -> None:

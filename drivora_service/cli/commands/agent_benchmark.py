@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from drivora_service.agents.entry import AgentEntry
 
-_RUNS = 10
 _MOST_RUNS = 100
 
 
@@ -30,8 +29,11 @@ def benchmark(
         ),
     ] = None,
     runs: Annotated[
-        int, typer.Option(min=1, max=_MOST_RUNS, help="Scenarios on each of three networks.")
-    ] = _RUNS,
+        int | None,
+        typer.Option(
+            min=1, max=_MOST_RUNS, help="Scenarios on each of three networks [default: 10]."
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write a table, a card and a picture of each there."),
@@ -51,24 +53,25 @@ def benchmark(
 
     prepare_processes()
     from drivora_service.benchmarking.card_files import cards_content, write_cards
-    from drivora_service.benchmarking.courses import COURSES
+    from drivora_service.benchmarking.courses import COURSES, RUNS
     from drivora_service.cli import agent_benchmark
     from drivora_service.cli.embedded import settings_for
 
     settings = settings_for(data_dir, workers=workers)
+    number = RUNS if runs is None else runs
     entered = agent_benchmark.entrants(settings, names or ())
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    with _progress(entered.present, runs=runs * len(COURSES)) as step:
+    with _progress(entered.present, runs=number * len(COURSES)) as step:
         cards, pictures = agent_benchmark.benchmark(
-            settings, entered.present, runs=runs, out=out, on_run=step
+            settings, entered.present, runs=number, out=out, on_run=step
         )
     if as_json:
-        print_json(cards_content(cards, entered.absent, runs=runs))
+        print_json(cards_content(cards, entered.absent, runs=number))
     else:
         agent_benchmark.print_cards(cards, entered.absent)
     if out is not None:
-        written = write_cards(cards, entered.absent, out, runs=runs, pictures=pictures)
+        written = write_cards(cards, entered.absent, out, runs=number, pictures=pictures)
         for path in (*written, *pictures.values()):
             note(str(path))
     not_done = sum(card.failed_otherwise for card in cards)
