@@ -165,8 +165,11 @@ def _wrongs(card: AgentCard) -> list[str]:
 def _about(run: BenchmarkRun) -> str:
     if not run.violations:
         return f"The longest run, {run.name}; nothing was broken in it."
-    said = dict.fromkeys(verdict.message for verdict in run.violations)
-    return f"The run in which most went wrong, {run.name}: {' '.join(said)}"
+    # The first of each rule: some are broken at every bend.
+    said: dict[str, str] = {}
+    for verdict in run.violations:
+        said.setdefault(verdict.oracle, verdict.message)
+    return f"The run in which most went wrong, {run.name}: {' '.join(said.values())}"
 
 
 def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

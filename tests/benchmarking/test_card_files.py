@@ -53,3 +53,11 @@ def test_an_agent_without_fault_is_said_to_have_none() -> None:
     page = card_markdown(card_of(AGENT, (finished(1),)), runs=1, picture="made-up.svg")
     assert "It broke no rule in any judged run." in page
     assert "The longest run, tee-town-01; nothing was broken in it." in page
+
+
+def test_the_shown_run_is_told_once_a_rule() -> None:
+    again = violation("collision", at_fault=False, message="hit npc_2")
+    run = finished(1, HIT, violation("red_light", message="Ran a light."), again)
+    page = card_markdown(card_of(AGENT, (run,)), runs=1, picture="made-up.svg")
+    assert "tee-town-01: hit | npc_1\nwith its front Ran a light.\n" in page
+    assert "npc_2" not in page
