@@ -16,10 +16,13 @@ from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.warm_up import warm_up_checks
 
 _SIM_TIME_S = 1.0
+_COMPILED = ("idm", "idm-mobil", "pdm-closed")
+"""Agents with kernels of their own."""
 
 
 def warm_up(setup: WorkerSetup) -> None:
-    """Performs a run of a second of simulation on a shipped network and forgets it."""
+    """Performs runs of a second of simulation on a shipped network and forgets them."""
     scenario = warm_up_checks(NetworkCatalogue(setup.shipped_networks))
     short = replace(scenario, max_sim_time=_SIM_TIME_S)
-    perform(RunSpec(run_id="warm-up", document=canonical_json(short)), setup)
+    for agent in _COMPILED:
+        perform(RunSpec(run_id="warm-up", document=canonical_json(short), agent=agent), setup)
