@@ -147,7 +147,7 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
                 "2.8 s, out of the boxes where others are foreseen; obeys lights and right of way"
             ),
             source="written here, with CasADi 3.8.2 (Andersson et al. 2019) and FATROP",
-            licence="Apache-2.0; CasADi and FATROP LGPL-3.0-or-later",
+            licence="Apache-2.0; CasADi LGPL-3.0-or-later, FATROP BSD-2-Clause and EPL-2.0",
         ),
         files=(CASADI_FILES,),
         create=nmpc.create,

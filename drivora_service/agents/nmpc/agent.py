@@ -12,10 +12,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
 from drivora_service.agents.idm.driving import (
@@ -55,6 +56,8 @@ _LARGEST_OFFSET = 1.0
 _EDGE_ROOM = 0.15
 _WATCHED = 40.0
 """Metres within which everybody is watched; further away, who can come near in time."""
+_OVERSPEED = 5.0
+"""m/s beyond the car's top speed that a plan may reach: a scenario may begin there."""
 _HOLD = -1.0
 """m/s² asked for at rest."""
 
@@ -65,9 +68,11 @@ class NmpcParameters:
 
     Attributes:
         speed_factor: Share of the speed limit that it drives where the road is free.
+        max_iterations: Of the solver, after which there is no plan.
     """
 
     speed_factor: SpeedFactor = 1.0
+    max_iterations: Annotated[int, Field(ge=1, le=200)] = 40
 
 
 class NmpcAgent:
@@ -98,8 +103,9 @@ class NmpcAgent:
                 max_braking=self._max_braking,
                 max_acceleration=MAX_ACCELERATION,
                 max_steer=model.max_steer,
-                max_speed=model.max_speed + 5.0,
+                max_speed=model.max_speed + _OVERSPEED,
             ),
+            self._parameters.max_iterations,
         )
         self._reference = np.zeros((STAGES + 1, REFERENCE))
         self._places = np.zeros((STAGES + 1, 2 + SIDES))
@@ -125,13 +131,12 @@ class NmpcAgent:
         row[0], row[1] = float(found.solved), found.iterations
         row[3], row[4] = 0.0, halt_distance
         if found.solved:
-            self._plan.take(found.states, found.inputs, (x, y))
+            asked, steer = self._plan.take(found.states, found.inputs, (x, y))
             row[2], row[3] = found.states[-1, 3], found.inputs[:, 2:].max()
-            asked, steer = self._plan.now()
         else:
             if not self._plan.failures:
                 self._log.event(f"no plan ({found.status}): brakes along the last one")
-            steer = self._plan.go_on(observation.steer)
+            steer = self._plan.go_on(v, observation.steer)
             asked, row[2] = -min(HARD_BRAKING, self._max_braking), 0.0
         if v < STANDING_SPEED and self._reference[:, 3].max() < STANDING_SPEED:
             asked = _HOLD

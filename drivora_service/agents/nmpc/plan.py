@@ -13,7 +13,7 @@ _TIMES = STAGE_TIME * np.arange(STAGES + 1)
 
 
 class LastPlan:
-    """What was planned last, and how old it is.
+    """What was planned last, and how far it has been driven.
 
     Attributes:
         failures: Steps since that no plan has been found.
@@ -24,27 +24,40 @@ class LastPlan:
         self._step = step_length
         self._states: FloatArray | None = None
         self._inputs = np.zeros((STAGES, INPUTS))
+        self._driven = 0.0
         self.failures = 0
 
-    def take(self, states: FloatArray, inputs: FloatArray, origin: tuple[float, float]) -> None:
-        """Takes a new plan, whose positions are relative to ``origin``."""
+    def take(
+        self, states: FloatArray, inputs: FloatArray, origin: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Takes a new plan, whose positions are relative to ``origin``.
+
+        Returns:
+            Acceleration and front-wheel angle at the end of its first step.
+        """
         self._states = states.copy()
         self._states[:, :2] += origin
         self._inputs = inputs
+        self._driven = 0.0
         self.failures = 0
+        acceleration, steer = (float(np.interp(self._step, _TIMES, states[:, k])) for k in (4, 5))
+        return acceleration, steer
 
-    def now(self) -> tuple[float, float]:
-        """Gives acceleration and front-wheel angle at the end of the plan's first step."""
-        return self._at(4, self._step), self._at(5, self._step)
-
-    def go_on(self, steer: float) -> float:
-        """Gives the front-wheel angle that goes on along the plan for another step.
+    def go_on(self, speed: float, steer: float) -> float:
+        """Gives the front-wheel angle that goes on along the path of the plan for another step.
 
         Args:
+            speed: m/s; slower than the plan it comes later to the plan's angles.
             steer: The angle now, kept where there is no plan yet.
         """
         self.failures += 1
-        return self._at(5, (1 + self.failures) * self._step) if self._states is not None else steer
+        if self._states is None:
+            return steer
+        self._driven += max(speed, 0.0) * self._step
+        steps = np.hypot(*np.diff(self._states[:, :2], axis=0).T)
+        arc = np.concatenate(([0.0], np.cumsum(steps)))
+        ahead = self._driven + max(speed, 0.0) * self._step
+        return float(np.interp(ahead, arc, self._states[:, 5]))
 
     def guess(
         self, start: FloatArray, reference: FloatArray, origin: tuple[float, float]
@@ -70,7 +83,3 @@ class LastPlan:
             inputs[:, :2] = self._inputs[:, :2]
         states[0] = start
         return states, inputs
-
-    def _at(self, column: int, time: float) -> float:
-        assert self._states is not None
-        return float(np.interp(time, _TIMES, self._states[:, column]))

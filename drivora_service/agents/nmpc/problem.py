@@ -37,7 +37,6 @@ SIDES = 2
 BOXES = 4
 BOX = 5
 """x, y, heading, and half length and half width out of which the car's centre must stay."""
-MAX_ITERATIONS = 40
 MOST_JERK, HARDEST_JERK = 6.0, -30.0
 STEER_RATE = 0.6
 _FAR = 1e6
@@ -46,7 +45,7 @@ _ROLLING_BACK = 0.05
 
 _LATERAL, _HEADING, _SPEED, _ACCELERATION = 1.0, 2.0, 1.0, 0.1
 _SIDE_ACCELERATION, _JERK, _SIDE_JERK, _WHEEL = 0.1, 0.01, 0.02, 2.0
-_SLACK_LINEAR, _SLACK_SQUARE = (10.0, 5.0, 30.0), (20.0, 10.0, 100.0)
+_SLACK_LINEAR, _SLACK_SQUARE = (50.0, 5.0, 30.0), (100.0, 10.0, 100.0)
 _HEADWAY = 0.5
 """Seconds that the plan keeps behind a leader at least; the reference keeps more."""
 
@@ -83,8 +82,10 @@ class Solution:
 class Problem:
     """The problem for one kind of car; solving it leaves nothing behind."""
 
-    def __init__(self, casadi: ModuleType, limits: CarLimits) -> None:
-        self._solver, self._lower, self._upper, self._low_g, self._up_g = _build(casadi, limits)
+    def __init__(self, casadi: ModuleType, limits: CarLimits, max_iterations: int) -> None:
+        self._solver, self._lower, self._upper, self._low_g, self._up_g = _build(
+            casadi, limits, max_iterations
+        )
 
     def solve(
         self,
@@ -131,13 +132,13 @@ class Problem:
 
 
 @lru_cache(maxsize=8)
-def problem_for(folder: Path, limits: CarLimits) -> Problem:
+def problem_for(folder: Path, limits: CarLimits, max_iterations: int) -> Problem:
     """Gives the problem of a kind of car, with CasADi from a folder."""
-    return Problem(load_casadi(folder), limits)
+    return Problem(load_casadi(folder), limits, max_iterations)
 
 
 def _build(
-    ca: ModuleType, limits: CarLimits
+    ca: ModuleType, limits: CarLimits, max_iterations: int
 ) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Gives the solver, the bounds of its unknowns and those of its constraints."""
     step = _step_function(ca, limits.wheelbase)
@@ -146,9 +147,14 @@ def _build(
     parameters = ca.SX.sym("parameters", width, STAGES + 1)
     least = (-_FAR, -_FAR, -_FAR, -_ROLLING_BACK, -limits.max_braking, -limits.max_steer)
     most = (_FAR, _FAR, _FAR, limits.max_speed, limits.max_acceleration, limits.max_steer)
-    unknowns, lower, upper = [], [], []
-    constraints, low_g, up_g, equal = [], [], [], []
-    cost = 0
+    unknowns: list[Any] = []
+    constraints: list[Any] = []
+    lower: list[float] = []
+    upper: list[float] = []
+    low_g: list[float] = []
+    up_g: list[float] = []
+    equal: list[bool] = []
+    cost: Any = 0
     states = [ca.SX.sym(f"x{k}", STATES) for k in range(STAGES + 1)]
     for k, x in enumerate(states):
         p = parameters[:, k]
@@ -199,7 +205,7 @@ def _build(
             "equality": equal,
             "fatrop": {
                 "print_level": 0,
-                "max_iter": MAX_ITERATIONS,
+                "max_iter": max_iterations,
                 "tol": 1e-3,
                 "mu_init": 1e-1,
             },
