@@ -27,7 +27,7 @@ from drivora_service.agents.remote.adapter_messages import context_view
 from drivora_service.agents.remote.messages import setup_request
 from drivora_service.agents.remote.views import Adapter
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.execution.worker import ENVIRONMENT
+from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.model import BackgroundTraffic
 from drivora_service.scenario.seeds import generate_seeds

@@ -18,6 +18,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import libsumo
 
@@ -36,7 +37,7 @@ STEP = 0.05
 class Tape:
     """The libsumo calls of one run, in order, as functions and arguments."""
 
-    steps: list[list[tuple[object, tuple[object, ...], dict[str, object]]]]
+    steps: list[list[tuple[Any, tuple[object, ...], dict[str, object]]]]
 
 
 def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
@@ -54,7 +55,7 @@ def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
             original = getattr(modules[key], name)
             originals.append((modules[key], name, original))
 
-            def call(*args: object, _original: object = original, **kwargs: object) -> object:
+            def call(*args: object, _original: Any = original, **kwargs: object) -> object:
                 result = _original(*args, **kwargs)  # raises before it is taped: no floor for it
                 tape.steps[-1].append((_original, args, kwargs))
                 return result

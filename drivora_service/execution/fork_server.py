@@ -15,7 +15,7 @@ import structlog
 
 _PRELOADED = "drivora_service.execution.preloaded"
 
-_ENVIRONMENT = {
+ENVIRONMENT = {
     # Results must not depend on the order of sets, nor on what this machine's processor can do.
     "PYTHONHASHSEED": "0",
     "NUMBA_CPU_NAME": "generic",
@@ -40,7 +40,7 @@ def prepare_processes(*, preloaded: bool = True) -> None:
     Args:
         preloaded: Whether it shall import what workers need, which takes it a second or two.
     """
-    os.environ.update(_ENVIRONMENT)
+    os.environ.update(ENVIRONMENT)
     forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
     forkserver.ensure_running()
 

@@ -128,7 +128,8 @@ class Slot:
                 exit_code = death.exit_code
                 report = report_death(spec.run_id, exit_code, child.board.read(), log)
             else:
-                report = report_loss(spec.run_id, f"{death} before it was ready", log)
+                why = log.rpartition("\n")[2]
+                report = report_loss(spec.run_id, f"{death} before it was ready: {why}", log)
             self._bury(child, report)
         except Exception as error:
             # The worker turns whatever a run raises into a report: this is the system, which gave

@@ -41,6 +41,7 @@ class ActorModel:
     Attributes:
         length: Metres, along the heading.
         width: Metres.
+        height: Metres.
         vehicle_class: ``None`` where the model is no vehicle.
         wheelbase: Metres between the axles (vehicles).
         mass: Kilograms (vehicles; two-wheelers with their rider).
@@ -54,6 +55,7 @@ class ActorModel:
     kind: ActorKind
     length: float
     width: float
+    height: float
     vehicle_class: VehicleClass | None = None
     wheelbase: float = 0.0
     mass: float = 0.0
@@ -99,6 +101,7 @@ def _walkers() -> tuple[ActorModel, ...]:
                 kind=ActorKind.WALKER,
                 length=size,
                 width=size,
+                height=figures.CHILD_HEIGHT if child else figures.ADULT_HEIGHT,
                 max_speed=figures.CHILD_MAX_SPEED if child else figures.ADULT_MAX_SPEED,
             )
         )
@@ -112,11 +115,18 @@ def _obstacles() -> tuple[ActorModel, ...]:
             kind=ActorKind.OBSTACLE,
             length=row.length,
             width=row.width,
+            height=figures.TALL_OBSTACLES.get(row.name, figures.LOW_OBSTACLE_HEIGHT),
         )
         for row in figures.OBSTACLES
     )
     wrecks = tuple(
-        ActorModel(name=model.name, kind=ActorKind.OBSTACLE, length=model.length, width=model.width)
+        ActorModel(
+            name=model.name,
+            kind=ActorKind.OBSTACLE,
+            length=model.length,
+            width=model.width,
+            height=model.height,
+        )
         for model in _vehicles()
     )
     return props + wrecks

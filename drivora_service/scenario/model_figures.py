@@ -4,7 +4,9 @@ Lengths and widths are the bounding boxes that CARLA 0.9.16 reports for its blue
 the centimetre; wheelbases and masses are those of the real vehicles after which the blueprints are
 modelled, where the box is about their size, else scaled to the box. Limits are per class: the
 driving figures that SUMO documents for its vehicle classes (``emergencyDecel``, ``maxSpeed``) and,
-for full throttle, ordinary road tests.
+for full throttle, ordinary road tests. Heights, which matter for what hides what, are those of
+ordinary vehicles of the class (two-wheelers with their rider), people and things: chosen here, to
+the decimetre.
 """
 
 from __future__ import annotations
@@ -13,12 +15,13 @@ from typing import NamedTuple
 
 
 class ClassLimits(NamedTuple):
-    """m/s² from standstill, m/s² braking, radians at the wheels, m/s."""
+    """m/s² from standstill, m/s² braking, radians at the wheels, m/s, metres high."""
 
     max_acceleration: float
     max_deceleration: float
     max_steer: float
     max_speed: float
+    height: float
 
 
 class VehicleFigures(NamedTuple):
@@ -41,12 +44,12 @@ class ObstacleFigures(NamedTuple):
 
 
 CLASS_LIMITS: dict[str, ClassLimits] = {
-    "car": ClassLimits(4.0, 8.5, 0.61, 55.0),
-    "van": ClassLimits(2.8, 8.0, 0.65, 45.0),
-    "truck": ClassLimits(1.5, 7.0, 0.75, 36.0),
-    "bus": ClassLimits(1.3, 7.0, 0.85, 30.0),
-    "motorcycle": ClassLimits(5.5, 8.5, 0.60, 50.0),
-    "bicycle": ClassLimits(1.2, 5.0, 0.80, 10.0),
+    "car": ClassLimits(4.0, 8.5, 0.61, 55.0, 1.5),
+    "van": ClassLimits(2.8, 8.0, 0.65, 45.0, 2.3),
+    "truck": ClassLimits(1.5, 7.0, 0.75, 36.0, 3.2),
+    "bus": ClassLimits(1.3, 7.0, 0.85, 30.0, 3.1),
+    "motorcycle": ClassLimits(5.5, 8.5, 0.60, 50.0, 1.6),
+    "bicycle": ClassLimits(1.2, 5.0, 0.80, 10.0, 1.7),
 }
 
 VEHICLES: tuple[VehicleFigures, ...] = (
@@ -118,10 +121,33 @@ WALKER_COUNT = 52
 ADULT_SIZE = 0.38
 CHILD_SIZE = 0.50
 """Metres; CARLA's capsules are square, and its small children's are the wider ones."""
+ADULT_HEIGHT = 1.7
+CHILD_HEIGHT = 1.2
 ADULT_MAX_SPEED = 10.0
 CHILD_MAX_SPEED = 6.0
 CHILDREN: frozenset[int] = frozenset((9, 10, 11, 12, 13, 14, 48, 49))
 SMALL_CHILDREN: frozenset[int] = frozenset((9, 10, 11, 48, 49))
+
+LOW_OBSTACLE_HEIGHT = 0.9
+TALL_OBSTACLES: dict[str, float] = {
+    "advertisement": 2.3,
+    "atm": 1.8,
+    "busstop": 2.6,
+    "clothcontainer": 1.9,
+    "container": 1.6,
+    "foodcart": 2.4,
+    "fountain": 1.8,
+    "glasscontainer": 1.8,
+    "haybale": 1.2,
+    "kiosk_01": 2.5,
+    "streetsign": 2.0,
+    "streetsign01": 2.2,
+    "streetsign04": 2.0,
+    "swingcouch": 1.7,
+    "trafficwarning": 2.5,
+    "vendingmachine": 1.9,
+}
+"""Metres; all others are low."""
 
 OBSTACLES: tuple[ObstacleFigures, ...] = (
     ObstacleFigures("advertisement", 1.55, 0.29),

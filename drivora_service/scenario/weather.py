@@ -13,7 +13,8 @@ Every effect is a monotone function of each of CARLA's parameters. Sources and c
 - **Rain, low sun, night.** Heavy rain takes 30 % of the range; glare of a sun on the horizon 20 %;
   the night, from the end of civil twilight (6 degrees below the horizon) on, 50 %. Orders of
   magnitude chosen here.
-- **Noise and drop-out** grow in proportion to the share of the range that is lost. Chosen here.
+- **Noise, drop-out and latency** grow in proportion to the share of the range that is lost: what is
+  hard to see is found later, too. Chosen here.
 - **Wind.** 100 is 20 m/s (Beaufort 8 to 9). Drag on the side of a car (8 m², coefficient 1, 1.2
   kg/m³, 1500 kg) gives 1.3 m/s² and grows with the square of the wind speed. CARLA's wind has no
   direction: here it blows towards the north-east, so that roads of either axis feel it.
@@ -43,6 +44,7 @@ _TWILIGHT_END = -6.0
 _POSITION_NOISE = 0.5
 _SPEED_NOISE = 0.8
 _DROPOUT = 0.2
+_LATENCY = 0.3
 _WIND_ACCELERATION = 1.3
 
 
@@ -56,6 +58,7 @@ class WeatherEffects:
         position_noise: Standard deviation of perceived positions, metres.
         speed_noise: Standard deviation of perceived speeds, m/s.
         dropout: Probability that an object is not perceived at a step.
+        latency: Seconds by which what is perceived is old.
         wind_acceleration: Sideways push, m/s².
         wind_direction: Where the wind blows to, radians counter-clockwise from east.
     """
@@ -65,12 +68,13 @@ class WeatherEffects:
     position_noise: float
     speed_noise: float
     dropout: float
+    latency: float
     wind_acceleration: float
     wind_direction: float
 
 
 def weather_effects(weather: Weather) -> WeatherEffects:
-    """Gives the effects of a weather; clear weather gives no noise, no drop-out and no wind."""
+    """Gives the effects of a weather; clear weather gives no noise, drop-out, latency or wind."""
     perception_range = _perception_range(weather)
     lost = 1.0 - perception_range / CLEAR_RANGE
     return WeatherEffects(
@@ -79,6 +83,7 @@ def weather_effects(weather: Weather) -> WeatherEffects:
         position_noise=_POSITION_NOISE * lost,
         speed_noise=_SPEED_NOISE * lost,
         dropout=_DROPOUT * lost,
+        latency=_LATENCY * lost,
         wind_acceleration=_WIND_ACCELERATION * (weather.wind_intensity / 100.0) ** 2,
         wind_direction=WIND_DIRECTION,
     )

@@ -22,6 +22,7 @@ from drivora_service.simulation.followers import (
     Reaction,
 )
 from drivora_service.simulation.lights import RunningProgram, light_of
+from drivora_service.simulation.perception import Sense
 from drivora_service.simulation.plan import EgoPlan, FollowerPlan, ObstaclePlan
 from drivora_service.simulation.route_tracking import PERMISSIVE, Progress
 
@@ -92,16 +93,23 @@ def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int
     return static
 
 
-def senses_of(weather: WeatherEffects) -> FloatArray:
-    """Gives (4,) range, noise of positions and speeds, and drop-out, as ``perceive`` takes them."""
-    return np.array(
-        [
-            weather.perception_range,
-            weather.position_noise,
-            weather.speed_noise,
-            weather.dropout,
-        ]
-    )
+def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
+    """Gives (M,) columns ``perception.Sense`` of an ego that sees what the weather lets through."""
+    senses = np.zeros(len(Sense))
+    senses[Sense.RANGE] = weather.perception_range
+    senses[Sense.POSITION_NOISE] = weather.position_noise
+    senses[Sense.SPEED_NOISE] = weather.speed_noise
+    senses[Sense.DROPOUT] = weather.dropout
+    senses[Sense.LAG] = round(weather.latency / step_length)
+    senses[Sense.HIDES] = 1.0
+    return senses
+
+
+def privileged_senses() -> FloatArray:
+    """Gives the senses of an ego from which nothing is kept."""
+    senses = np.zeros(len(Sense))
+    senses[Sense.RANGE] = np.inf
+    return senses
 
 
 def wind_of(weather: WeatherEffects) -> FloatArray:

@@ -14,6 +14,7 @@ FloatArray = NDArray[np.float64]
 
 LENGTH = 4.6
 WIDTH = 1.85
+HEIGHT = 1.5
 MODEL = "background"
 _ROUTE_EDGES = 12
 _CLEARANCE = 20.0

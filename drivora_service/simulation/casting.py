@@ -17,12 +17,14 @@ class Cast:
 
     Attributes:
         actors: Egos, followers, NPCs that SUMO drives, obstacles, background.
+        heights: Metres, of each.
         bodies: Of those that the service moves.
         follower_rows: Rows of the plan's followers.
         obstacle_rows: Rows of the plan's obstacles.
     """
 
     actors: tuple[Actor, ...]
+    heights: tuple[float, ...]
     bodies: tuple[Body, ...]
     follower_rows: tuple[int, ...]
     obstacle_rows: tuple[int, ...]
@@ -55,7 +57,8 @@ def cast_actors(plan: EpisodePlan) -> Cast:
         actor = add(item.obstacle.id, Role.NPC_OBSTACLE, item.model.name, item.length, item.width)
         bodies.append(body_of(actor, (item.edge,), on_lanes=False))
     flow = plan.scenario.background_traffic
-    for number in range(0 if flow is None else flow.count):
+    count = 0 if flow is None else flow.count
+    for number in range(count):
         add(
             f"background:{number}",
             Role.BACKGROUND,
@@ -63,8 +66,16 @@ def cast_actors(plan: EpisodePlan) -> Cast:
             background.LENGTH,
             background.WIDTH,
         )
+    heights = (
+        *(ego.model.height for ego in plan.egos),
+        *(follower.model.height for follower in plan.followers),
+        *(driven.model.height for driven in plan.driven),
+        *(item.model.height for item in plan.obstacles),
+        *(background.HEIGHT for _ in range(count)),
+    )
     return Cast(
         actors=tuple(actors),
+        heights=heights,
         bodies=tuple(bodies),
         follower_rows=tuple(range(first_follower, first_follower + len(plan.followers))),
         obstacle_rows=tuple(range(first_obstacle, first_obstacle + len(plan.obstacles))),

@@ -17,12 +17,13 @@ from drivora_service.scenario.model import VehicleDynamics
 from drivora_service.simulation.arrays import (
     first_progress,
     lay_routes,
+    privileged_senses,
     senses_of,
     vehicle_limits,
 )
 from drivora_service.simulation.commands import write_command
 from drivora_service.simulation.dynamics import Body, CommandMode
-from drivora_service.simulation.perception import perceive
+from drivora_service.simulation.perception import Sense, perceive
 from drivora_service.simulation.phase import Phase
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.route_tracking import Progress
@@ -62,6 +63,7 @@ class EgoTeam:
         self,
         plan: EpisodePlan,
         agents: Sequence[Agent | SumoDriver],
+        privileged: Sequence[bool],
         cells: NDArray[np.int64],
     ) -> None:
         count = len(plan.egos)
@@ -84,8 +86,9 @@ class EgoTeam:
         self.going = count
         self.routes = lay_routes(plan.egos, plan.programs)
         self.progress = first_progress(plan.egos)
-        self._senses = senses_of(plan.weather)
-        self._is_noisy = bool(np.any(self._senses[1:] > 0.0))
+        usual = senses_of(plan.weather, plan.scenario.step_length)
+        self._senses = [privileged_senses() if sees_all else usual for sees_all in privileged]
+        self._is_noisy = bool(np.any(usual[Sense.POSITION_NOISE : Sense.LAG] > 0.0))
         seeds = np.random.SeedSequence([plan.scenario.seed, 2]).spawn(2 * count)
         self._noise = [np.random.default_rng(seed) for seed in seeds[:count]]
         self.logs = [AgentLog() for _ in range(count)]
@@ -205,8 +208,8 @@ class EgoTeam:
             self._draws[:, 4] = rng.random(len(self._draws))
         objects, sizes, numbers = self._buffers[m]
         count = perceive(
-            m, step, world.states, world.present, world.sizes, world.kinds, self._senses,
-            self._draws, objects, sizes, numbers,
+            m, step, world.states, world.present, world.sizes, world.heights, world.kinds,
+            self._senses[m], self._draws, objects, sizes, numbers,
         )  # fmt: skip
         views = self._views[m]
         if count != len(views[0]):

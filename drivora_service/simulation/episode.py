@@ -86,13 +86,14 @@ class Episode:
         lane_change_model = common_lane_change_model(agents)
         self._privileged = tuple(privileged) or (False,) * len(agents)
         self._cells = np.zeros(4, dtype=np.int64) if cells is None else cells
-        self._team = EgoTeam(plan, agents, self._cells)
+        self._team = EgoTeam(plan, agents, self._privileged, self._cells)
         self._contacts: list[Contact] = []
         self._found = np.zeros((_ROOM_FOR_CONTACTS, 2), dtype=np.int64)
         cast = cast_actors(plan)
         actors = list(cast.actors)
         self._world = World(
             actors,
+            cast.heights,
             len(plan.egos),
             len(self._team.log_names),
             expected_rows=int(plan.max_sim_time / self._dt) + 2,
@@ -271,7 +272,8 @@ class Episode:
                     model=size.name,
                     length=size.length,
                     width=size.width,
-                )
+                ),
+                size.height,
             )
             self._traffic.add_driven(row, plan)
             return
@@ -286,7 +288,7 @@ class Episode:
         actor = follower_actor(plan, len(self._world.actors))
         append_follower(self._followers, plan, actor.row)
         self._traffic.add_body(body_of(actor, plan.edges, on_lanes=plan.on_lanes))
-        self._join(actor)
+        self._join(actor, plan.model.height)
 
     def _check_new(self, actor_id: str) -> None:
         if self.done:
@@ -294,8 +296,8 @@ class Episode:
         if any(actor.id == actor_id for actor in self._world.actors):
             raise SimulatorError(f"there is an actor {actor_id!r} already: choose another id")
 
-    def _join(self, actor: Actor) -> None:
-        self._world.add_actor(actor)
+    def _join(self, actor: Actor, height: float) -> None:
+        self._world.add_actor(actor, height)
         nowhere = np.full((1, self._static.shape[1]), np.inf)
         self._static = np.concatenate((self._static, nowhere))
         self._seen = np.concatenate(

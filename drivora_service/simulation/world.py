@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +29,7 @@ class World:
     Attributes:
         actors: Rows in order; the egos come first.
         sizes: (N, 2) length and width, metres.
+        heights: (N,) metres.
         kinds: (N,) 0 vehicle, 1 walker, 2 obstacle.
         states: (capacity, N, 8) frames, columns ``Col``.
         present: (capacity, N).
@@ -36,10 +39,17 @@ class World:
     """
 
     def __init__(
-        self, actors: list[Actor], ego_count: int, log_count: int, *, expected_rows: int
+        self,
+        actors: list[Actor],
+        heights: Sequence[float],
+        ego_count: int,
+        log_count: int,
+        *,
+        expected_rows: int,
     ) -> None:
         """Makes room for ``expected_rows`` frames, within reason; more room is made as needed."""
         self.actors = actors
+        self.heights: FloatArray = np.array(heights)
         self.ego_count = ego_count
         self.sizes: FloatArray = np.array([(a.length, a.width) for a in actors])
         self.kinds: IntArray = np.array([KIND_OF_ROLE[a.role] for a in actors], dtype=np.int64)
@@ -67,9 +77,10 @@ class World:
         self.ego_lights = np.concatenate((self.ego_lights, np.zeros_like(self.ego_lights)))
         self.logs = np.concatenate((self.logs, np.full((more, *self.logs.shape[1:]), np.nan)))
 
-    def add_actor(self, actor: Actor) -> None:
+    def add_actor(self, actor: Actor, height: float) -> None:
         """Adds a row; the actor is absent in all frames so far."""
         self.actors.append(actor)
+        self.heights = np.append(self.heights, height)
         self.sizes = np.concatenate((self.sizes, [(actor.length, actor.width)]))
         self.kinds = np.append(self.kinds, KIND_OF_ROLE[actor.role])
         empty = np.full((self.capacity, 1, len(Col)), np.nan)

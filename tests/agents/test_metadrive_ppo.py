@@ -216,10 +216,10 @@ def test_files_that_are_not_its_weights_are_refused(tmp_path: Path) -> None:
     other = tmp_path / "other"
     other.mkdir()
     layers = ("fc_1", "fc_2", "fc_out")
-    np.savez(
-        other / FILE_NAME,
-        **{f"default_policy/{n}/{k}": np.zeros(3) for n in layers for k in ("kernel", "bias")},
-    )
+    arrays: dict[str, Any] = {
+        f"default_policy/{n}/{k}": np.zeros(3) for n in layers for k in ("kernel", "bias")
+    }
+    np.savez(other / FILE_NAME, **arrays)
     with pytest.raises(AgentError, match="shape"):
         load_weights(other)
 

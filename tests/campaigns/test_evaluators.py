@@ -59,7 +59,7 @@ def test_a_crash_is_confirmed_before_it_is_answered(tmp_path: Path) -> None:
     try:
         evaluator.submit(3, RunSpec(run_id="crash", document="segfault"))
         evaluator.submit(4, RunSpec(run_id="fine", document="sleep 0"))
-        answers = {}
+        answers: dict[int, RunStatus] = {}
         while len(answers) < 2:
             answers.update({a.number: a.report.status for a in evaluator.wait(60.0)})
         # Each attempt leaves its trace in the log of the worker that died of it.

@@ -4,6 +4,7 @@ import itertools
 
 import pytest
 
+from drivora_service.campaigns.engine import Told
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.progress import ProgressMeter
 from drivora_service.search.tester import EvaluationStatus
@@ -36,11 +37,12 @@ def test_the_rate_is_of_simulations_and_says_what_is_left() -> None:
     meter = ProgressMeter(60, clock=lambda: next(ticks))
     left: list[float | None] = []
 
-    def watch(told: object) -> None:
+    def watch(told: Told) -> None:
+        meter.note(told)
         left.append(meter.progress().left_s)
 
     journal = MemoryJournal()
-    run(journal, budget=30, on_told=lambda told: (meter.note(told), watch(told))[0])
+    run(journal, budget=30, on_told=watch)
     assert meter.progress().rate == pytest.approx(2.0)
     assert left[0] is None
     assert left[-1] == pytest.approx(15.0)

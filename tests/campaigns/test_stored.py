@@ -153,13 +153,14 @@ def test_a_campaign_that_cannot_go_on_says_why(
 def test_one_process_works_on_a_campaign(campaigns: Campaigns, content: dict[str, Any]) -> None:
     campaign_id = campaigns.create(content)
     folder = campaigns.folder(campaign_id)
-    assert not folder.is_running
+    seen = [folder.is_running]
     lock = folder.lock()
-    assert folder.is_running
+    seen.append(folder.is_running)
     with pytest.raises(Conflict, match="running campaign"):
         campaigns.run(campaign_id, 1)
     lock.release()
-    assert not folder.is_running
+    seen.append(folder.is_running)
+    assert seen == [False, True, False]
 
 
 def test_asking_a_campaign_whose_process_was_killed_takes_effect_at_once(

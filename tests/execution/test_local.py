@@ -206,6 +206,7 @@ def test_a_worker_that_cannot_start_says_why(tmp_path: Path) -> None:
         report = run(executor, "sleep 0").report
     assert report.status is RunStatus.INFRASTRUCTURE_FAILED
     assert "nowhere" in failure_of(report).log
+    assert "nowhere" in failure_of(report).message
 
 
 def test_a_slot_survives_the_loss_of_its_folder(start: Start, tmp_path: Path) -> None:

@@ -63,10 +63,10 @@ def test_progress_is_the_share_of_the_route() -> None:
 
 
 def test_standing_longer_is_nearer_to_a_block() -> None:
-    found = []
+    found: list[float] = []
     for rows in (0, 100, 300):
         x = 0.25 * np.maximum(np.arange(STEPS) - rows, 0)
-        found.append(scores(ego(motion=Motion.along(x, 0.0)))["stuck_time"])
+        found.append(scores(ego(motion=Motion.along(x, 0.0)))["stuck_time"] or 0.0)
     assert found[0] == 1.0
     assert found == sorted(found, reverse=True)
     assert found[2] == pytest.approx(1.0 - 15.0 / 60.0, abs=2e-3)

@@ -119,7 +119,7 @@ def test_an_ego_that_waits_for_its_start_is_in_the_way() -> None:
 
 
 def test_egos_that_both_have_ended_come_no_nearer() -> None:
-    ended = {"end": TerminalEvent.STUCK, "end_step": 100}
+    ended: dict[str, Any] = {"end": TerminalEvent.STUCK, "end_step": 100}
     found = measured(
         eastwards("a", -100.0, STEADY, **ended), northwards("b", -100.0, STEADY, **ended)
     )
@@ -248,7 +248,7 @@ def test_who_is_far_away_is_no_matter() -> None:
 
 
 def test_who_is_held_by_a_signal_does_not_yield() -> None:
-    held = {"light": Light.RED, "light_distance": 55.0 - STOPPING - 2.25}
+    held: dict[str, Any] = {"light": Light.RED, "light_distance": 55.0 - STOPPING - 2.25}
     found = measured(eastwards("a", -70.0, STEADY), northwards("b", -60.0, STOPPING, **held))
     assert decisions(found) == {(1, Decision.STOP_AT_SIGNAL)}
 

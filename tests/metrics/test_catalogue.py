@@ -197,6 +197,7 @@ def test_the_scores_of_several_egos() -> None:
     values = measured(driver(id="leading"), lagging)
     assert values["route_completion[leading]"] == 100.0
     part = values["route_completion[lagging]"]
+    assert part is not None
     assert part == pytest.approx(100.0 * 0.2 * 239 / 90.0)
     assert values["route_completion"] == pytest.approx((100.0 + part) / 2.0)
     assert values["success"] == 0.0
@@ -223,8 +224,10 @@ def test_a_conflict_that_came_to_nothing() -> None:
     x = 34.5 + np.where(np.arange(STEPS) < 40, 0.0, 0.6 * (np.arange(STEPS) - 40))
     lead = SyntheticActor(motion=Motion.along(x, 0.0, yaw=0.0))
     values = measured(driver(), others=[lead])
-    assert values["min_gap_m"] == pytest.approx(30.0 - 40 * 0.4, abs=0.5)
-    assert values["min_time_to_collision_s"] == pytest.approx(values["min_gap_m"] / SPEED, abs=0.1)
+    gap = values["min_gap_m"]
+    assert gap is not None
+    assert gap == pytest.approx(30.0 - 40 * 0.4, abs=0.5)
+    assert values["min_time_to_collision_s"] == pytest.approx(gap / SPEED, abs=0.1)
     assert values["max_drac_mps2"] == pytest.approx(SPEED**2 / (2.0 * 14.4), rel=0.05)
     assert values["nuplan_time_to_collision"] == 1.0
     assert 0.0 < (values["rss_violation_share"] or 0.0) < 1.0

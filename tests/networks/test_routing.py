@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from drivora_service.errors import NoRoute
@@ -31,10 +32,10 @@ def lane_ids(network: RoadNetwork, route: LaneRoute) -> list[list[str]]:
     return [[network.lanes[i].id for i in run.lanes] for run in route.runs]
 
 
-def off_centre_lines(route: LaneRoute) -> np.ndarray:
+def off_centre_lines(route: LaneRoute) -> NDArray[np.bool_]:
     """Tells which points of the reference line are between the centre lines of two runs."""
     lines = np.concatenate([run.line for run in route.runs])
-    return KDTree(lines).query(route.line)[0] > 0.6
+    return np.asarray(KDTree(lines).query(route.line)[0]) > 0.6
 
 
 def assert_sound(network: RoadNetwork, route: LaneRoute) -> None:
@@ -63,11 +64,11 @@ def assert_sound(network: RoadNetwork, route: LaneRoute) -> None:
     for run in route.runs:
         assert 0.0 <= run.start_s <= run.change_from <= run.end_s <= run.arc[-1] + 1e-9
         assert len(run.speed_limits) == len(run.arc)
-        for one, following in pairwise(run.lanes):
-            assert following in {link.to_lane for link in lanes[one].connections}
+        for lane, behind in pairwise(run.lanes):
+            assert behind in {link.to_lane for link in lanes[lane].connections}
         assert all(lanes[i].drivable for i in run.lanes)
-    for run, following in pairwise(route.runs):
-        last, first = lanes[run.lanes[-1]], lanes[following.lanes[0]]
+    for run, next_run in pairwise(route.runs):
+        last, first = lanes[run.lanes[-1]], lanes[next_run.lanes[0]]
         assert first.index in (last.left, last.right)
         # The outer lane of a bend is longer than the one that was measured.
         assert run.end_s - run.change_from >= 6.0
@@ -89,10 +90,10 @@ def assert_sound(network: RoadNetwork, route: LaneRoute) -> None:
             for link in lanes[i].connections
             if (link.traffic_light, link.link_index) == (signal.traffic_light, signal.link_index)
         )
-    for one, following in pairwise(route.edges):
+    for edge, next_edge in pairwise(route.edges):
         assert any(
-            network.lanes[i].edge_id == following
-            for lane in network.edge_lanes[one]
+            network.lanes[i].edge_id == next_edge
+            for lane in network.edge_lanes[edge]
             for i in _behind(network, lane)
         )
 
@@ -320,7 +321,7 @@ def test_a_route_that_goes_nowhere_is_sound_or_refused(shipped_network: RoadNetw
     )
 
 
-def leaderboard_routes(folder: Path) -> list[tuple[str, str, list[tuple[float, float, float]]]]:
+def leaderboard_routes(folder: Path) -> list[tuple[str, str, list[tuple[float, ...]]]]:
     """Reads (id, town, [(x, y, yaw)]) in CARLA's frame, degrees."""
     return [
         (

@@ -61,9 +61,8 @@ def test_gap_does_not_depend_on_where_east_is(
     dx: float, dy: float, one: tuple[float, ...], two: tuple[float, ...], turn: float
 ) -> None:
     cos, sin = math.cos(turn), math.sin(turn)
-    turned = box_gap(
-        dx * cos - dy * sin, dx * sin + dy * cos, one[0] + turn, *one[1:], two[0] + turn, *two[1:]
-    )
+    first, second = (one[0] + turn, *one[1:]), (two[0] + turn, *two[1:])
+    turned = box_gap(dx * cos - dy * sin, dx * sin + dy * cos, *first, *second)
     assert turned == pytest.approx(box_gap(dx, dy, *one, *two), abs=1e-8)
 
 

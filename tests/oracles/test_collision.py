@@ -3,12 +3,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Col, Contact, Role, TerminalEvent, Trace
+from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.simulation.contacts import boxes_overlap
@@ -30,18 +31,17 @@ def collide(
     return Collision().judge(RunView(trace, straight_road()))
 
 
+def _box(trace: Trace, actor: Actor, step: int) -> tuple[float, ...]:
+    pose = trace.states[step, actor.row, [Col.X, Col.Y, Col.YAW]]
+    return (*pose.tolist(), actor.length, actor.width)
+
+
 def _contacts(trace: Trace) -> list[Contact]:
     found = []
     for other in trace.actors[1:]:
         for step in range(trace.step_count):
-            if trace.present[step, other.row] and boxes_overlap(
-                *trace.states[step, 0, [Col.X, Col.Y, Col.YAW]],
-                trace.actors[0].length,
-                trace.actors[0].width,
-                *trace.states[step, other.row, [Col.X, Col.Y, Col.YAW]],
-                other.length,
-                other.width,
-            ):
+            one, two = (_box(trace, actor, step) for actor in (trace.actors[0], other))
+            if trace.present[step, other.row] and boxes_overlap(*one, *two):
                 found.append(Contact(step=step, ego=0, other=other.row))
                 break
     first = min((contact.step for contact in found), default=0)
@@ -69,7 +69,7 @@ def test_hitting_a_standing_vehicle_is_the_egos_fault() -> None:
     assert verdict.evidence["relative_speed"] == pytest.approx(10.0)
     assert verdict.step == 32
     assert verdict.time == pytest.approx(1.6)
-    assert verdict.location == (pytest.approx(16.0), 0.0)
+    assert verdict.location == pytest.approx((16.0, 0.0))
 
 
 def test_hitting_a_moving_vehicle_with_the_front_is_the_egos_fault() -> None:
@@ -166,7 +166,7 @@ def test_a_vehicle_from_the_side_into_the_egos_door_is_not_the_egos_fault() -> N
 
 def test_an_obstacle_turned_by_its_own_yaw() -> None:
     # Lengthwise the plank lies beside the lane; turned by its yaw it lies across it.
-    plank = {"role": Role.NPC_OBSTACLE, "length": 6.0, "width": 0.2, "id": "plank"}
+    plank: dict[str, Any] = {"role": Role.NPC_OBSTACLE, "length": 6.0, "width": 0.2, "id": "plank"}
     ego = on_lane(motion=steady(0.0, 0.0, 10.0))
     assert collide(ego, SyntheticActor(motion=steady(20.0, 2.5), **plank))[0].at_fault is None
     across = SyntheticActor(motion=steady(20.0, 2.5, yaw=math.pi / 2), **plank)

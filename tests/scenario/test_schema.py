@@ -16,8 +16,9 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.scenario.schema import document_schema, schema_path, schema_text
 from drivora_service.scenario.validation import validate_document
+from tests.scenario.conftest import GOOD
 from tests.scenario.strategies import documents
-from tests.scenario.test_bad_input import BROKEN, GOOD
+from tests.scenario.test_bad_input import BROKEN
 from tests.scenario.test_documents import garbled
 
 AGENTS = ("idm", "sumo-krauss")

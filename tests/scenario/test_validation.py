@@ -367,7 +367,7 @@ def test_levels_of_a_bridge_do_not_meet(good: dict[str, Any], network: RoadNetwo
     )
     here = on_lane(raised, "market_2_0", 40)
     good["ego_vehicles"][0]["route"] = [here, on_lane(raised, "market_2_0", 80)]
-    cone = {"id": "cone", "model": "trafficcone01", "location": {**here, "z": 0.0}}
+    cone: dict[str, Any] = {"id": "cone", "model": "trafficcone01", "location": {**here, "z": 0.0}}
     good["npc_obstacles"] = [cone]
     validate_document(parse_document(good), OneNetwork(raised), AGENTS)  # type: ignore[arg-type]  # only get() is used
     cone["location"]["z"] = 5.0

@@ -78,7 +78,7 @@ def obstacle(
 
 
 def scenario(
-    *egos: EgoVehicle, on: str = "tee-town", seconds: float = 10.0, **more: Any
+    *egos: EgoVehicle, on: str = "tee-town", seconds: float | None = 10.0, **more: Any
 ) -> Scenario:
     more.setdefault("map_region", MapRegion(town=on))
     return Scenario(ego_vehicles=egos, max_sim_time=seconds, **more)

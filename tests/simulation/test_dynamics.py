@@ -19,6 +19,7 @@ CAR = ActorModel(
     kind=ActorKind.VEHICLE,
     length=4.9,
     width=1.9,
+    height=1.5,
     wheelbase=2.85,
     mass=1700.0,
     max_acceleration=3.5,

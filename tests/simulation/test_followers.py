@@ -16,8 +16,8 @@ from drivora_service.simulation.plan import FollowerPlan
 
 DT = 0.05
 CAR = ActorModel(
-    name="car", kind=ActorKind.VEHICLE, length=4.5, width=1.8, wheelbase=2.7, mass=1500.0,
-    max_acceleration=3.0, max_deceleration=8.0, max_steer=0.6, max_speed=50.0,
+    name="car", kind=ActorKind.VEHICLE, length=4.5, width=1.8, height=1.5, wheelbase=2.7,
+    mass=1500.0, max_acceleration=3.0, max_deceleration=8.0, max_steer=0.6, max_speed=50.0,
 )  # fmt: skip
 
 

@@ -23,7 +23,8 @@ TWO_STAGES = SignalProgram(
 
 
 def durations(times: LightTimes, program: SignalProgram = TWO_STAGES) -> list[float]:
-    return np.diff(run_program(program, times).ends, prepend=0.0).tolist()
+    found: list[float] = np.diff(run_program(program, times).ends, prepend=0.0).tolist()
+    return found
 
 
 def test_without_times_the_network_keeps_its_own() -> None:

@@ -6,10 +6,12 @@ from typing import Annotated
 
 import typer
 
+from drivora_service.cli.commands.agent_benchmark import benchmark
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, note, print_json, print_table
 
 app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
+app.command()(benchmark)
 
 
 @app.command("list")

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import grpc
 
@@ -95,7 +96,7 @@ class Garbled(grpc.GenericRpcHandler):
     def __init__(self, answers: dict[str, bytes]) -> None:
         self.answers = answers
 
-    def service(self, details: grpc.HandlerCallDetails) -> grpc.RpcMethodHandler | None:
+    def service(self, details: grpc.HandlerCallDetails) -> grpc.RpcMethodHandler[Any, Any] | None:
         answer = self.answers.get(str(details.method).rpartition("/")[2])
         if answer is None:
             return None

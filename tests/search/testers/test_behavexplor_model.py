@@ -194,4 +194,5 @@ def test_the_same_seed_gives_the_same_labels() -> None:
         for run in runs:
             known.extend([run])
         labels.append(known.labels(np.concatenate(runs)))
-    np.testing.assert_array_equal(*labels)
+    first, second = labels
+    np.testing.assert_array_equal(first, second)

@@ -327,12 +327,12 @@ class TestDatabase:
         assert database.nearest(np.array([0]), 9).tolist() == [0, 1, 3, 2]
 
     def test_the_training_set_keeps_the_nearest_and_the_first_and_last_of_the_others(self) -> None:
-        values = [{"a": float(v)} for v in np.random.default_rng(1).permutation(100)]
-        database = self.database(list(values))
+        values = np.random.default_rng(1).permutation(100).tolist()
+        database = self.database([{"a": float(v)} for v in values])
         rows = database.training_rows(np.array([0]), 20)
         assert len(set(rows.tolist())) == 20
         assert rows.tolist() == sorted(rows)
-        near = set(np.argsort([found["a"] for found in values])[:10].tolist())
+        near = set(np.argsort(values)[:10].tolist())
         assert near <= set(rows.tolist())
         others = [row for row in range(100) if row not in near]
         assert {others[0], others[-1]} <= set(rows.tolist())

@@ -52,7 +52,8 @@ def relative_error(model: Surrogate, width: int, mean: FloatArray, scale: FloatA
     """Gives the error on new points as a share of what their mean would have."""
     new = points(300, width, 2)
     truth = (curved(new) - mean) / scale
-    return np.sqrt(np.mean((model.predict(new) - truth) ** 2, axis=0)) / truth.std(axis=0)
+    error: FloatArray = np.sqrt(np.mean((model.predict(new) - truth) ** 2, axis=0))
+    return np.asarray(error / truth.std(axis=0))
 
 
 @pytest.mark.parametrize("fit", FITS, ids=["radial basis", "polynomial", "kriging"])

@@ -1,0 +1,293 @@
+"""The card of an agent: what it did in the runs of the benchmark."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.agents.entry import AgentEntry
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.report import RunReport, RunStatus
+
+COLLISION = "collision"
+RED_LIGHT = "red_light"
+DESTINATION = "destination"
+
+_AGENTS_OWN = frozenset({RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT})
+"""Ends of runs that an agent answers for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BenchmarkRun:
+    """A run of the benchmark that is over.
+
+    Attributes:
+        network: It took place on.
+        number: Of its scenario among those of the network, from 1.
+    """
+
+    network: str
+    number: int
+    report: RunReport
+
+    @property
+    def name(self) -> str:
+        """Names its scenario."""
+        return f"{self.network}-{self.number:02d}"
+
+    @property
+    def finished(self) -> bool:
+        """Whether it was judged."""
+        return self.report.status is RunStatus.FINISHED
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the ego reached its destination in time."""
+        return any(
+            v.oracle == DESTINATION and v.outcome is Outcome.PASSED for v in self.report.verdicts
+        )
+
+    @property
+    def violations(self) -> tuple[Verdict, ...]:
+        """What was broken."""
+        return tuple(v for v in self.report.verdicts if v.outcome is Outcome.VIOLATED)
+
+    def metric(self, name: str) -> float | None:
+        """Gives a metric; ``None`` if it could not be measured."""
+        value = self.report.metrics.get(name)
+        return value if value is not None and math.isfinite(value) else None
+
+    def broke(self, rule: str, *, at_fault: bool = False) -> bool:
+        """Says whether the ego broke a rule; with ``at_fault``, whether that was its fault."""
+        return any(v.oracle == rule and (not at_fault or v.at_fault) for v in self.violations)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figures:
+    """What several runs come to; counts are of runs.
+
+    Attributes:
+        runs: All of them.
+        judged: Those that ended by themselves.
+        arrivals: The ego reached its destination in time.
+        clean_arrivals: It did so without a collision at its fault.
+        collisions: The ego touched somebody.
+        at_fault_collisions: At least once at its fault.
+        red_lights: The ego ran at least one.
+        driving_score: Mean of Leaderboard 2.1, per cent. A run in which the agent failed counts 0,
+            one that failed for reasons of the machine is left out.
+        route_completion: Mean of judged runs, per cent.
+        comfort: Mean share of segments within the comfort bounds, of judged runs.
+        comfortable: Judged runs that kept within the bounds all the time.
+        step_cost_median_us: Wall microseconds of a whole step, simulation and agent: median of the
+            judged runs' means.
+        step_cost_p95_us: 95th percentile of the same.
+    """
+
+    runs: int
+    judged: int
+    arrivals: int
+    clean_arrivals: int
+    collisions: int
+    at_fault_collisions: int
+    red_lights: int
+    driving_score: float | None
+    route_completion: float | None
+    comfort: float | None
+    comfortable: int
+    step_cost_median_us: float | None
+    step_cost_p95_us: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NetworkFigures:
+    """What the runs on one network come to."""
+
+    network: str
+    figures: Figures
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrokenRule:
+    """A rule that the agent broke.
+
+    Attributes:
+        rule: Name of the oracle.
+        runs: In how many.
+        at_fault: In how many of these the verdict calls the ego responsible; 0 where the rule knows
+            no fault.
+        example: What the first verdict says.
+        example_run: Scenario that it is from.
+    """
+
+    rule: str
+    runs: int
+    at_fault: int
+    example: str
+    example_run: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureCause:
+    """Why runs of the agent were not judged.
+
+    Attributes:
+        status: How they ended.
+        cause: Short stable name.
+        runs: How many.
+        example: What the first one says.
+        example_run: Scenario that it is from.
+    """
+
+    status: RunStatus
+    cause: str
+    runs: int
+    example: str
+    example_run: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentCard:
+    """What an agent did.
+
+    Attributes:
+        agent: What the catalogue says of it.
+        total: Of all its runs.
+        networks: Of those on each network.
+        broken: Rules, the most broken first.
+        failures: Causes, the most frequent first.
+        runs: What all of it stands on.
+        shown: The run that is worth a picture; ``None`` if none was judged.
+    """
+
+    agent: AgentEntry
+    total: Figures
+    networks: tuple[NetworkFigures, ...]
+    broken: tuple[BrokenRule, ...]
+    failures: tuple[FailureCause, ...]
+    runs: tuple[BenchmarkRun, ...]
+    shown: BenchmarkRun | None
+
+    @property
+    def failed_otherwise(self) -> int:
+        """Counts the runs that failed for reasons which are not the agent's."""
+        return sum(not run.finished and run.report.status not in _AGENTS_OWN for run in self.runs)
+
+
+def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
+    """Computes a card.
+
+    Args:
+        agent: Who drove.
+        runs: In any order; the card does not depend on it.
+    """
+    ordered = tuple(sorted(runs, key=lambda run: (run.network, run.number)))
+    by_network: dict[str, list[BenchmarkRun]] = defaultdict(list)
+    for run in ordered:
+        by_network[run.network].append(run)
+    return AgentCard(
+        agent=agent,
+        total=figures_of(ordered),
+        networks=tuple(
+            NetworkFigures(network=network, figures=figures_of(own))
+            for network, own in by_network.items()
+        ),
+        broken=_broken(ordered),
+        failures=_failures(ordered),
+        runs=ordered,
+        shown=worst_run(ordered),
+    )
+
+
+def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
+    """Sums runs up."""
+    judged = [run for run in runs if run.finished]
+    costs = [run.report.step_cost_us for run in judged]
+    median, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
+    at_fault = [run for run in judged if run.broke(COLLISION, at_fault=True)]
+    arrivals = [run for run in judged if run.arrived]
+    failed = sum(run.report.status in _AGENTS_OWN for run in runs)
+    return Figures(
+        runs=len(runs),
+        judged=len(judged),
+        arrivals=len(arrivals),
+        clean_arrivals=sum(not run.broke(COLLISION, at_fault=True) for run in arrivals),
+        collisions=sum(run.broke(COLLISION) for run in judged),
+        at_fault_collisions=len(at_fault),
+        red_lights=sum(run.broke(RED_LIGHT) for run in judged),
+        driving_score=_mean([*_values(judged, "driving_score"), *[0.0] * failed]),
+        route_completion=_mean(_values(judged, "route_completion")),
+        comfort=_mean(_values(judged, "comfort")),
+        comfortable=sum(value == 1.0 for value in _values(judged, "comfort")),
+        step_cost_median_us=None if median is None else float(median),
+        step_cost_p95_us=None if p95 is None else float(p95),
+    )
+
+
+def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
+    """Gives the judged run in which most went wrong; of runs alike in that, the longest.
+
+    A collision at the ego's fault weighs most, then how many rules were broken.
+    """
+
+    def badness(run: BenchmarkRun) -> tuple[bool, int, float]:
+        return (
+            run.broke(COLLISION, at_fault=True),
+            len({verdict.oracle for verdict in run.violations}),
+            run.report.sim_time_s,
+        )
+
+    return max((run for run in runs if run.finished), key=badness, default=None)
+
+
+def _broken(runs: Sequence[BenchmarkRun]) -> tuple[BrokenRule, ...]:
+    rules = dict.fromkeys(verdict.oracle for run in runs for verdict in run.violations)
+    told = []
+    for rule in rules:
+        guilty = [run for run in runs if run.broke(rule)]
+        blamed = [run for run in guilty if run.broke(rule, at_fault=True)]
+        shown = (blamed or guilty)[0]
+        verdicts = [verdict for verdict in shown.violations if verdict.oracle == rule]
+        example = next((verdict for verdict in verdicts if verdict.at_fault), verdicts[0])
+        told.append(
+            BrokenRule(
+                rule=rule,
+                runs=len(guilty),
+                at_fault=len(blamed),
+                example=example.message,
+                example_run=shown.name,
+            )
+        )
+    return tuple(sorted(told, key=lambda broken: (-broken.runs, broken.rule)))
+
+
+def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
+    groups: dict[tuple[RunStatus, str], list[BenchmarkRun]] = defaultdict(list)
+    for run in runs:
+        if not run.finished:
+            failure = run.report.failure
+            groups[run.report.status, "" if failure is None else failure.cause].append(run)
+    told = [
+        FailureCause(
+            status=status,
+            cause=cause,
+            runs=len(failed),
+            example="" if failed[0].report.failure is None else failed[0].report.failure.message,
+            example_run=failed[0].name,
+        )
+        for (status, cause), failed in groups.items()
+    ]
+    return tuple(sorted(told, key=lambda failure: (-failure.runs, failure.status, failure.cause)))
+
+
+def _values(runs: Iterable[BenchmarkRun], metric: str) -> list[float]:
+    """Gives a metric of the runs in which it could be measured."""
+    return [value for run in runs if (value := run.metric(metric)) is not None]
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return math.fsum(values) / len(values) if values else None

@@ -1,0 +1,97 @@
+"""Cards for programs, and as files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from drivora_service.agents.entry import AgentEntry
+from drivora_service.benchmarking.card import AgentCard, BenchmarkRun
+from drivora_service.benchmarking.card_text import card_markdown, cards_markdown
+from drivora_service.benchmarking.courses import COURSES, VERSION
+
+
+def cards_content(
+    cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, runs: int
+) -> dict[str, Any]:
+    """Gives cards as plain data; the keys are a contract with scripts.
+
+    Args:
+        cards: Of the agents that drove.
+        absent: Those that could not drive.
+        runs: Scenarios of each network.
+    """
+    return {
+        "version": VERSION,
+        "runs": runs,
+        "courses": [asdict(course) for course in COURSES],
+        "cards": [_card_content(card) for card in cards],
+        "absent": [{"agent": agent.name, "reason": agent.reason} for agent in absent],
+    }
+
+
+def write_cards(
+    cards: Sequence[AgentCard],
+    absent: Sequence[AgentEntry],
+    folder: Path,
+    *,
+    runs: int,
+    pictures: Mapping[str, Path],
+) -> tuple[Path, ...]:
+    """Writes ``cards.md``, ``cards.json`` and ``NAME.md`` of each agent.
+
+    Args:
+        cards: Of the agents that drove.
+        absent: Those that could not drive.
+        folder: Exists.
+        runs: Scenarios of each network.
+        pictures: Of the run that is shown, by agent; they lie in the folder.
+
+    Returns:
+        What was written.
+    """
+    table, data = folder / "cards.md", folder / "cards.json"
+    table.write_text(cards_markdown(cards, absent, runs=runs))
+    content = cards_content(cards, absent, runs=runs)
+    data.write_text(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    pages = []
+    for card in cards:
+        picture = pictures.get(card.agent.name)
+        pages.append(folder / f"{card.agent.name}.md")
+        pages[-1].write_text(
+            card_markdown(card, runs=runs, picture="" if picture is None else picture.name)
+        )
+    return (table, data, *pages)
+
+
+def _card_content(card: AgentCard) -> dict[str, Any]:
+    return {
+        "agent": card.agent.name,
+        "kind": card.agent.kind,
+        "privileged": card.agent.privileged,
+        "total": asdict(card.total),
+        "networks": {own.network: asdict(own.figures) for own in card.networks},
+        "broken": [asdict(broken) for broken in card.broken],
+        "failures": [asdict(failure) for failure in card.failures],
+        "shown": None if card.shown is None else card.shown.name,
+        "runs": [_run_content(run) for run in card.runs],
+    }
+
+
+def _run_content(run: BenchmarkRun) -> dict[str, Any]:
+    failure = run.report.failure
+    return {
+        "scenario": run.name,
+        "status": run.report.status,
+        "cause": None if failure is None else failure.cause,
+        "arrived": run.arrived,
+        "broken": sorted({verdict.oracle for verdict in run.violations}),
+        "at_fault": sorted({verdict.oracle for verdict in run.violations if verdict.at_fault}),
+        "driving_score": run.metric("driving_score"),
+        "sim_time_s": run.report.sim_time_s,
+        "step_cost_us": run.report.step_cost_us,
+        "trace_sha256": run.report.trace_sha256,
+    }

@@ -1,0 +1,193 @@
+"""Cards in words: a table over all agents, and a page for each, as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from drivora_service.agents.entry import AgentEntry
+from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, Figures
+from drivora_service.benchmarking.courses import COURSES, VERSION
+
+COLUMNS = (
+    "runs",
+    "arrived",
+    "crashed",
+    "at fault",
+    "red lights",
+    "driving score",
+    "comfort",
+    "step (ms)",
+    "95 %",
+    "failed",
+)
+"""What :func:`cells` gives, in this order."""
+
+
+def cells(figures: Figures) -> tuple[str, ...]:
+    """Writes figures as cells of a table; what could not be measured is a dash."""
+    judged = figures.judged
+    return (
+        str(figures.runs),
+        str(figures.arrivals),
+        *(
+            str(count) if judged else "-"
+            for count in (figures.collisions, figures.at_fault_collisions, figures.red_lights)
+        ),
+        _number(figures.driving_score, 1),
+        _number(figures.comfort, 2),
+        _milliseconds(figures.step_cost_median_us),
+        _milliseconds(figures.step_cost_p95_us),
+        str(figures.runs - judged),
+    )
+
+
+def view_of(agent: AgentEntry) -> str:
+    """Says what an agent sees."""
+    return "privileged" if agent.privileged else "perception"
+
+
+def setting(runs: int) -> tuple[str, ...]:
+    """Says what the cards stand on.
+
+    Args:
+        runs: Scenarios of each network.
+    """
+    return (
+        f"Benchmark version {VERSION}: {runs} generated scenarios on each network, one ego, "
+        "background traffic.",
+        *(
+            f"{course.network}: routes of {course.min_length:g} to {course.max_length:g} m, "
+            f"{course.background} vehicles, seeds from {course.seed}."
+            for course in COURSES
+        ),
+    )
+
+
+HOW_TO_READ = (
+    "Counts are of runs. *arrived*: in time; *crashed*: touched somebody, *at fault*: by its own "
+    "fault; *red lights*: ran at least one. *driving score*: mean of Leaderboard 2.1 (per cent), "
+    "0 where the agent failed. *comfort*: mean share of the time within nuPlan's bounds. "
+    "*step*, *95 %*: median and 95th percentile over the runs of the mean wall time of a step, "
+    "simulation and agent together; what a `sumo-` driver takes is the simulation's part. "
+    "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
+    "perception model lets through."
+)
+
+
+def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, runs: int) -> str:
+    """Writes the table over all agents.
+
+    Args:
+        cards: Of those that drove; a page ``NAME.md`` of each lies beside the text.
+        absent: Those that could not drive.
+        runs: Scenarios of each network.
+    """
+    lines = ["# Agent cards", ""]
+    lines += [f"- {line}" for line in setting(runs)]
+    lines += ["", HOW_TO_READ, ""]
+    rows = (
+        (f"[`{card.agent.name}`]({card.agent.name}.md)", view_of(card.agent), *cells(card.total))
+        for card in cards
+    )
+    lines += _table(("agent", "view", *COLUMNS), rows)
+    if absent:
+        lines += ["", "Not run:", ""]
+        lines += [f"- `{agent.name}`: {agent.reason}" for agent in absent]
+    return "\n".join(lines) + "\n"
+
+
+def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
+    """Writes the page of one agent.
+
+    Args:
+        card: What to write.
+        runs: Scenarios of each network.
+        picture: Address of the picture of the run that is shown, from where the text lies.
+    """
+    agent = card.agent
+    lines = [f"# {agent.name}", "", f"{agent.description}.", ""]
+    lines += [
+        f"- Kind: {agent.kind}",
+        f"- From: {agent.source}",
+        f"- Licence: {agent.licence or 'none stated'}",
+        f"- View: {view_of(agent)}",
+        f"- Arrived in time without a collision at its fault: {card.total.clean_arrivals} of "
+        f"{card.total.runs} runs",
+        f"- Within the bounds of comfort all the time: {card.total.comfortable} of "
+        f"{card.total.judged} judged runs",
+    ]
+    lines += [f"- {line}" for line in setting(runs)]
+    lines += ["", HOW_TO_READ, ""]
+    rows = [(own.network, *cells(own.figures)) for own in card.networks]
+    lines += _table(("network", *COLUMNS), (*rows, ("all", *cells(card.total))))
+    lines += ["", "## What it did wrong", ""]
+    lines += _wrongs(card)
+    if picture and card.shown is not None:
+        lines += ["", "## A run", "", _about(card.shown), ""]
+        lines += [f"![{agent.name} on {card.shown.name}]({picture})"]
+    return "\n".join(lines) + "\n"
+
+
+def _wrongs(card: AgentCard) -> list[str]:
+    lines = []
+    if card.broken:
+        lines += _table(
+            ("rule", "runs", "at fault", "for example"),
+            (
+                (
+                    broken.rule.replace("_", " "),
+                    str(broken.runs),
+                    str(broken.at_fault) if broken.at_fault else "",
+                    f"{broken.example_run}: {broken.example}",
+                )
+                for broken in card.broken
+            ),
+        )
+    elif card.total.judged:
+        lines.append("It broke no rule in any judged run.")
+    if card.failures:
+        lines += [""] if lines else []
+        lines += _table(
+            ("runs without a judgement", "cause", "runs", "for example"),
+            (
+                (
+                    failure.status.replace("_", " "),
+                    failure.cause,
+                    str(failure.runs),
+                    f"{failure.example_run}: {failure.example}",
+                )
+                for failure in card.failures
+            ),
+        )
+    return lines
+
+
+def _about(run: BenchmarkRun) -> str:
+    if not run.violations:
+        return f"The longest run, {run.name}; nothing was broken in it."
+    # The first of each rule: some are broken at every bend.
+    said: dict[str, str] = {}
+    for verdict in run.violations:
+        said.setdefault(verdict.oracle, verdict.message)
+    return f"The run in which most went wrong, {run.name}: {' '.join(said.values())}"
+
+
+def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    return [
+        f"| {' | '.join(columns)} |",
+        f"|{'---|' * len(columns)}",
+        *(f"| {' | '.join(_cell(cell) for cell in row)} |" for row in rows),
+    ]
+
+
+def _cell(text: str) -> str:
+    """Keeps what a program said within its cell."""
+    return " ".join(text.replace("|", "\\|").split())
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def _milliseconds(microseconds: float | None) -> str:
+    return "-" if microseconds is None else f"{microseconds / 1000:.2f}"

@@ -1,0 +1,97 @@
+"""``drivora agents benchmark``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.output import JsonOption, fail, note, print_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from drivora_service.agents.entry import AgentEntry
+
+_MOST_RUNS = 100
+
+
+def benchmark(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME…", help="Agents of `drivora agents list` [default: all of them]."
+        ),
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=_MOST_RUNS, help="Scenarios on each of three networks [default: 10]."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write a table, a card and a picture of each there."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Worker processes [default: one a core].")
+    ] = None,
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Lets agents drive the same fixed scenarios, and tells what each did: its card.
+
+    An agent that is not installed is listed with the reason. Runs that an agent fails are part of
+    its card; exits with 3 if any failed for another reason.
+    """
+    from drivora_service.execution.fork_server import prepare_processes
+
+    prepare_processes()
+    from drivora_service.benchmarking.card_files import cards_content, write_cards
+    from drivora_service.benchmarking.courses import COURSES, RUNS
+    from drivora_service.cli import agent_benchmark
+    from drivora_service.cli.embedded import settings_for
+
+    settings = settings_for(data_dir, workers=workers)
+    number = RUNS if runs is None else runs
+    entered = agent_benchmark.entrants(settings, names or ())
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    with _progress(entered.present, runs=number * len(COURSES)) as step:
+        cards, pictures = agent_benchmark.benchmark(
+            settings, entered.present, runs=number, out=out, on_run=step
+        )
+    if as_json:
+        print_json(cards_content(cards, entered.absent, runs=number))
+    else:
+        agent_benchmark.print_cards(cards, entered.absent)
+    if out is not None:
+        written = write_cards(cards, entered.absent, out, runs=number, pictures=pictures)
+        for path in (*written, *pictures.values()):
+            note(str(path))
+    not_done = sum(card.failed_otherwise for card in cards)
+    if not_done:
+        fail(f"{not_done} run(s) could not be done, for reasons that are not the agents'")
+        raise typer.Exit(ExitCode.NOT_DONE)
+
+
+@contextmanager
+def _progress(agents: Sequence[AgentEntry], *, runs: int) -> Iterator[Callable[[AgentEntry], None]]:
+    """Shows on standard error how many of its runs each agent has done."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        tasks = {agent.name: progress.add_task(agent.name, total=runs) for agent in agents}
+        yield lambda agent: progress.advance(tasks[agent.name])

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from drivora_service.benchmarking.card import card_of, figures_of, worst_run
+from drivora_service.runs.report import RunStatus
+from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
+
+RUNS = (
+    finished(1),
+    finished(2, violation("collision", at_fault=False), score=60.0, comfort=0.5),
+    finished(
+        3,
+        violation("collision", at_fault=False),
+        violation("collision", at_fault=True, message="hit the back of npc_1"),
+        score=40.0,
+    ),
+    finished(4, violation("destination"), violation("red_light"), score=50.0, network="arterial"),
+    failed(5, RunStatus.AGENT_FAILED, "agent_raised", "ZeroDivisionError"),
+)
+
+
+def test_counts_are_of_runs() -> None:
+    figures = figures_of(RUNS)
+    assert (figures.runs, figures.judged) == (5, 4)
+    assert (figures.arrivals, figures.clean_arrivals) == (3, 2)
+    assert (figures.collisions, figures.at_fault_collisions) == (2, 1)
+    assert figures.red_lights == 1
+    assert figures.comfortable == 3
+    assert figures.comfort == pytest.approx(3.5 / 4)
+    assert figures.route_completion == pytest.approx(90.0)
+
+
+def test_a_failing_agent_scores_nothing_and_a_failing_machine_does_not_count() -> None:
+    assert figures_of(RUNS).driving_score == pytest.approx(250.0 / 5)
+    crashed = failed(6, RunStatus.SIMULATOR_CRASHED, "signal")
+    assert figures_of((*RUNS, crashed)).driving_score == pytest.approx(250.0 / 5)
+    hung = failed(6, RunStatus.TIMED_OUT, "wall_time_limit")
+    assert figures_of((*RUNS, hung)).driving_score == pytest.approx(250.0 / 6)
+
+
+def test_what_could_not_be_measured_is_none_and_never_zero() -> None:
+    figures = figures_of((finished(1, score=None, comfort=float("nan")),))
+    assert figures.driving_score is None
+    assert figures.comfort is None
+    nothing = figures_of((failed(1, RunStatus.SIMULATOR_CRASHED, "signal"),))
+    assert nothing.driving_score is None
+    assert nothing.step_cost_median_us is None
+
+
+def test_cost_of_a_step_is_median_and_percentile_over_runs() -> None:
+    figures = figures_of([finished(n, step_cost_us=float(n)) for n in range(1, 102)])
+    assert figures.step_cost_median_us == pytest.approx(51.0)
+    assert figures.step_cost_p95_us == pytest.approx(96.0)
+
+
+def test_a_card_tells_rules_causes_and_networks() -> None:
+    card = card_of(AGENT, RUNS)
+    assert [(b.rule, b.runs, b.at_fault) for b in card.broken] == [
+        ("collision", 2, 1),
+        ("destination", 1, 0),
+        ("red_light", 1, 0),
+    ]
+    assert card.broken[0].example == "hit the back of npc_1"
+    assert card.broken[0].example_run == "tee-town-03"
+    (failure,) = card.failures
+    assert (failure.cause, failure.runs, failure.example) == (
+        "agent_raised",
+        1,
+        "ZeroDivisionError",
+    )
+    assert [(own.network, own.figures.runs) for own in card.networks] == [
+        ("arterial", 1),
+        ("tee-town", 4),
+    ]
+    assert card.failed_otherwise == 0
+    lost = failed(6, RunStatus.INFRASTRUCTURE_FAILED, "worker_lost")
+    assert card_of(AGENT, (*RUNS, lost)).failed_otherwise == 1
+
+
+def test_a_card_does_not_depend_on_the_order_in_which_runs_ended() -> None:
+    shuffled = list(RUNS)
+    random.Random(1).shuffle(shuffled)
+    assert card_of(AGENT, shuffled) == card_of(AGENT, RUNS)
+
+
+def test_the_run_in_which_most_went_wrong_is_shown() -> None:
+    shown = card_of(AGENT, RUNS).shown
+    assert shown is not None
+    assert shown.name == "tee-town-03"
+    innocent = [run for run in RUNS if run.number != 3]
+    worst = worst_run(innocent)
+    assert worst is not None
+    assert worst.name == "arterial-04"
+
+
+def test_of_runs_without_wrongs_the_longest_is_shown() -> None:
+    runs = (finished(1, sim_time_s=20.0), finished(2, sim_time_s=40.0), finished(3, sim_time_s=30))
+    longest = worst_run(runs)
+    assert longest is not None
+    assert longest.number == 2
+    assert worst_run((failed(1, RunStatus.TIMED_OUT, "wall_time_limit"),)) is None
+
+
+def test_an_agent_that_ran_nothing_has_an_empty_card() -> None:
+    card = card_of(AGENT, ())
+    assert (card.total.runs, card.total.driving_score) == (0, None)
+    assert (card.networks, card.broken, card.failures, card.shown) == ((), (), (), None)
