@@ -10,6 +10,7 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.errors import AgentError
 from drivora_service.observations.trace import Light, TerminalEvent
+from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import AgentChoice, EgoVehicle, LightTimes, TrafficLights
 from tests.simulation.episodes import (
     Blind,
@@ -210,14 +211,18 @@ def test_sl2015_moves_sideways_where_lc2013_jumps() -> None:
         place("eb_1_0", 70, on=town, speed=6.0), place("eb_1_0", 300, on=town, speed=6.0),
         behavior="sumo",
     )  # fmt: skip
-    steps = {}
-    for model in ("LC2013", "SL2015"):
+    steps, hashes = {}, []
+    for model in ("LC2013", "SL2015", "LC2013"):
         what = scenario(overtaker(model), on=town, npc_vehicles=(slow,), seconds=20.0)
-        way = track(run(what), "ego")
+        trace = run(what)
+        hashes.append(trace_sha256(trace))
+        way = track(trace, "ego")
         aside = way[:, 1] - np.polyval(np.polyfit(way[:, 0], way[:, 1], 1), way[:, 0])
         steps[model] = float(np.abs(np.diff(aside)).max())
     assert steps["LC2013"] > 2.0
     assert 0.01 < steps["SL2015"] < 0.2
+    # Sublanes end with the run that has them.
+    assert hashes[0] == hashes[2] != hashes[1]
 
 
 def test_one_run_has_one_lane_change_model() -> None:

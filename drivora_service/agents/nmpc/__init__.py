@@ -1,0 +1,1 @@
+"""The agent that plans by nonlinear model-predictive control, with CasADi's symbolic framework."""

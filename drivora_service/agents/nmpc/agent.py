@@ -1,0 +1,217 @@
+"""An ADS that plans by nonlinear model-predictive control.
+
+Each step an optimal control problem over 2.8 s is solved (:mod:`problem`): a kinematic bicycle
+tracks a reference along the lane run, behind halts and leaders, within its lane and out of the
+boxes in which others are foreseen. Lights, right of way and the lane changes that the route needs
+are those of ``idm``, the forecast that of ``pdm-closed``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from drivora_service.agents.idm.agent import SpeedFactor
+from drivora_service.agents.idm.driving import (
+    HARD_BRAKING,
+    MAX_ACCELERATION,
+    PATIENCE,
+    SIDE_ROOM,
+    TIGHT_ROOM,
+    find_halt,
+    gap_on_line,
+)
+from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.agents.nmpc.plan import LastPlan
+from drivora_service.agents.nmpc.problem import (
+    BOX,
+    BOXES,
+    REFERENCE,
+    SIDES,
+    STAGES,
+    CarLimits,
+    problem_for,
+)
+from drivora_service.agents.nmpc.reference import lay_boxes, roll_out
+from drivora_service.agents.pdm_closed.forecast import STEPS, forecast, see_from_way
+from drivora_service.agents.pdm_closed.margins import side_margins
+from drivora_service.agents.pdm_closed.paths import LanePaths
+from drivora_service.errors import AgentError
+from drivora_service.networks.line_tracking import track_line
+from drivora_service.observations.trace import Col
+from drivora_service.parameters import read_parameters
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_LARGEST_OFFSET = 1.0
+_EDGE_ROOM = 0.15
+_WATCHED = 40.0
+"""Metres within which everybody is watched; further away, who can come near in time."""
+_OVERSPEED = 5.0
+"""m/s beyond the car's top speed that a plan may reach: a scenario may begin there."""
+_HOLD = -1.0
+"""m/s² asked for at rest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NmpcParameters:
+    """What a document may set.
+
+    Attributes:
+        speed_factor: Share of the speed limit that it drives where the road is free.
+        max_iterations: Of the solver, after which there is no plan.
+    """
+
+    speed_factor: SpeedFactor = 1.0
+    max_iterations: Annotated[int, Field(ge=1, le=200)] = 40
+
+
+class NmpcAgent:
+    """The agent. One object drives one ego through one run."""
+
+    def __init__(self, parameters: NmpcParameters, folder: Path) -> None:
+        """Args: folder: Where CasADi is."""
+        self._parameters, self._folder = parameters, folder
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares the lane runs of the route, the room beside them, and the solver."""
+        model = context.model
+        self._runs = RunFollower(context, self._parameters.speed_factor)
+        self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
+        self._sides = [
+            _sides(side_margins(context.network, way.run), self._half_width)
+            for way in self._runs.ways
+        ]
+        self._paths = LanePaths(context.network)
+        self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
+        self._car = np.array(
+            [self._half_length, self._half_width, self._max_braking, model.max_speed]
+        )
+        self._problem = problem_for(
+            self._folder,
+            CarLimits(
+                wheelbase=model.wheelbase,
+                max_braking=self._max_braking,
+                max_acceleration=MAX_ACCELERATION,
+                max_steer=model.max_steer,
+                max_speed=model.max_speed + _OVERSPEED,
+            ),
+            self._parameters.max_iterations,
+        )
+        self._reference = np.zeros((STAGES + 1, REFERENCE))
+        self._places = np.zeros((STAGES + 1, 2 + SIDES))
+        self._boxes = np.zeros((STAGES + 1, BOXES, BOX))
+        self._plan = LastPlan(context.step_length)
+        self._asked = 0.0
+        self._log = context.log
+        self._log.declare("solved", "iterations", "planned_speed", "slack", "halt_distance")
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        """Drives."""
+        halt_distance = self._refer(observation)
+        reference, boxes = self._reference.copy(), self._boxes.copy()
+        x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
+        # Small numbers near the car: those of the network's plane cost the solver digits.
+        reference[:, :2] -= (x, y)
+        boxes[:, :, :2] -= (x, y)
+        v = observation.speed
+        start = np.array([0.0, 0.0, yaw, v, _gentle(self._asked, v), observation.steer])
+        guess = self._plan.guess(start, reference, (x, y))
+        found = self._problem.solve(start, reference, self._places[:, 2:], boxes, *guess)
+        row = self._log.row
+        row[0], row[1] = float(found.solved), found.iterations
+        row[3], row[4] = 0.0, halt_distance
+        if found.solved:
+            asked, steer = self._plan.take(found.states, found.inputs, (x, y))
+            row[2], row[3] = found.states[-1, 3], found.inputs[:, 2:].max()
+        else:
+            if not self._plan.failures:
+                self._log.event(f"no plan ({found.status}): brakes along the last one")
+            steer = self._plan.go_on(v, observation.steer)
+            asked, row[2] = -min(HARD_BRAKING, self._max_braking), 0.0
+        if v < STANDING_SPEED and self._reference[:, 3].max() < STANDING_SPEED:
+            asked = _HOLD
+        self._asked = asked
+        return AccelerationControl(asked, steer)
+
+    def _refer(self, observation: Observation) -> float:
+        """Fills in reference and boxes; gives how far the front bumper may go."""
+        runs, v, ego = self._runs, observation.speed, observation.ego
+        runs.wait(v)
+        runs.change_when_possible(observation)
+        way = runs.way
+        line, arc = way.points[:, :2], way.points[:, 2]
+        runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, *ego[:2].tolist())
+        watched = _watched(observation)
+        objects, sizes = observation.objects[watched], observation.object_sizes[watched]
+        kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
+        future = np.empty((STEPS + 1, len(objects), 4))
+        seen = np.empty((STEPS + 1, len(objects), 5))
+        spans = self._paths.spans(observation.step, objects, kinds, ids)
+        forecast(objects, spans, self._paths.points, future)
+        see_from_way(way.points, runs.cursor, sizes, future, seen)
+        room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
+        ahead = partial(
+            gap_on_line, line, arc, runs.cursor, s, min(90.0, 25.0 + 4.0 * v), self._half_length,
+            self._half_width, room, v,
+        )  # fmt: skip
+        gap, other, index = ahead(objects, sizes, kinds, len(objects))
+        halt_distance = find_halt(
+            v, s, float(way.points[runs.cursor, 3]), runs.waited, observation.light_distance,
+            int(observation.light), observation.light_protected, objects, sizes, kinds,
+            self._half_length, way.wall, way.conflicts.zones, way.conflicts.first,
+            way.conflicts.foes, gap, other, index,
+        )  # fmt: skip
+        walkers = kinds == 1
+        step_in, pace, _ = ahead(
+            objects[walkers], sizes[walkers], kinds[walkers], int(walkers.sum())
+        )
+        roll_out(
+            v, self._asked, runs.cursor, s, lateral, s + self._half_length + halt_distance,
+            s + step_in, max(pace, 0.0), self._car, room, way.points, self._sides[runs.current],
+            seen, kinds, float(ego[Col.YAW]), self._reference, self._places,
+        )  # fmt: skip
+        lay_boxes(self._reference, self._half_length, self._half_width, future, sizes, self._boxes)
+        return halt_distance
+
+
+def create(parameters: Mapping[str, Any], folder: Path) -> NmpcAgent:
+    """Makes the agent with the CasADi in ``folder``.
+
+    Raises:
+        AgentError: If it does not take these parameters.
+    """
+    read = read_parameters(
+        NmpcParameters, parameters, of="agent 'nmpc'",
+        error=partial(AgentError, cause="agent_parameters"),
+    )  # fmt: skip
+    return NmpcAgent(read, folder)
+
+
+def _sides(margins: FloatArray, half_width: float) -> FloatArray:
+    """Gives the (n, 2) least and largest offset of the centre that the road allows."""
+    left, right = np.clip(margins[:, :2] - half_width - _EDGE_ROOM, 0.0, _LARGEST_OFFSET).T
+    return np.column_stack((-right, left))
+
+
+def _watched(observation: Observation) -> IntArray:
+    """Gives the rows of the actors who can come near within the forecast."""
+    objects, ego = observation.objects, observation.ego
+    away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
+    speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])
+    rows: IntArray = np.flatnonzero(away < _WATCHED + 4.0 * (observation.speed + speeds))
+    return rows
+
+
+def _gentle(acceleration: float, v: float) -> float:
+    """Gives the acceleration to begin a plan with: one that does not lead below standstill."""
+    return max(acceleration, -max(v, 0.0) / 0.25)

@@ -1,0 +1,85 @@
+"""The last plan: where the next one begins its search, and what is driven when there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.nmpc.problem import INPUTS, STAGE_TIME, STAGES, STATES
+
+FloatArray = NDArray[np.float64]
+
+_TIMES = STAGE_TIME * np.arange(STAGES + 1)
+
+
+class LastPlan:
+    """What was planned last, and how far it has been driven.
+
+    Attributes:
+        failures: Steps since that no plan has been found.
+    """
+
+    def __init__(self, step_length: float) -> None:
+        """Args: step_length: Seconds between two plans."""
+        self._step = step_length
+        self._states: FloatArray | None = None
+        self._inputs = np.zeros((STAGES, INPUTS))
+        self._driven = 0.0
+        self.failures = 0
+
+    def take(
+        self, states: FloatArray, inputs: FloatArray, origin: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Takes a new plan, whose positions are relative to ``origin``.
+
+        Returns:
+            Acceleration and front-wheel angle at the end of its first step.
+        """
+        self._states = states.copy()
+        self._states[:, :2] += origin
+        self._inputs = inputs
+        self._driven = 0.0
+        self.failures = 0
+        acceleration, steer = (float(np.interp(self._step, _TIMES, states[:, k])) for k in (4, 5))
+        return acceleration, steer
+
+    def go_on(self, speed: float, steer: float) -> float:
+        """Gives the front-wheel angle that goes on along the path of the plan for another step.
+
+        Args:
+            speed: m/s; slower than the plan it comes later to the plan's angles.
+            steer: The angle now, kept where there is no plan yet.
+        """
+        self.failures += 1
+        if self._states is None:
+            return steer
+        self._driven += max(speed, 0.0) * self._step
+        steps = np.hypot(*np.diff(self._states[:, :2], axis=0).T)
+        arc = np.concatenate(([0.0], np.cumsum(steps)))
+        ahead = self._driven + max(speed, 0.0) * self._step
+        return float(np.interp(ahead, arc, self._states[:, 5]))
+
+    def guess(
+        self, start: FloatArray, reference: FloatArray, origin: tuple[float, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Gives states and inputs for the solver to begin with, relative to ``origin``.
+
+        The last plan, a step on; without one, or after a failure, the reference.
+        """
+        inputs = np.zeros((STAGES, INPUTS))
+        inputs[:, 2:] = 0.1
+        if self._states is None or self.failures:
+            states = np.zeros((STAGES + 1, STATES))
+            states[:, :5] = reference[:, :5]
+        else:
+            times = _TIMES + self._step
+            states = np.column_stack(
+                [np.interp(times, _TIMES, column) for column in self._states.T]
+            )
+            states[:, :2] -= origin
+            # The simulation's headings jump at half a turn.
+            turns = 2.0 * np.pi * np.round((start[2] - states[0, 2]) / (2.0 * np.pi))
+            states[:, 2] += turns
+            inputs[:, :2] = self._inputs[:, :2]
+        states[0] = start
+        return states, inputs

@@ -1,0 +1,261 @@
+"""The optimal control problem of one step: a kinematic bicycle over the horizon, in CasADi.
+
+Direct multiple shooting (Bock, Plitt 1984): the states of all stages are unknowns beside the
+inputs. FATROP (Vanroye, Sathya, De Schutter, Decré 2023), an interior-point method that makes use
+of this structure, solves it.
+
+States: x, y (metres from an origin near the car), heading, speed, acceleration, front-wheel angle.
+Inputs: jerk, rate of the wheel angle, and three slacks: ahead, aside, boxes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.nmpc.casadi_files import load_casadi
+
+FloatArray = NDArray[np.float64]
+
+STAGES = 14
+STAGE_TIME = 0.2
+"""Seconds: the horizon is 2.8 s."""
+STATES = 6
+INPUTS = 5
+REFERENCE = 8
+"""Parameters of a stage: x, y, heading, speed, acceleration and curvature of the reference, and how
+far beyond it, along it, the centre may go before a halt and behind a leader."""
+SIDES = 2
+"""Then the least and the largest offset to the left of the reference, metres."""
+BOXES = 4
+BOX = 5
+"""x, y, heading, and half length and half width out of which the car's centre must stay."""
+MOST_JERK, HARDEST_JERK = 6.0, -30.0
+STEER_RATE = 0.6
+_FAR = 1e6
+_ROLLING_BACK = 0.05
+"""m/s that a plan may be below zero: with none, a car at rest leaves the solver no inside."""
+
+_LATERAL, _HEADING, _SPEED, _ACCELERATION = 1.0, 2.0, 1.0, 0.1
+_SIDE_ACCELERATION, _JERK, _SIDE_JERK, _WHEEL = 0.1, 0.01, 0.02, 2.0
+_SLACK_LINEAR, _SLACK_SQUARE = (50.0, 5.0, 30.0), (100.0, 10.0, 100.0)
+_HEADWAY = 0.5
+"""Seconds that the plan keeps behind a leader at least; the reference keeps more."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CarLimits:
+    """What bounds the plan: SI units."""
+
+    wheelbase: float
+    max_braking: float
+    max_acceleration: float
+    max_steer: float
+    max_speed: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution:
+    """What came of a problem.
+
+    Attributes:
+        states: (STAGES + 1, STATES).
+        inputs: (STAGES, INPUTS).
+        solved: Whether the solver converged.
+        status: What it said.
+    """
+
+    states: FloatArray
+    inputs: FloatArray
+    solved: bool
+    iterations: int
+    status: str
+
+
+class Problem:
+    """The problem for one kind of car; solving it leaves nothing behind."""
+
+    def __init__(self, casadi: ModuleType, limits: CarLimits, max_iterations: int) -> None:
+        self._solver, self._lower, self._upper, self._low_g, self._up_g = _build(
+            casadi, limits, max_iterations
+        )
+
+    def solve(
+        self,
+        start: FloatArray,
+        reference: FloatArray,
+        sides: FloatArray,
+        boxes: FloatArray,
+        states: FloatArray,
+        inputs: FloatArray,
+    ) -> Solution:
+        """Solves it.
+
+        Args:
+            start: (STATES,) the state now.
+            reference: (STAGES + 1, REFERENCE).
+            sides: (STAGES + 1, SIDES) least and largest offset to the left, metres.
+            boxes: (STAGES + 1, BOXES, BOX).
+            states: (STAGES + 1, STATES) guess.
+            inputs: (STAGES, INPUTS) guess.
+        """
+        guess = np.concatenate(
+            (np.column_stack((states[:-1], inputs)).ravel(), states[-1]), dtype=np.float64
+        )
+        stages = np.column_stack((reference, sides, boxes.reshape(STAGES + 1, -1)))
+        found = self._solver(
+            x0=guess,
+            p=np.concatenate((start, stages.ravel())),
+            lbx=self._lower,
+            ubx=self._upper,
+            lbg=self._low_g,
+            ubg=self._up_g,
+        )
+        stats = self._solver.stats()
+        values = np.asarray(found["x"]).ravel()
+        rows = values[:-STATES].reshape(STAGES, STATES + INPUTS)
+        finite = bool(np.isfinite(values).all())
+        return Solution(
+            states=np.vstack((rows[:, :STATES], values[-STATES:])),
+            inputs=rows[:, STATES:],
+            solved=bool(stats["success"]) and finite,
+            iterations=int(stats["iter_count"]),
+            status=str(stats["return_status"]),
+        )
+
+
+@lru_cache(maxsize=8)
+def problem_for(folder: Path, limits: CarLimits, max_iterations: int) -> Problem:
+    """Gives the problem of a kind of car, with CasADi from a folder."""
+    return Problem(load_casadi(folder), limits, max_iterations)
+
+
+def _build(
+    ca: ModuleType, limits: CarLimits, max_iterations: int
+) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Gives the solver, the bounds of its unknowns and those of its constraints."""
+    step = _step_function(ca, limits.wheelbase)
+    start = ca.SX.sym("start", STATES)
+    width = REFERENCE + SIDES + BOXES * BOX
+    parameters = ca.SX.sym("parameters", width, STAGES + 1)
+    least = (-_FAR, -_FAR, -_FAR, -_ROLLING_BACK, -limits.max_braking, -limits.max_steer)
+    most = (_FAR, _FAR, _FAR, limits.max_speed, limits.max_acceleration, limits.max_steer)
+    unknowns: list[Any] = []
+    constraints: list[Any] = []
+    lower: list[float] = []
+    upper: list[float] = []
+    low_g: list[float] = []
+    up_g: list[float] = []
+    equal: list[bool] = []
+    cost: Any = 0
+    states = [ca.SX.sym(f"x{k}", STATES) for k in range(STAGES + 1)]
+    for k, x in enumerate(states):
+        p = parameters[:, k]
+        unknowns.append(x)
+        # The state now may lie outside: a plan need only lead back in.
+        lower += [-_FAR] * STATES if k == 0 else least
+        upper += [_FAR] * STATES if k == 0 else most
+        along, aside = _place(ca, x, p)
+        if k:
+            cost += _tracking(x, aside, p, limits.wheelbase)
+        if k == STAGES:
+            break
+        u = ca.SX.sym(f"u{k}", INPUTS)
+        unknowns.append(u)
+        lower += [HARDEST_JERK, -STEER_RATE, 0.0, 0.0, 0.0]
+        upper += [MOST_JERK, STEER_RATE, _FAR, _FAR, _FAR]
+        gap = states[k + 1] - step(x, u)
+        bounded = [
+            along - p[6] - u[2],
+            along + _HEADWAY * x[3] - p[7] - u[2],
+            p[8] - aside - u[3],
+            aside - p[9] - u[3],
+            *(1.0 - distance - u[4] for distance in _distances(ca, x, p)),
+        ]
+        first = [x - start] if k == 0 else []
+        fixed = STATES * (1 + len(first))
+        constraints += [gap, *first, *bounded]
+        low_g += [0.0] * fixed + [-np.inf] * len(bounded)
+        up_g += [0.0] * (fixed + len(bounded))
+        equal += [True] * fixed + [False] * len(bounded)
+        side_jerk = p[3] ** 2 / limits.wheelbase * u[1]
+        cost += _JERK * u[0] ** 2 + _SIDE_JERK * side_jerk**2 + _WHEEL * u[1] ** 2
+        for slack, linear, square in zip((2, 3, 4), _SLACK_LINEAR, _SLACK_SQUARE, strict=True):
+            cost += linear * u[slack] + square * u[slack] ** 2
+    solver = ca.nlpsol(
+        "nmpc",
+        "fatrop",
+        {
+            "x": ca.vertcat(*unknowns),
+            "f": cost,
+            "g": ca.vertcat(*constraints),
+            "p": ca.vertcat(start, ca.vec(parameters)),
+        },
+        {
+            "print_time": False,
+            "error_on_fail": False,
+            "structure_detection": "auto",
+            "equality": equal,
+            "fatrop": {
+                "print_level": 0,
+                "max_iter": max_iterations,
+                "tol": 1e-3,
+                "mu_init": 1e-1,
+            },
+        },
+    )
+    return solver, *(np.array(bound) for bound in (lower, upper, low_g, up_g))
+
+
+def _step_function(ca: ModuleType, wheelbase: float) -> Any:
+    """Gives the states after a stage: kinematic bicycle about the centre, by the midpoint rule."""
+    x, u = ca.SX.sym("x", STATES), ca.SX.sym("u", INPUTS)
+    slip = ca.atan(0.5 * ca.tan(x[5]))
+    rate = ca.vertcat(
+        x[3] * ca.cos(x[2] + slip),
+        x[3] * ca.sin(x[2] + slip),
+        x[3] * ca.sin(slip) / (0.5 * wheelbase),
+        x[4],
+        u[0],
+        u[1],
+    )
+    derivative = ca.Function("derivative", [x, u], [rate])
+    middle = x + 0.5 * STAGE_TIME * derivative(x, u)
+    return ca.Function("step", [x, u], [x + STAGE_TIME * derivative(middle, u)])
+
+
+def _place(ca: ModuleType, x: Any, p: Any) -> Sequence[Any]:
+    """Gives metres along and to the left of a stage's reference point."""
+    dx, dy, cos, sin = x[0] - p[0], x[1] - p[1], ca.cos(p[2]), ca.sin(p[2])
+    return cos * dx + sin * dy, cos * dy - sin * dx
+
+
+def _tracking(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
+    """Gives the cost of being elsewhere than the reference, and of side acceleration beyond it."""
+    side = p[3] ** 2 * (x[5] / wheelbase - p[5])
+    return (
+        _LATERAL * aside**2
+        + _HEADING * (x[2] - p[2]) ** 2
+        + _SPEED * (x[3] - p[3]) ** 2
+        + _ACCELERATION * (x[4] - p[4]) ** 2
+        + _SIDE_ACCELERATION * side**2
+    )
+
+
+def _distances(ca: ModuleType, x: Any, p: Any) -> list[Any]:
+    """Gives how far the car is out of each box: 1 at a superellipse through its sides' middles."""
+    found = []
+    for number in range(BOXES):
+        first = REFERENCE + SIDES + BOX * number
+        box = p[first : first + BOX]
+        dx, dy, cos, sin = x[0] - box[0], x[1] - box[1], ca.cos(box[2]), ca.sin(box[2])
+        along, across = (cos * dx + sin * dy) / box[3], (cos * dy - sin * dx) / box[4]
+        found.append((along**4 + across**4 + 1e-4) ** 0.25)
+    return found
