@@ -48,6 +48,9 @@ _BRAKING, _MARGIN = 3.0, 1.0
 _ROOM = (0.6, 0.25)
 """Metres that are kept free before and behind, and at each side."""
 
+_SIDE_ACCELERATION = 5.0
+"""m/s², more than which no trajectory may have."""
+
 _STANDING = 0.2
 """m/s below which the planned heading means nothing."""
 
@@ -68,10 +71,8 @@ class FrenetixAdapter:
         self._forecaster = LaneForecaster(context.lanes)
         self._times = np.arange(0.0, _HORIZON + 0.5 * _DT, _DT)
         self._handler = frenetix.TrajectoryHandler(dt=_DT)
+        # Not the package's check of yaw rates: where a heading passes pi it sees a full turn.
         for check in (
-            feasability_functions.CheckYawRateConstraint(
-                deltaMax=vehicle.max_steer, wheelbase=vehicle.wheelbase, wholeTrajectory=False
-            ),
             feasability_functions.CheckAccelerationConstraint(
                 switchingVelocity=7.3,
                 maxAcceleration=min(vehicle.max_deceleration, 6.0),
@@ -131,9 +132,7 @@ class FrenetixAdapter:
         on_plan = max(off[0], off[1]) < _ON_PLAN[0] and turn < _ON_PLAN[1] and off[3] < _ON_PLAN[2]
         return self._next if on_plan else now
 
-    def _plan(
-        self, state: FloatArray, observation: Observation
-    ) -> tuple[FloatArray | None, int]:
+    def _plan(self, state: FloatArray, observation: Observation) -> tuple[FloatArray | None, int]:
         """Gives the best trajectory as columns like those of a state, and how many were tried."""
         slow = bool(state[3] < _SLOW)
         wheelbase = self._context.vehicle.wheelbase
@@ -152,7 +151,7 @@ class FrenetixAdapter:
             )
         except ValueError:  # Beside the reference by more than its bends let one project.
             return None, 0
-        wanted = self._wanted_speed(start.x0_lon, observation)
+        wanted = self._wanted_speed(start.x0_lon)
         handler = self._handler
         handler.reset_Trajectories()
         handler.clear_cost_functions()
@@ -166,23 +165,19 @@ class FrenetixAdapter:
         ):
             handler.add_cost_function(cost)
         handler.add_function(
-            trajectory_functions.FillCoordinates(
-                slow, float(state[2]), self._coordinates, _HORIZON
-            )
+            trajectory_functions.FillCoordinates(slow, float(state[2]), self._coordinates, _HORIZON)
         )
         handler.generate_trajectories(samples(start, wanted), slow)
         handler.evaluate_all_current_functions(True)
-        return self._best(start.x0_lon[0], state, observation)
+        return self._best(float(start.x0_lon[0]), observation)
 
-    def _wanted_speed(self, lengthwise: FloatArray, observation: Observation) -> float:
+    def _wanted_speed(self, lengthwise: FloatArray) -> float:
         """Gives the speed that limit and bends allow at a place a little ahead, m/s."""
         s, speed = float(lengthwise[0]), float(lengthwise[1])
         places = np.linspace(s, s + 1.5 * max(speed, 0.0), 4)
         return float(np.interp(places, self._reference.arc, self._reference.speeds).min())
 
-    def _best(
-        self, s: float, state: FloatArray, observation: Observation
-    ) -> tuple[FloatArray | None, int]:
+    def _best(self, s: float, observation: Observation) -> tuple[FloatArray | None, int]:
         stop = math.inf
         if must_stop(observation) and math.isfinite(observation.light_distance):
             stop = s + max(observation.light_distance - _MARGIN, 0.05)
@@ -198,6 +193,8 @@ class FrenetixAdapter:
             if end > stop or not self._on_road(frenet.s, frenet.d):
                 continue
             columns = np.column_stack((path.x, path.y, path.theta, path.v, path.a, path.kappa))
+            if (np.abs(columns[:, 3] ** 2 * columns[:, 5]) > _SIDE_ACCELERATION).any():
+                continue
             columns[:, 2] = np.unwrap(columns[:, 2])
             if not self._hits(columns, others):
                 return columns, tried
@@ -235,7 +232,8 @@ def samples(start: frenetix.CurvilinearPlannerState, wanted: float) -> FloatArra
     lengthwise, across = start.x0_lon, start.x0_lat
     fastest = max(wanted, 0.5)
     speeds = np.unique(np.append(np.linspace(0.0, fastest, _SPEEDS), min(lengthwise[1], fastest)))
-    ends = itertools.product(_DURATIONS, speeds.tolist(), (*_OFFSETS, float(across[0])))
+    offsets = np.unique(np.round((*_OFFSETS, across[0]), 2))
+    ends = itertools.product(_DURATIONS, speeds.tolist(), offsets.tolist())
     return np.array(
         [[0.0, t, *lengthwise, speed, 0.0, *across, d, 0.0, 0.0] for t, speed, d in ends]
     )
