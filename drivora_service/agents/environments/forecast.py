@@ -133,6 +133,23 @@ class LaneForecaster:
         return whole
 
 
+def leave_out_followers(others: Forecast, observation: Observation) -> Forecast:
+    """Leaves out who drives behind the vehicle, and has to keep away from it."""
+    x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
+    away = others.poses[:, 0, :2] - (x, y)
+    along = away[:, 0] * math.cos(yaw) + away[:, 1] * math.sin(yaw)
+    across = away[:, 1] * math.cos(yaw) - away[:, 0] * math.sin(yaw)
+    turn = np.abs(np.mod(others.poses[:, 0, 2] - yaw + math.pi, math.tau) - math.pi)
+    behind = (along < -3.0) & (np.abs(across) < 1.8) & (turn < 1.0)
+    return Forecast(
+        ids=others.ids[~behind],
+        kinds=others.kinds[~behind],
+        sizes=others.sizes[~behind],
+        speeds=others.speeds[~behind],
+        poses=others.poses[~behind],
+    )
+
+
 def _turn_of(lane: LaneView) -> float:
     (ax, ay), (bx, by) = lane.line[1] - lane.line[0], lane.line[-1] - lane.line[-2]
     return abs(math.remainder(math.atan2(by, bx) - math.atan2(ay, ax), math.tau))

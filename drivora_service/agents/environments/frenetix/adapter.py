@@ -16,7 +16,11 @@ from frenetix import trajectory_functions
 from frenetix.trajectory_functions import cost_functions, feasability_functions
 from numpy.typing import NDArray
 
-from drivora_service.agents.environments.forecast import Forecast, LaneForecaster
+from drivora_service.agents.environments.forecast import (
+    Forecast,
+    LaneForecaster,
+    leave_out_followers,
+)
 from drivora_service.agents.environments.lights import must_stop
 from drivora_service.agents.environments.overlap import overlap
 from drivora_service.agents.environments.reference import find_reference
@@ -182,7 +186,7 @@ class FrenetixAdapter:
         if must_stop(observation) and math.isfinite(observation.light_distance):
             stop = s + max(observation.light_distance - _MARGIN, 0.05)
         others = self._forecaster.foresee(observation, self._times, _OTHERS)
-        others = ahead_or_beside(others, observation)
+        others = leave_out_followers(others, observation)
         tried = 0
         for trajectory in self._handler.get_sorted_trajectories():
             if not (trajectory.valid and trajectory.feasible):
@@ -236,23 +240,6 @@ def samples(start: frenetix.CurvilinearPlannerState, wanted: float) -> FloatArra
     ends = itertools.product(_DURATIONS, speeds.tolist(), offsets.tolist())
     return np.array(
         [[0.0, t, *lengthwise, speed, 0.0, *across, d, 0.0, 0.0] for t, speed, d in ends]
-    )
-
-
-def ahead_or_beside(others: Forecast, observation: Observation) -> Forecast:
-    """Leaves out who drives behind the vehicle, and has to keep away from it."""
-    x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
-    away = others.poses[:, 0, :2] - (x, y)
-    along = away[:, 0] * math.cos(yaw) + away[:, 1] * math.sin(yaw)
-    across = away[:, 1] * math.cos(yaw) - away[:, 0] * math.sin(yaw)
-    turn = np.abs(np.mod(others.poses[:, 0, 2] - yaw + math.pi, math.tau) - math.pi)
-    behind = (along < -3.0) & (np.abs(across) < 1.8) & (turn < 1.0)
-    return Forecast(
-        ids=others.ids[~behind],
-        kinds=others.kinds[~behind],
-        sizes=others.sizes[~behind],
-        speeds=others.speeds[~behind],
-        poses=others.poses[~behind],
     )
 
 
