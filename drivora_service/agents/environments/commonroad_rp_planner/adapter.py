@@ -67,7 +67,7 @@ class CommonRoadAdapter:
         self._half_base = 0.5 * context.vehicle.wheelbase
         self._reference = find_reference(context.route, context.lanes)
         self._forecaster = LaneForecaster(context.lanes)
-        self._times = np.arange(_STEPS + 1) * _DT
+        self._times: FloatArray = np.arange(_STEPS + 1, dtype=np.float64) * _DT
         self._coordinates = CoordinateSystem(self._reference.line, clcs_params=CLCSParams())
         self._planner = ReactivePlanner(configuration(context, self._reference))
         self._planner.set_reference_path(coordinate_system=self._coordinates)
