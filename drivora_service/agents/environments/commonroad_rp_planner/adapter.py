@@ -222,11 +222,15 @@ def configuration(context: ContextView, reference: Reference) -> ReactivePlanner
     made = ReactivePlannerConfiguration()
     made.planning_problem_set = PlanningProblemSet([problem])
     made.debug.logging_level = "ERROR"
+    # Else it forks for every plan, and hangs: gRPC has threads.
+    made.debug.multiproc = False
     made.planning.dt, made.planning.time_steps_computation = _DT, _STEPS
     made.planning.planning_horizon = _DT * _STEPS
     # Where a heading passes pi its check of yaw rates sees a full turn.
     made.planning.constraints_to_check = ["velocity", "acceleration", "kappa"]
     made.sampling.max_deceleration_ratio = 0.5
+    # The third level takes seconds, and is reached just when there is no time.
+    made.sampling.num_sampling_levels = 3
     made.update(scenario=scenario, planning_problem=problem)
     own = made.vehicle
     own.length, own.width = vehicle.length, vehicle.width
