@@ -233,7 +233,7 @@ SHORT = (("harbour_1_0", 40.0), ("ferry_1_0", 15.0))
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "places"),
-    [("fiss-plus", LONG), ("fop", LONG), ("frenetix", SHORT), ("commonroad-rp", SHORT)],
+    [("fiss-plus", LONG), ("fop", LONG), ("frenetix", SHORT)],
 )
 def test_a_planner_of_a_real_package_installs_and_drives(
     tmp_path_factory: pytest.TempPathFactory, name: str, places: tuple[tuple[str, float], ...]

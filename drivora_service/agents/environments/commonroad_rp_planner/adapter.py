@@ -80,7 +80,7 @@ class CommonRoadAdapter:
         context = self._context
         age = observation.time - self._planned_at
         now = self._state(observation, age)
-        if self._plan is None or age > _REPLAN_AFTER - 1e-6:
+        if age > _REPLAN_AFTER - 1e-6:
             self._plan, self._planned_at, age = (
                 self._new_plan(now, observation),
                 observation.time,
