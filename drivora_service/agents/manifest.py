@@ -50,6 +50,8 @@ class AgentManifest:
         variables: Environment variables that it gets.
         address: Where it listens, if somebody else runs it, else "".
         environment: Name of the virtual environment that it runs in; agents may share one.
+        resolved: Whether its requirements are complete, so that what the packages themselves ask
+            for is not looked at.
         deadlines: What it may take.
     """
 
@@ -63,6 +65,7 @@ class AgentManifest:
     variables: tuple[tuple[str, str], ...] = ()
     address: str = ""
     environment: str = ""
+    resolved: bool = False
     deadlines: AgentDeadlines = AgentDeadlines()
 
 
@@ -89,6 +92,7 @@ class _Manifest(BaseModel):
     variables: dict[_Text, Annotated[str, Field(strict=True)]] = {}
     address: Annotated[str, Field(strict=True, pattern=_ADDRESS)] | None = None
     environment: Annotated[str, Field(strict=True, pattern=NAME_PATTERN)] | None = None
+    resolved: Annotated[bool, Field(strict=True)] = False
     deadlines: _Deadlines = _Deadlines()
 
     @model_validator(mode="after")
@@ -144,6 +148,7 @@ def _manifest(text: bytes, path: Path, name: str) -> AgentManifest:
         variables=tuple(document.variables.items()),
         address=document.address or "",
         environment=document.environment or document.name,
+        resolved=document.resolved,
         deadlines=AgentDeadlines(**document.deadlines.model_dump()),
     )
 

@@ -226,18 +226,25 @@ def test_a_scenario_with_an_agent_that_is_not_installed_is_refused() -> None:
     assert "drivora agents install fop" in problem.message
 
 
+LONG = (("harbour_0_0", 120.0), ("harbour_1_0", 60.0), ("ferry_1_0", 60.0))
+SHORT = (("harbour_1_0", 40.0), ("ferry_1_0", 15.0))
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["fiss-plus", "fop"])
+@pytest.mark.parametrize(
+    ("name", "places"),
+    [("fiss-plus", LONG), ("fop", LONG), ("frenetix", SHORT)],
+)
 def test_a_planner_of_a_real_package_installs_and_drives(
-    tmp_path_factory: pytest.TempPathFactory, name: str
+    tmp_path_factory: pytest.TempPathFactory, name: str, places: tuple[tuple[str, float], ...]
 ) -> None:
-    folder = tmp_path_factory.getbasetemp() / "fiss-agents"
+    folder = tmp_path_factory.getbasetemp() / "planner-agents"
     catalogue = AgentCatalogue(folder=folder)
     try:
         catalogue.install(name)
     except AgentError as error:
         pytest.skip(f"the package cannot be fetched here: {str(error)[-200:]}")
-    route = (place("harbour_0_0", 120.0), place("harbour_1_0", 60.0), place("ferry_1_0", 60.0))
+    route = (place(lane, s) for lane, s in places)
     what = scenario(ego(*route, agent=name), seconds=120.0)
     traces = []
     for _ in range(2):

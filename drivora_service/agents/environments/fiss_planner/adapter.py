@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 
 import fiss_planner as fp
 import numpy as np
-from numpy.typing import NDArray
 
+from drivora_service.agents.environments.lights import must_stop
+from drivora_service.agents.environments.lines import arc_of, normals, resampled
+from drivora_service.agents.environments.route_lanes import (
+    beside_one_another,
+    lane_sequence,
+    usable_lanes,
+)
 from drivora_service.agents.interface import (
     AccelerationControl,
     Control,
@@ -21,17 +27,12 @@ from drivora_service.agents.interface import (
     PoseControl,
 )
 from drivora_service.agents.remote.serving import serve
-from drivora_service.agents.remote.views import ContextView, LaneView, RouteView
-from drivora_service.observations.trace import Col, Light
-
-FloatArray = NDArray[np.float64]
+from drivora_service.agents.remote.views import ContextView, LaneView
+from drivora_service.observations.trace import Col
 
 _HORIZON_S, _PREDICTION_S = 6.0, 0.1
 _OTHERS = 25
 """Actors that are shown to the planner, the nearest ones."""
-
-_PLANNED_BRAKING = 4.0
-"""m/s²: a yellow light is passed if stopping would need more."""
 
 _STANDING = 0.2
 """m/s below which the planned heading means nothing."""
@@ -141,11 +142,7 @@ class FissAdapter:
         """Puts up the stop lines of the next signal where it must be obeyed."""
         active = -1
         distance, signals = observation.light_distance, self._context.route.signals
-        halting = observation.speed**2 / (2.0 * _PLANNED_BRAKING)
-        must_stop = observation.light is Light.RED or (
-            observation.light is Light.YELLOW and halting < distance
-        )
-        if signals and must_stop and 0.0 <= distance < math.inf:
+        if signals and must_stop(observation) and 0.0 <= distance < math.inf:
             s = observation.route_s + 0.5 * self._context.vehicle.length + distance
             active = min(range(len(signals)), key=lambda k: abs(signals[k].s - s))
         if active == self._active:
@@ -171,63 +168,6 @@ class FissAdapter:
         ]
 
 
-def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
-    """Gives the lanes that a vehicle on the route may use, those beside the route's among them."""
-    usable = set(lane_sequence(lanes, route))
-    for lane in list(usable):
-        usable.update(beside_one_another(lanes, lane))
-    for lane in list(usable):
-        for way in ways_through_junction(lanes, lane):
-            if way[-1] in usable:
-                usable.update(way)
-    return usable
-
-
-def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
-    """Gives the lanes along the route in order; two that follow are connected or side by side."""
-    found = [int(lane) for lane in route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))]]
-    sequence = found[:1]
-    for lane in found[1:]:
-        # Lanes of less than a metre, in junctions, may lie between two points of the route.
-        for way in ways_through_junction(lanes, sequence[-1]):
-            if way[-1] == lane:
-                sequence += way[:-1]
-                break
-        sequence.append(lane)
-    return sequence
-
-
-def ways_through_junction(
-    lanes: Mapping[int, LaneView], lane: int, depth: int = 4
-) -> Iterator[list[int]]:
-    """Gives the ways from a lane's end to the next lane outside the junction, that one included."""
-    for following in lanes[lane].successors:
-        if following not in lanes:
-            continue
-        if not lanes[following].in_junction:
-            yield [following]
-        elif depth:
-            for way in ways_through_junction(lanes, following, depth - 1):
-                yield [following, *way]
-
-
-def beside_one_another(lanes: Mapping[int, LaneView], lane: int) -> list[int]:
-    """Gives a lane and those beside it, from it to the left, then to the right."""
-    beside = [lane]
-    if lanes[lane].in_junction:
-        return beside
-    for leftwards in (True, False):
-        current: int | None = lane
-        while current is not None:
-            view = lanes[current]
-            current = view.left if leftwards else view.right
-            if current is not None and current in lanes:
-                beside.append(current)
-            else:
-                current = None
-    return beside
-
-
 def pose_after(trajectory: fp.Trajectory, ahead: float, x: float, y: float) -> Sequence[float]:
     """Gives x, y, yaw and speed on a trajectory, ``ahead`` seconds after the place nearest (x, y).
 
@@ -246,26 +186,6 @@ def pose_after(trajectory: fp.Trajectory, ahead: float, x: float, y: float) -> S
     columns = (trajectory.x, trajectory.y, yaws, trajectory.v)
     px, py, yaw, speed = (float(np.interp(then, times, column)) for column in columns)
     return px, py, yaw, max(speed, 0.0)
-
-
-def resampled(line: FloatArray, spacing: float = 1.0) -> FloatArray:
-    """Gives a line with points evenly spaced, about ``spacing`` metres apart."""
-    arc = arc_of(line)
-    places = np.linspace(0.0, arc[-1], max(2, int(arc[-1] / spacing) + 1))
-    return np.column_stack([np.interp(places, arc, line[:, k]) for k in (0, 1)])
-
-
-def arc_of(line: FloatArray) -> FloatArray:
-    """Gives the arc length at each point, metres."""
-    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
-
-
-def normals(line: FloatArray) -> FloatArray:
-    """Gives the (n, 2) unit vectors to the left of a line."""
-    along = np.gradient(line, axis=0)
-    across = np.column_stack((-along[:, 1], along[:, 0]))
-    unit: FloatArray = across / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
-    return unit
 
 
 if __name__ == "__main__":

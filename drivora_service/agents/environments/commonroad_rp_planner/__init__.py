@@ -1,0 +1,1 @@
+"""The reactive planner of CommonRoad, from the package ``commonroad-reactive-planner``."""

@@ -1,0 +1,1 @@
+"""Trajectories sampled in the Frenet frame by the package ``frenetix``."""

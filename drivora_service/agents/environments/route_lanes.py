@@ -1,0 +1,66 @@
+"""The lanes that a route can use, found among those that an adapter is told of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from drivora_service.agents.remote.views import LaneView, RouteView
+
+
+def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
+    """Gives the lanes that a vehicle on the route may use, those beside the route's among them."""
+    usable = set(lane_sequence(lanes, route))
+    for lane in list(usable):
+        usable.update(beside_one_another(lanes, lane))
+    for lane in list(usable):
+        for way in ways_through_junction(lanes, lane):
+            if way[-1] in usable:
+                usable.update(way)
+    return usable
+
+
+def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
+    """Gives the lanes along the route in order; two that follow are connected or side by side."""
+    found = [int(lane) for lane in route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))]]
+    sequence = found[:1]
+    for lane in found[1:]:
+        # Lanes of less than a metre, in junctions, may lie between two points of the route.
+        for way in ways_through_junction(lanes, sequence[-1]):
+            if way[-1] == lane:
+                sequence += way[:-1]
+                break
+        sequence.append(lane)
+    return sequence
+
+
+def ways_through_junction(
+    lanes: Mapping[int, LaneView], lane: int, depth: int = 4
+) -> Iterator[list[int]]:
+    """Gives the ways from a lane's end to the next lane outside the junction, that one included."""
+    for following in lanes[lane].successors:
+        if following not in lanes:
+            continue
+        if not lanes[following].in_junction:
+            yield [following]
+        elif depth:
+            for way in ways_through_junction(lanes, following, depth - 1):
+                yield [following, *way]
+
+
+def beside_one_another(lanes: Mapping[int, LaneView], lane: int) -> list[int]:
+    """Gives a lane and those beside it, from it to the left, then to the right."""
+    beside = [lane]
+    if lanes[lane].in_junction:
+        return beside
+    for leftwards in (True, False):
+        current: int | None = lane
+        while current is not None:
+            view = lanes[current]
+            current = view.left if leftwards else view.right
+            if current is not None and current in lanes:
+                beside.append(current)
+            else:
+                current = None
+    return beside
