@@ -37,10 +37,11 @@ pytestmark = pytest.mark.slow
 
 TESTERS = ("random", "avfuzzer")
 KILLS = 3
+SIMULATIONS = 60
 _LONG_S = 240.0
 
 
-def document(tester: str, simulations: int = 30, **changes: Any) -> dict[str, Any]:
+def document(tester: str, simulations: int = SIMULATIONS, **changes: Any) -> dict[str, Any]:
     return {
         "name": f"tee, {tester}",
         "tester": {"name": tester},
@@ -143,7 +144,7 @@ def test_campaigns_of_a_server_are_those_of_a_command(
         assert found
         assert {failure["confirmation"] for failure in found} == {"confirmed"}
         last = seen[tester][-1]
-        assert (last["simulations"], last["left_s"]) == (30, 0.0)
+        assert (last["simulations"], last["left_s"]) == (SIMULATIONS, 0.0)
         assert last["counts"]["violating"] == len({failure["evaluation"] for failure in found})
     progress = [campaign["simulations"] for campaign in seen["random"]]
     assert progress == sorted(progress)
@@ -159,7 +160,7 @@ def test_a_campaign_is_paused_and_resumed(
         asked = client.post(f"/campaigns/{campaign_id}:pause")
         assert asked.status_code == 202
         paused = follow(client, campaign_id, until="paused")[-1]
-        assert 5 <= paused["simulations"] < 30
+        assert 5 <= paused["simulations"] < SIMULATIONS
         # A paused campaign leaves the workers to others.
         job = client.post("/jobs", json=SCENARIO).json()["id"]
         deadline = time.monotonic() + _LONG_S
@@ -229,16 +230,16 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
             lock = tmp_path / "campaigns" / campaign_id / "lock"
             engine = psutil.Process(int(lock.read_text()))
             assert not [m.path for m in engine.memory_maps() if "libsumo" in m.path]
-            time.sleep(luck.uniform(0.0, 0.3))
+            time.sleep(luck.uniform(0.0, 0.1))
         # The kernel ends it with its parent.
         engine.wait(30.0)
         moments.append(len(evaluations(tmp_path, campaign_id)))
-    assert 0 < moments[0] < moments[1] < moments[2] < 30
+    assert 0 < moments[0] < moments[1] < moments[2] < SIMULATIONS
     with running_service(tmp_path, workers=2) as url, client_of(url) as client:
         last = follow(client, campaign_id, until="finished")[-1]
         batch = client.get(f"/batches/{last['batch_id']}").json()
     # One run for each simulation, and one again for each failing one.
-    assert batch["size"] == 30 + last["counts"]["violating"]
+    assert batch["size"] == SIMULATIONS + last["counts"]["violating"]
     assert batch["counts"] == {"finished": batch["size"]}
     assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references[tester])
 
