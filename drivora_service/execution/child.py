@@ -86,6 +86,8 @@ class Child:
             self.replace()
         if self._channel is None:
             raise RuntimeError("no worker process could be started")
+        if self.log_size() > _LOG_BYTES:
+            os.truncate(self._files.log, 0)
         self._runs += 1
         # A process that has died since then is found by whoever waits for the report.
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -169,8 +171,6 @@ class Child:
         self.ready = False
 
     def _start(self) -> None:
-        if self.log_size() > _LOG_BYTES:
-            os.truncate(self._files.log, 0)
         self._log_begin = self.log_size()
         self._runs = 0
         ours, theirs = multiprocessing.Pipe()

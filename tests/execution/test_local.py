@@ -172,6 +172,15 @@ def test_workers_are_recycled(start: Start) -> None:
     assert [len(set(pids[:3])), len(set(pids[3:])), len(set(pids))] == [1, 1, 2]
 
 
+def test_a_log_does_not_grow_for_ever(start: Start, tmp_path: Path) -> None:
+    executor = start()
+    assert_usable(executor)
+    with (tmp_path / "slot-0.log").open("a") as log:
+        log.write("much\n" * 1_000_000)
+    assert_usable(executor)
+    assert (tmp_path / "slot-0.log").stat().st_size < 1_000_000
+
+
 def test_workers_have_the_environment_that_makes_results_repeatable(start: Start) -> None:
     environment = run(start(), "environment").report.versions
     assert environment["PYTHONHASHSEED"] == "0"
