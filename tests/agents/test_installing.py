@@ -37,28 +37,32 @@ def packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which pip finds one package, and no other place to look."""
     folder = tmp_path / "packages"
     folder.mkdir()
-    info = "tiny_driver-1.0.dist-info"
-    files = {
-        "tiny_driver.py": "SPEED = 4.0\n",
-        "tiny_driver_weights/w.bin": "weights",
-        f"{info}/METADATA": "Metadata-Version: 2.1\nName: tiny-driver\nVersion: 1.0\n",
-        f"{info}/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-    }
-    record = "".join(f"{name},,\n" for name in (*files, f"{info}/RECORD"))
-    with zipfile.ZipFile(folder / WHEEL, "w") as wheel:
-        for name, text in {**files, f"{info}/RECORD": record}.items():
-            wheel.writestr(name, text)
+    write_wheel(folder)
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     monkeypatch.setenv("PIP_FIND_LINKS", str(folder))
     monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
     return folder
 
 
+def write_wheel(folder: Path, more: str = "") -> None:
+    info = "tiny_driver-1.0.dist-info"
+    files = {
+        "tiny_driver.py": "SPEED = 4.0\n",
+        "tiny_driver_weights/w.bin": "weights",
+        f"{info}/METADATA": "Metadata-Version: 2.1\nName: tiny-driver\nVersion: 1.0\n" + more,
+        f"{info}/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    }
+    record = "".join(f"{name},,\n" for name in (*files, f"{info}/RECORD"))
+    with zipfile.ZipFile(folder / WHEEL, "w") as wheel:
+        for name, text in {**files, f"{info}/RECORD": record}.items():
+            wheel.writestr(name, text)
+
+
 def sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def write_agent(agents: Path, requirements: str) -> None:
+def write_agent(agents: Path, requirements: str, **more: Any) -> None:
     home = agents / "tiny"
     home.mkdir(parents=True, exist_ok=True)
     manifest = {
@@ -68,6 +72,7 @@ def write_agent(agents: Path, requirements: str) -> None:
         "source": "tests",
         "licence": "MIT",
         "command": ["{python}", "-c", "import tiny_driver; print(tiny_driver.SPEED)"],
+        **more,
     }
     (home / "agent.yaml").write_text(yaml.safe_dump(manifest))
     (home / "requirements.txt").write_text(requirements)
@@ -106,6 +111,20 @@ def test_other_requirements_make_an_installation_count_as_none(
     with pytest.raises(AgentError, match="agents install tiny") as failure:
         catalogue.create("tiny", {})
     assert failure.value.cause == "agent_not_installed"
+
+
+def test_what_packages_ask_for_is_left_out_where_the_requirements_are_complete(
+    tmp_path: Path, packages: Path
+) -> None:
+    write_wheel(packages, "Requires-Dist: what-nobody-has==1.0\n")
+    agents = tmp_path / "agents"
+    catalogue = AgentCatalogue(folder=agents)
+    write_agent(agents, tiny(packages))
+    with pytest.raises(AgentError, match="what-nobody-has"):
+        catalogue.install("tiny")
+    write_agent(agents, tiny(packages), resolved=True)
+    assert catalogue.install("tiny")
+    assert catalogue.entry("tiny").installed
 
 
 def test_a_package_with_another_hash_is_not_installed(tmp_path: Path, packages: Path) -> None:
