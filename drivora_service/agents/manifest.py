@@ -51,7 +51,7 @@ class AgentManifest:
         address: Where it listens, if somebody else runs it, else "".
         environment: Name of the virtual environment that it runs in; agents may share one.
         resolved: Whether its requirements are complete, so that what the packages themselves ask
-            for is not looked at.
+            for, other packages and a version of Python, is not looked at.
         deadlines: What it may take.
     """
 
