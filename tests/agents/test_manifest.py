@@ -132,7 +132,7 @@ def test_folders_whose_names_no_document_may_name_are_left_out(tmp_path: Path) -
 
 def test_the_shipped_manifests_are_good() -> None:
     shipped = shipped_manifests()
-    assert {"fiss-plus", "fop", "frenetix", "commonroad-rp"} <= set(shipped)
+    assert {"fiss-plus", "fop", "frenetix", "commonroad-rp", "smarts-iamp"} <= set(shipped)
     for name, path in shipped.items():
         manifest = read_manifest(path, name)
         assert manifest.licence
