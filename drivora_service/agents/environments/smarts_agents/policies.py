@@ -64,7 +64,7 @@ LOADERS: dict[str, Callable[[], Callable[[], Policy]]] = {
 class StandOrDrive:
     """The network of CASL: three layers of 750, and a choice between standing (0) and driving (1).
 
-    In place of the library that trained it, which would bring two hundred others.
+    In place of the library that trained it, of which nothing else is needed.
     """
 
     def __init__(self, weights: dict[str, torch.Tensor]) -> None:
