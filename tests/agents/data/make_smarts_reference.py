@@ -2,13 +2,13 @@
 
 In two steps. With Drivora, from its folder: records what an ego perceives between others::
 
-    PYTHONPATH=. python tests/agents/data/make_smarts_reference.py record /tmp/seen
+    PYTHONPATH=. python tests/agents/data/make_smarts_reference.py record seen
 
 In the environment that ``drivora agents install smarts-iamp`` has made, with a folder on
 ``PYTHONPATH`` in which there is ``drivora_service`` alone: asks the policies, with the classes of
 the package ``smarts`` in place of the adapter's::
 
-    python make_smarts_reference.py answer /tmp/seen smarts_agents.npz
+    python make_smarts_reference.py answer seen smarts_agents.npz
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Scenes turned so that the ego faces north, for policies that trip over the compass.
 
-DSAC and CASL subtract headings without going round where north-to-south meets itself, and DSAC
-takes a vehicle at (200, 200) for none: driving south, or there, they would steer off the road.
+DSAC and CASL subtract headings without going round, and so steer off the road on the way south;
+DSAC puts the empty places of its list at (200, 200), where it would see vehicles that are none.
 Neither remembers more of a scene than how far it has gone, so each scene may have a frame of its
 own: the ego faces north, at as many metres north of the origin as it has driven.
 """
