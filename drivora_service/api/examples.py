@@ -202,6 +202,14 @@ AGENTS = catalogues.AgentList(
             description="Follows its route with the Intelligent Driver Model",
             source="",
             licence="Apache-2.0",
+            parameters=(
+                catalogues.AgentParameter(
+                    name="speed_factor",
+                    default=1.0,
+                    values={"type": "number", "minimum": 0.1, "maximum": 2.0},
+                    description="Share of the speed limit that it drives where the road is free.",
+                ),
+            ),
             installed=True,
             reason="",
         ),
