@@ -101,6 +101,7 @@ RUN = runs.Run(
     metrics={"route_completion": 0.63},
     scores={"minimum_gap": 0.0, "time_to_collision": None},
     step_cost_us=118.0,
+    agent_cost_us={"ego_0": 31.0},
     versions={"drivora": "0.1.0", "sumo": "1.28.0"},
     tries=(
         runs.Attempt(number=1, worker="slot-0", outcome="finished", cause="", signal="", log=""),

@@ -94,7 +94,7 @@ def test_a_service_finds_what_a_command_finds(
     for one in (*mine["lineage"], *theirs["lineage"]):
         for timed in ("search_s", "prepare_s"):
             del one[timed]
-        for timed in ("run_id", "wall_time_s", "step_cost_us"):
+        for timed in ("run_id", "wall_time_s", "step_cost_us", "agent_cost_us"):
             del one["report"][timed]
     assert theirs == mine
     assert mine["lineage"][-1]["report"]["measurement"]["objectives"]
