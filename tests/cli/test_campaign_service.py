@@ -59,7 +59,7 @@ def test_what_is_not_there_or_makes_no_sense(
     drivora: Drivora, campaign_file: Path, service_url: str
 ) -> None:
     server = ("--server", service_url)
-    for command in ("show", "pause", "cancel", "resume"):
+    for command in ("show", "pause", "cancel", "resume", "report"):
         ended = drivora("campaign", command, "0123", *server)
         assert ended.code == 3
         assert "unknown campaign '0123'" in ended.err
