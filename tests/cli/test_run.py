@@ -133,9 +133,9 @@ def test_a_picture_marks_the_rules_that_are_asked_for(drivora: Drivora, tmp_path
     strip = tmp_path / "strip.svg"
     assert drivora("plot", trace, "--moments", "4", "--out", strip).code == 0
     assert "<svg" in strip.read_text()
-    refused = drivora("plot", trace, "--moments", "4", "--color-by", "time", "--out", strip)
-    assert refused.code == 2
-    assert "leave it out with --moments" in refused.err
+    mixed = drivora("plot", trace, "--moments", "4", "--color-by", "time", "--out", strip)
+    assert mixed.code == 2
+    assert "leave it out with --moments" in mixed.err
     wrong = drivora("plot", tmp_path / "walker-behind-van.trace.parquet", "--rule", "crash")
     assert wrong.code == 2
     assert "collision" in wrong.err
