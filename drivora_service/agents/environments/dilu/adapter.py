@@ -30,6 +30,9 @@ _SPEED_STEP = 3.0
 _HARD = 3.5
 """m/s² of braking that counts as the consequence of a mistake."""
 
+_ROLLING = 1.0
+"""m/s below which braking harms nobody."""
+
 _EXAMPLES, _MOST_EXAMPLES = 3, 5
 _EMBEDDED_PATIENCE_S = 60.0
 
@@ -99,7 +102,8 @@ class DiluAdapter:
             offset=self._frame.offset(around.s, self._lane) or 0.0,
             stop=stop,
         )
-        self._braked = max(self._braked, -control.acceleration)
+        if around.speed > _ROLLING:
+            self._braked = max(self._braked, -control.acceleration)
         self._write()
         return control
 
