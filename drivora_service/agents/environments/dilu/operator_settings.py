@@ -53,10 +53,13 @@ def endpoint_settings(variables: Mapping[str, str]) -> EndpointSettings | None:
     model = variables.get(MODEL, "").strip()
     if not model:
         raise ModelError(f"{ENDPOINT} is set, {MODEL} is not: name the model to ask there")
+    key = variables.get(API_KEY, "").strip()
+    if not (key.isascii() and key.isprintable()):
+        raise ModelError(f"{API_KEY} holds what no HTTP header may; allowed: printable ASCII")
     return EndpointSettings(
         url=text,
         model=model,
-        api_key=variables.get(API_KEY, "").strip(),
+        api_key=key,
         timeout=_seconds(variables.get(TIMEOUT, "")),
     )
 
@@ -65,12 +68,12 @@ def _check_url(text: str) -> None:
     allowed = "allowed: http:// or https://, a host and a path, such as http://localhost:8080/v1"
     try:
         url = httpx.URL(text)
-    except httpx.InvalidURL as error:
-        raise ModelError(f"{ENDPOINT} is no address ({error}); {allowed}") from error
+    except httpx.InvalidURL:
+        # Without what is wrong with it: it may hold what must not be in a log.
+        raise ModelError(f"{ENDPOINT} is no address; {allowed}") from None
     if url.scheme not in ("http", "https") or not url.host:
         raise ModelError(f"{ENDPOINT} has no scheme or host; {allowed}")
     if url.userinfo or url.query:
-        # Not shown: it is what must not be in a log.
         raise ModelError(f"{ENDPOINT} holds a user or a query; {allowed}. A key goes to {API_KEY}")
 
 

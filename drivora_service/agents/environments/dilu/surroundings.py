@@ -122,8 +122,9 @@ def look_around(
     # Followers are left out of what will cross, not of who is behind: they are looked up as well.
     count = len(now.ids)
     placed_s, placed_d, headings = frame.project(now.poses[:, :, :2].reshape(-1, 2))
-    grid = np.stack((placed_s, placed_d), axis=-1).reshape(count, -1, 2)
-    turns = now.poses[:, 0, 2] - headings.reshape(count, -1)[:, 0]
+    shape = count, len(_TIMES) + 1
+    grid = np.stack((placed_s, placed_d), axis=-1).reshape(*shape, 2)
+    turns = now.poses[:, 0, 2] - headings.reshape(shape)[:, 0]
     cos, sin = np.abs(np.cos(turns)), np.abs(np.sin(turns))
     long, wide = 0.5 * now.sizes[:, 0], 0.5 * now.sizes[:, 1]
     foreseen = grid[:, 1:].copy()
