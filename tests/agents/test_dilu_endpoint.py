@@ -74,7 +74,9 @@ class Here:
         return self.adapter.run_step(observation_view(step_request(observation, "run")))
 
 
-def drive(chat: ChatServer, *boxes: NpcObstacle, seconds: float = 60.0, end: float = 120.0) -> Trace:
+def drive(
+    chat: ChatServer, *boxes: NpcObstacle, seconds: float = 60.0, end: float = 120.0
+) -> Trace:
     route = place("harbour_1_0", 20), place("harbour_1_0", end)
     what = scenario(ego(*route), seconds=seconds, npc_obstacles=boxes)
     return run(what, Here(DiluAdapter(model(chat), 30.0)))
