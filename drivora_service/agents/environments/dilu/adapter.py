@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -71,19 +72,22 @@ class DiluAdapter:
             model=self._model,
             memory=Memory(self._experiences),
             examples=examples,
-            patience=self._patience,
             log=context.log,
         )
         self._wanted, self._lane = 0.0, 0
         self._decide_at: float | None = None
         self._decision = Decision.KEEP
         self._braked = 0.0
+        self._near: float | None = None
         context.log.declare(*_COLUMNS)
         self._log_what_is_known()
 
     def run_step(self, observation: Observation) -> Control:
         """Decides, if it is time to, and drives."""
-        around = look_around(observation, self._frame, self._forecaster, self._context.vehicle)
+        near = observation.route_s if self._near is None else self._near
+        vehicle = self._context.vehicle
+        around = look_around(observation, self._frame, self._forecaster, vehicle, near)
+        self._near = around.s
         stop = None
         if must_stop(observation) and observation.light_distance < 1e6:
             stop = max(observation.light_distance, 0.0)
@@ -97,7 +101,7 @@ class DiluAdapter:
         control = drive(
             around,
             self._frame,
-            self._context.vehicle,
+            vehicle,
             wanted=self._wanted,
             offset=self._frame.offset(around.s, self._lane) or 0.0,
             stop=stop,
@@ -108,11 +112,12 @@ class DiluAdapter:
         return control
 
     def _decide(self, around: Surroundings, stop: float | None) -> None:
+        until = time.monotonic() + self._patience
         if self._braked > _HARD:
-            self._driver.reflect(self._braked)
+            self._driver.reflect(self._braked, until)
         self._braked = 0.0
         situation = self._situation(around, stop)
-        self._decision = self._driver.decide(situation)
+        self._decision = self._driver.decide(situation, until)
         match self._decision:
             case Decision.ACCELERATE:
                 wanted = max(self._wanted, around.speed) + _SPEED_STEP

@@ -112,7 +112,8 @@ def _lane(found: Mapping[str, Any] | str | None) -> Beside | None:
         return None
     if found == "free":
         return Beside()
-    assert not isinstance(found, str)
+    if isinstance(found, str):
+        raise ValueError(f"found the lane {found!r}; allowed: free, or who is ahead and behind")
     return Beside(**{side: _neighbour(found[side]) for side in found})
 
 

@@ -69,27 +69,28 @@ class Driver:
         model: To ask.
         memory: Grows as the run goes on.
         examples: Experiences to show with each question.
-        patience: Seconds for all that is asked in one step.
         log: Of the agent.
     """
 
     model: ChatModel
     memory: Memory
     examples: int
-    patience: float
     log: AgentLog
     counts: Counts = field(default_factory=Counts)
     _made: list[_Made] = field(default_factory=list)
     _trouble_at: int = -1
 
-    def decide(self, situation: Situation) -> Decision:
+    def decide(self, situation: Situation, until: float) -> Decision:
         """Asks the model what to do.
+
+        Args:
+            situation: The present one.
+            until: Of the monotonic clock, when answers must be there.
 
         Raises:
             ModelError: It does not answer.
         """
         self._keep_a_good_one()
-        until = time.monotonic() + self.patience
         recalled = self.memory.recall(situation, self.examples)
         # The most fitting one last, as a model heeds most what it read last; the others by number,
         # so that questions begin alike: what it has read before it need not read again.
@@ -99,7 +100,7 @@ class Driver:
         )
         self.log.event(f"situation: {messages[-1].content}")
         self.log.event(f"examples: {_listed(recalled)}")
-        answer = self.model.answer(messages, self.patience)
+        answer = self.model.answer(messages, self._left(until))
         self.log.event(f"answer: {_quoted(answer)}")
         decision = decision_in(answer)
         if decision is None:
@@ -124,16 +125,17 @@ class Driver:
         left = until - time.monotonic()
         if left <= 0.0:
             raise ModelError(
-                f"{self.model.name} took all of {self.patience:g} s for an answer without a "
-                "decision, and there is no time to ask again"
+                f"{self.model.name} was asked more than once in a step, and took the time for all "
+                "of it for less: use a faster model, or give it more time"
             )
         return left
 
-    def reflect(self, braking: float) -> None:
+    def reflect(self, braking: float, until: float) -> None:
         """Has the last decision corrected that was not to decelerate: it led to hard braking.
 
         Args:
             braking: How hard, m/s².
+            until: Of the monotonic clock, when answers must be there.
 
         Raises:
             ModelError: The model does not answer.
@@ -154,7 +156,7 @@ class Driver:
             f"reflection: braked by {braking:.1f} m/s² after {made.decision} in: "
             f"{question(made.situation, reasons=self.model.reasons).content}"
         )
-        answer = self.model.answer(self._reflection(made), self.patience)
+        answer = self.model.answer(self._reflection(made), self._left(until))
         self.log.event(f"answer: {_quoted(answer)}")
         corrected = decision_in(answer)
         if corrected is None or corrected is made.decision:

@@ -16,6 +16,9 @@ from drivora_service.agents.remote.views import ContextView, LaneView
 
 FloatArray = NDArray[np.float64]
 
+_REACH = 120.0, 160.0
+"""Metres behind and ahead in which places are looked for: farther than anybody counts."""
+
 
 class RouteFrame:
     """Of one route."""
@@ -34,17 +37,26 @@ class RouteFrame:
         # The line is longer than the route; behind the route's end there is nowhere to be.
         self._end = float(self.arc[int(np.argmin(((self.line - route.line[-1]) ** 2).sum(axis=1)))])
 
-    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gives s, d and the line's heading at the places nearest to (n, 2) points."""
-        away = points[:, None, :] - self.line[None, :-1]
-        share = np.clip((away * self._steps).sum(axis=2) / self._squares, 0.0, 1.0)
-        off = away - share[:, :, None] * self._steps
+    def project(self, points: FloatArray, near: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gives s, d and the line's heading at the places nearest to (n, 2) points.
+
+        Args:
+            points: Metres, in the network's plane.
+            near: s around which places are looked for: a route may come by twice.
+        """
+        first = self._index(near - _REACH[0])
+        part = slice(first, self._index(near + _REACH[1]) + 1)
+        steps = self._steps[part]
+        away = points[:, None, :] - self.line[part][None, : len(steps)]
+        share = np.clip((away * steps).sum(axis=2) / self._squares[part], 0.0, 1.0)
+        off = away - share[:, :, None] * steps
         k = np.argmin((off**2).sum(axis=2), axis=1)
         rows = np.arange(len(points))
+        off, share = off[rows, k], share[rows, k]
+        k += first
         heading = self._headings[k]
-        off = off[rows, k]
         d = off[:, 1] * np.cos(heading) - off[:, 0] * np.sin(heading)
-        s = self.arc[k] + share[rows, k] * (self.arc[k + 1] - self.arc[k])
+        s = self.arc[k] + share * (self.arc[k + 1] - self.arc[k])
         return s, d, heading
 
     def heading(self, s: float) -> float:

@@ -113,15 +113,24 @@ def look_around(
     frame: RouteFrame,
     forecaster: LaneForecaster,
     vehicle: VehicleView,
+    near: float,
 ) -> Surroundings:
-    """Brings what is perceived into the frame of the route."""
+    """Brings what is perceived into the frame of the route.
+
+    Args:
+        observation: What is perceived.
+        frame: Of the route.
+        forecaster: Foresees the others.
+        vehicle: The one that is driven.
+        near: About where it is along the route, metres.
+    """
     x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
-    (s,), (d,), (heading,) = frame.project(np.array([[x, y]]))
+    (s,), (d,), (heading,) = frame.project(np.array([[x, y]]), near)
     now = forecaster.foresee(observation, np.array([0.0, *_TIMES]), _OTHERS)
     others = leave_out_followers(now, observation)
     # Followers are left out of what will cross, not of who is behind: they are looked up as well.
     count = len(now.ids)
-    placed_s, placed_d, headings = frame.project(now.poses[:, :, :2].reshape(-1, 2))
+    placed_s, placed_d, headings = frame.project(now.poses[:, :, :2].reshape(-1, 2), near)
     shape = count, len(_TIMES) + 1
     grid = np.stack((placed_s, placed_d), axis=-1).reshape(*shape, 2)
     turns = now.poses[:, 0, 2] - headings.reshape(shape)[:, 0]
