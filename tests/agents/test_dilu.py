@@ -33,6 +33,7 @@ from drivora_service.agents.environments.dilu.situation import (
     Beside,
     Neighbour,
     Situation,
+    available,
     described,
     features,
     in_brief,
@@ -114,7 +115,9 @@ def test_examples_stand_before_the_question() -> None:
     assert [m.role for m in aloud] == ["system", "user", "assistant", "user"]
     assert aloud[1].content == described(FREE)
     assert aloud[2].content == "It is free.\nResponse to user:#### accelerate"
-    assert aloud[3].content == described(BUSY)
+    assert aloud[3].content == (
+        f"{described(BUSY)} Available now: left, keep, right, accelerate, decelerate."
+    )
     at_once = decision_messages([known], BUSY, reasons=False)
     assert [m.content for m in at_once[1:]] == [in_brief(FREE), "accelerate", in_brief(BUSY)]
     assert all(word in at_once[0].content and word in aloud[0].content for word in DECISIONS)
@@ -134,10 +137,7 @@ def test_the_shipped_experiences_are_of_every_kind_and_sensible() -> None:
     assert {known.decision for known in shipped} == set(Decision)
     for known in shipped:
         assert known.why.endswith(".")
-        lane = {Decision.LEFT: known.situation.left, Decision.RIGHT: known.situation.right}
-        assert lane.get(known.decision, Beside()) is not None, known
-        slow = known.situation.wanted < known.situation.allowed
-        assert slow or known.decision is not Decision.ACCELERATE, known
+        assert known.decision in available(known.situation), known
 
 
 def test_the_memory_gives_what_is_most_like_and_keeps_what_is_new() -> None:

@@ -14,6 +14,7 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.environments.dilu import adapter as dilu_adapter
 from drivora_service.agents.environments.dilu.adapter import DiluAdapter
+from drivora_service.agents.environments.dilu.decisions import DECISIONS
 from drivora_service.agents.environments.dilu.endpoint import EndpointModel
 from drivora_service.agents.environments.dilu.models import ModelError
 from drivora_service.agents.environments.dilu.operator_settings import EndpointSettings
@@ -110,6 +111,7 @@ def test_the_log_tells_prompts_memory_and_decisions(chat: ChatServer) -> None:
     assert len(events(trace, "experience ")) == 26
     asked = [body["messages"][-1]["content"] for body in chat.requests]
     assert events(trace, "situation: ") == asked
+    assert asked[0].endswith("Available now: keep, accelerate.")
     assert len(events(trace, "examples: ")) == len(events(trace, "answer: ")) == 3
     assert KEY not in "".join(e.message for e in trace.log_events)
 
@@ -136,6 +138,14 @@ def test_the_decision_can_come_with_the_second_answer(chat: ChatServer) -> None:
     assert set(events(trace, "decision: ")) == {"accelerate"}
 
 
+def test_what_is_not_available_is_kept_from_and_counted(chat: ChatServer) -> None:
+    chat.answer = always("#### left")
+    trace = drive(chat, seconds=2.0)
+    assert set(events(trace, "decision: ")) == {"keep"}
+    assert column(trace, "impossible")[-1] == 2.0
+    assert not column(trace, "lane").any()
+
+
 def test_it_stops_behind_who_stands_whatever_is_said(chat: ChatServer) -> None:
     chat.answer = always("#### accelerate")
     trace = drive(chat, obstacle(place("harbour_1_0", 75.0)), seconds=20.0)
@@ -159,7 +169,7 @@ def test_an_endpoint_that_fails_is_told_of(
 ) -> None:
     chat.failing = lambda: (status, body)
     with pytest.raises(ModelError) as failure:
-        model(chat).answer([Message(role="user", content="x")], 5.0)
+        model(chat).answer([Message(role="user", content="x")], DECISIONS, 5.0)
     assert says in str(failure.value)
     assert KEY not in str(failure.value)
 
@@ -167,7 +177,7 @@ def test_an_endpoint_that_fails_is_told_of(
 def test_a_slow_endpoint_is_not_waited_for(chat: ChatServer) -> None:
     chat.failing = lambda: (time.sleep(1.0), (200, "late"))[1]  # type: ignore[func-returns-value]
     with pytest.raises(ModelError, match=r"within 0\.2 s .*DRIVORA_DILU_TIMEOUT_S"):
-        model(chat).answer([Message(role="user", content="x")], 0.2)
+        model(chat).answer([Message(role="user", content="x")], DECISIONS, 0.2)
 
 
 Failing = Callable[[], tuple[int, str]]

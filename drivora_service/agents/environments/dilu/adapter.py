@@ -45,7 +45,7 @@ _LEAST_RETURN, _RETURN_S = 35.0, 4.0
 
 _COLUMNS = (
     "decision", "wanted_speed", "lane", "decisions", "like_nearest", "unclear", "unparsed",
-    "reflections", "corrected", "gained",
+    "impossible", "reflections", "corrected", "gained",
 )  # fmt: skip
 
 
@@ -124,9 +124,9 @@ class DiluAdapter:
                 self._wanted = min(wanted, situation.allowed)
             case Decision.DECELERATE:
                 self._wanted = max(min(self._wanted, around.speed) - _SPEED_STEP, 0.0)
-            case Decision.LEFT if situation.left is not None:
+            case Decision.LEFT:
                 self._lane += 1
-            case Decision.RIGHT if situation.right is not None:
+            case Decision.RIGHT:
                 self._lane -= 1
 
     def _situation(self, around: Surroundings, stop: float | None) -> Situation:
@@ -178,6 +178,7 @@ class DiluAdapter:
             counts.like_nearest,
             counts.unclear,
             counts.unparsed,
+            counts.impossible,
             counts.reflections,
             counts.corrected,
             counts.gained,

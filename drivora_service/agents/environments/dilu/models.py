@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from drivora_service.agents.environments.dilu.decisions import Decision
 from drivora_service.agents.environments.dilu.prompts import Message
 
 
@@ -27,11 +28,14 @@ class ChatModel(Protocol):
         """Forgets what earlier runs left in it."""
         ...
 
-    def answer(self, messages: Sequence[Message], seconds: float) -> str:
+    def answer(
+        self, messages: Sequence[Message], allowed: Sequence[Decision], seconds: float
+    ) -> str:
         """Gives the answer to a chat.
 
         Args:
             messages: The chat so far.
+            allowed: Decisions that the answer may hold, for a model that can be held to them.
             seconds: Of wall time in which an answer must come, if waiting for it depends on others.
 
         Raises:

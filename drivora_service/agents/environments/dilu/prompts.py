@@ -14,6 +14,7 @@ from drivora_service.agents.environments.dilu.decisions import DECISIONS, DELIMI
 from drivora_service.agents.environments.dilu.experiences import Experience
 from drivora_service.agents.environments.dilu.situation import (
     Situation,
+    available,
     described,
     in_brief,
 )
@@ -65,7 +66,10 @@ def decision_messages(
                 role="assistant", content=example_answer(example.decision, example.why, reasons)
             )
         )
-    return [*messages, question(situation, reasons=reasons)]
+    asked = question(situation, reasons=reasons)
+    if reasons:
+        asked = Message(role="user", content=f"{asked.content} {_available(situation)}")
+    return [*messages, asked]
 
 
 def example_answer(decision: Decision, why: str, reasons: bool) -> str:
@@ -103,6 +107,10 @@ def reflection_messages(
         Message(role="assistant", content=answer),
         Message(role="user", content=request),
     ]
+
+
+def _available(situation: Situation) -> str:
+    return f"Available now: {', '.join(available(situation))}."
 
 
 def question(situation: Situation, *, reasons: bool) -> Message:

@@ -6,7 +6,7 @@ import json
 import time
 from dataclasses import dataclass, field
 
-from drivora_service.agents.environments.dilu.decisions import Decision, decision_in
+from drivora_service.agents.environments.dilu.decisions import DECISIONS, Decision, decision_in
 from drivora_service.agents.environments.dilu.experiences import Experience, Memory, Recalled
 from drivora_service.agents.environments.dilu.models import ChatModel, ModelError
 from drivora_service.agents.environments.dilu.prompts import (
@@ -16,7 +16,7 @@ from drivora_service.agents.environments.dilu.prompts import (
     question,
     reflection_messages,
 )
-from drivora_service.agents.environments.dilu.situation import Situation
+from drivora_service.agents.environments.dilu.situation import Situation, available
 from drivora_service.agents.log import AgentLog
 
 _GOOD_AFTER = 5
@@ -24,6 +24,9 @@ _GOOD_AFTER = 5
 
 _WORTH_KEEPING = 5
 """Of good decisions every such one may be kept, as in DiLu."""
+
+_MOVING = 1.0
+"""m/s: who stands has not shown that what it decided was good."""
 
 _LOOK_BACK = 4
 """Decisions among which the one that led to trouble is looked for."""
@@ -46,6 +49,7 @@ class Counts:
         decisions: That were made.
         unclear: Answers without a decision in them.
         unparsed: Answers whose decision asking again did not bring out either: it kept on.
+        impossible: Decisions that were not available: it kept on.
         like_nearest: Decisions that equal that of the most fitting example.
         reflections: That were asked for.
         corrected: Of them, how many led to an experience.
@@ -55,6 +59,7 @@ class Counts:
     decisions: int = 0
     unclear: int = 0
     unparsed: int = 0
+    impossible: int = 0
     like_nearest: int = 0
     reflections: int = 0
     corrected: int = 0
@@ -90,7 +95,8 @@ class Driver:
         Raises:
             ModelError: It does not answer.
         """
-        self._keep_a_good_one()
+        if situation.speed > _MOVING:
+            self._keep_a_good_one()
         recalled = self.memory.recall(situation, self.examples)
         # The most fitting one last, as a model heeds most what it read last; the others by number,
         # so that questions begin alike: what it has read before it need not read again.
@@ -100,11 +106,16 @@ class Driver:
         )
         self.log.event(f"situation: {messages[-1].content}")
         self.log.event(f"examples: {_listed(recalled)}")
-        answer = self.model.answer(messages, self._left(until))
+        allowed = available(situation)
+        answer = self.model.answer(messages, allowed, self._left(until))
         self.log.event(f"answer: {_quoted(answer)}")
         decision = decision_in(answer)
         if decision is None:
             decision = self._asked_again(answer, until)
+        if decision not in allowed:
+            self.counts.impossible += 1
+            self.log.event(f"{decision} is not available: keep")
+            decision = Decision.KEEP
         self.counts.decisions += 1
         self.counts.like_nearest += bool(recalled and recalled[0].experience.decision is decision)
         self._made.append(_Made(situation=situation, decision=decision, answer=answer))
@@ -113,7 +124,7 @@ class Driver:
 
     def _asked_again(self, answer: str, until: float) -> Decision:
         self.counts.unclear += 1
-        again = self.model.answer(check_messages(answer), self._left(until))
+        again = self.model.answer(check_messages(answer), DECISIONS, self._left(until))
         self.log.event(f"no decision in it; asked again: {_quoted(again)}")
         decision = decision_in(again)
         if decision is None:
@@ -156,7 +167,9 @@ class Driver:
             f"reflection: braked by {braking:.1f} m/s² after {made.decision} in: "
             f"{question(made.situation, reasons=self.model.reasons).content}"
         )
-        answer = self.model.answer(self._reflection(made), self._left(until))
+        answer = self.model.answer(
+            self._reflection(made), available(made.situation), self._left(until)
+        )
         self.log.event(f"answer: {_quoted(answer)}")
         corrected = decision_in(answer)
         if corrected is None or corrected is made.decision:

@@ -10,7 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.agents.environments.dilu.decisions import Decision
+
 FloatArray = NDArray[np.float64]
+
+_LITTLE = 0.1
+"""m/s that make no difference."""
 
 _SIGHT = 100.0
 """Metres beyond which everything is as far as this, when situations are compared."""
@@ -71,6 +76,19 @@ class Situation:
     right: Beside | None = None
     stop: float | None = None
     crossing: float | None = None
+
+
+def available(situation: Situation) -> tuple[Decision, ...]:
+    """Gives the decisions that can be carried out, as in DiLu and highway-env."""
+    s = situation
+    possible = {
+        Decision.LEFT: s.left is not None,
+        Decision.KEEP: True,
+        Decision.RIGHT: s.right is not None,
+        Decision.ACCELERATE: s.wanted < s.allowed - _LITTLE,
+        Decision.DECELERATE: s.wanted > _LITTLE,
+    }
+    return tuple(decision for decision, may in possible.items() if may)
 
 
 def described(situation: Situation) -> str:
