@@ -22,6 +22,9 @@ from drivora_service.scenario.validation import validate_document
 from drivora_service.settings import Settings
 from drivora_service.worker_settings import run_limits, worker_setup
 
+_MOMENTS = 5
+"""Pictures in the strip of a card."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entrants:
@@ -167,8 +170,9 @@ def _pictures(
     for card in cards:
         if card.shown is not None:
             name = card.agent.name
-            picture = out / f"{name}.svg"
-            draw_trace(_trace(scratch, f"{name}-{card.shown.name}"), settings, picture)
+            picture = out / f"{name}.png"
+            trace = _trace(scratch, f"{name}-{card.shown.name}")
+            draw_trace(trace, settings, picture, moments=_MOMENTS)
             yield name, picture
 
 

@@ -6,6 +6,7 @@ import os
 import re
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +15,16 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.environments.dilu import adapter as dilu_adapter
 from drivora_service.agents.environments.dilu.adapter import DiluAdapter
-from drivora_service.agents.environments.dilu.decisions import DECISIONS
+from drivora_service.agents.environments.dilu.decisions import DECISIONS, Decision
 from drivora_service.agents.environments.dilu.endpoint import EndpointModel
+from drivora_service.agents.environments.dilu.experiences import Memory, read_experiences
 from drivora_service.agents.environments.dilu.models import ModelError
 from drivora_service.agents.environments.dilu.operator_settings import EndpointSettings
 from drivora_service.agents.environments.dilu.prompts import Message
+from drivora_service.agents.environments.dilu.reasoning import Driver
+from drivora_service.agents.environments.dilu.situation import Beside, Situation
 from drivora_service.agents.interface import AgentContext, Control, Observation
+from drivora_service.agents.log import AgentLog
 from drivora_service.agents.remote.adapter_messages import context_view, observation_view
 from drivora_service.agents.remote.messages import setup_request, step_request
 from drivora_service.agents.sumo_driver import SumoDriver
@@ -151,6 +156,62 @@ def test_it_stops_behind_who_stands_whatever_is_said(chat: ChatServer) -> None:
     trace = drive(chat, obstacle(place("harbour_1_0", 75.0)), seconds=20.0)
     assert not trace.contacts
     assert trace.speeds(row_of(trace, "ego"))[-2] < 0.2
+
+
+def driver(chat: ChatServer) -> Driver:
+    memory = Memory(read_experiences())
+    return Driver(model=model(chat), memory=memory, examples=2, log=AgentLog())
+
+
+ODD = Situation(
+    speed=9.0, wanted=9.0, allowed=20.0, left=Beside(), right=Beside(), stop=20.0, crossing=4.0
+)
+
+
+def test_a_mistake_is_reflected_upon_and_shown_from_then_on(chat: ChatServer) -> None:
+    learner, until = driver(chat), time.monotonic() + 60.0
+    chat.answer = always("Hurry.\n#### accelerate")
+    assert learner.decide(ODD, until) is Decision.ACCELERATE
+    chat.answer = always("Somebody crosses.\n#### decelerate")
+    learner.reflect(5.0, until)
+    told = chat.requests[-1]["messages"]
+    assert told[2]["content"] == "Hurry.\n#### accelerate"
+    assert "accelerate was wrong" in told[3]["content"]
+    assert (learner.counts.reflections, learner.counts.corrected) == (1, 1)
+    learnt = learner.memory.experiences[-1]
+    assert (learnt.situation, learnt.decision) == (ODD, Decision.DECELERATE)
+    assert learnt.why == "I made a mistake here before: Somebody crosses."
+    learner.decide(ODD, until)
+    assert learnt.why in chat.requests[-1]["messages"][-2]["content"]
+    assert len(driver(chat).memory.experiences) == 26
+
+
+def test_a_reflection_that_corrects_nothing_is_not_kept(chat: ChatServer) -> None:
+    learner, until = driver(chat), time.monotonic() + 60.0
+    learner.reflect(5.0, until)
+    assert (chat.requests, learner.counts.reflections) == ([], 0)
+    chat.answer = always("#### keep")
+    learner.decide(ODD, until)
+    learner.reflect(5.0, until)
+    assert (learner.counts.reflections, learner.counts.corrected) == (1, 0)
+    assert len(learner.memory.experiences) == 26
+
+
+@pytest.mark.parametrize(
+    ("speed", "trouble", "gained"), [(9.0, False, 1), (0.0, False, 0), (9.0, True, 0)]
+)
+def test_what_went_well_is_kept_if_it_is_new(
+    chat: ChatServer, speed: float, trouble: bool, gained: int
+) -> None:
+    chat.answer = always("So be it.\n#### keep")
+    learner, until = driver(chat), time.monotonic() + 60.0
+    for number in range(12):
+        learner.decide(replace(ODD, speed=speed), until)
+        if trouble and number % 3 == 0:
+            learner.reflect(5.0, until)
+    # The second one would be like the first.
+    assert learner.counts.gained == gained
+    assert len(learner.memory.experiences) == 26 + gained
 
 
 @pytest.mark.parametrize(

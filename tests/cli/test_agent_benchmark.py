@@ -31,7 +31,7 @@ def test_an_agent_gets_a_card_and_an_absent_one_its_reason(
         {"agent": "fop", "reason": "run `drivora agents install fop`"},
     ]
     assert {path.name for path in out.iterdir()} == {
-        "cards.md", "cards.json", "sumo-idm.md", "sumo-idm.svg",
+        "cards.md", "cards.json", "sumo-idm.md", "sumo-idm.png",
     }  # fmt: skip
     assert json.loads((out / "cards.json").read_text()) == told
     assert "sumo-idm" in ended.err

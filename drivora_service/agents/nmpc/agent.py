@@ -19,15 +19,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
-from drivora_service.agents.idm.driving import (
-    HARD_BRAKING,
-    MAX_ACCELERATION,
-    PATIENCE,
-    SIDE_ROOM,
-    TIGHT_ROOM,
-    find_halt,
-    gap_on_line,
-)
+from drivora_service.agents.idm.car_following import MAX_ACCELERATION
+from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.nmpc.plan import LastPlan
