@@ -2,7 +2,8 @@
 
 Treiber, Hennecke, Helbing: Congested traffic states in empirical observations and microscopic
 simulations (Phys. Rev. E 62, 2000); Coulter: Implementation of the pure pursuit path tracking
-algorithm (1992).
+algorithm (1992). Plain Python: what `idm` has of both is compiled, for which this environment has
+no compiler.
 """
 
 from __future__ import annotations
