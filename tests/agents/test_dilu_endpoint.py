@@ -23,7 +23,7 @@ from drivora_service.agents.environments.dilu.operator_settings import EndpointS
 from drivora_service.agents.environments.dilu.prompts import Message
 from drivora_service.agents.environments.dilu.reasoning import Driver
 from drivora_service.agents.environments.dilu.situation import Beside, Situation
-from drivora_service.agents.interface import AgentContext, Control, Observation
+from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.remote.adapter_messages import context_view, observation_view
 from drivora_service.agents.remote.messages import setup_request, step_request
@@ -33,6 +33,7 @@ from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import NpcObstacle
 from drivora_service.settings import load_settings
+from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.chat_server import Answer, ChatServer, chat_server
 from tests.agents.remote.folders import add_agent
 from tests.simulation.episodes import ego, obstacle, place, row_of, run, scenario
@@ -278,6 +279,16 @@ def test_a_process_with_an_endpoint_drives_and_fails_with_its_log(
         assert KEY not in str(failure.value) + failure.value.log
     finally:
         catalogue.close()
+
+
+class TestContract(AgentContract):
+    @pytest.fixture(autouse=True)
+    def _endpoint(self, chat: ChatServer) -> None:
+        chat.answer = always("#### accelerate")
+        self.chat = chat
+
+    def make_agent(self) -> Agent:
+        return Here(DiluAdapter(model(self.chat), 30.0))
 
 
 ROUTE = place("harbour_1_0", 20), place("harbour_1_0", 120)
