@@ -137,13 +137,14 @@ _COLUMNS = (
     "score",
     "comfort",
     "step\n(ms)",
+    "agent\n(ms)",
 )
 """Two lines where one would make the table wider than a terminal."""
 
 
 def _row(card: AgentCard) -> tuple[str, ...]:
     total = card.total
-    cost = total.step_cost_median_us
+    cost, own = total.step_cost_median_us, total.agent_cost_median_us
     return (
         card.agent.name + ("*" if card.agent.privileged else ""),
         f"{total.arrivals}/{total.runs}",
@@ -153,6 +154,7 @@ def _row(card: AgentCard) -> tuple[str, ...]:
         number(total.driving_score),
         number(total.comfort, 2),
         number(None if cost is None else cost / 1000.0, 2),
+        number(None if own is None else own / 1000.0, 2),
     )
 
 

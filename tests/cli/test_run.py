@@ -21,6 +21,7 @@ PROMISED = {
     "sim_time_s",
     "wall_time_s",
     "step_cost_us",
+    "agent_cost_us",
 }
 
 
