@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Annotated, Any
 
 import typer
@@ -18,17 +18,37 @@ def print_json(value: Any) -> None:
     sys.stdout.write("\n")
 
 
-def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Prints a table; text is shown as it is, without markup."""
+def print_table(
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    cut: Collection[str] = (),
+) -> None:
+    """Prints a table; text is shown as it is, without markup.
+
+    Args:
+        title: Above it, if any.
+        columns: Their heads.
+        rows: A text each column.
+        cut: Columns that share what room is left on a line and whose texts are cut there; without
+            any, all are wrapped.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD)
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    for row in rows:
+    listed = [*rows]
+    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, expand=bool(cut))
+    for index, column in enumerate(columns):
+        if column in cut:
+            table.add_column(column, overflow="ellipsis", no_wrap=True, ratio=1)
+        elif cut:
+            table.add_column(column, width=max(len(row[index]) for row in [columns, *listed]))
+        else:
+            table.add_column(column, overflow="fold")
+    for row in listed:
         table.add_row(*(Text.from_ansi(cell) for cell in row))
     Console().print(table)
 

@@ -138,7 +138,9 @@ def test_agents(drivora: Drivora, service_url: str) -> None:
     here = drivora("agents", "list", "--json").json()
     there = drivora("agents", "list", "--server", service_url, "--json").json()
     assert [agent["name"] for agent in here] == [agent["name"] for agent in there]
-    assert "idm" in drivora("agents", "list").out
+    listed = drivora("agents", "list").out
+    assert all(f"  {agent['name']} " in listed for agent in here)
+    assert "fop cannot be used yet: run `drivora agents install fop`" in listed
     shown = drivora("agents", "show", "idm")
     assert all(word in shown.out for word in ("speed_factor", "1.0", "from 0.1 to 2"))
     assert "takes no parameters" in drivora("agents", "show", "fop").out

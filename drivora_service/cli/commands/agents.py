@@ -28,18 +28,23 @@ def list_agents(
         return
     print_table(
         "",
-        ("name", "kind", "usable", "licence", "description"),
+        ("name", "kind", "usable", "licence", "source"),
         (
             (
                 agent["name"],
                 agent["kind"],
-                "yes" if agent["installed"] else f"no: {agent['reason']}",
-                agent["licence"],
-                f"{agent['description']}. From: {agent['source']}",
+                "yes" if agent["installed"] else "no",
+                agent["licence"] or "none stated",
+                agent["source"],
             )
             for agent in agents
         ),
+        cut=("licence", "source"),
     )
+    for agent in agents:
+        if not agent["installed"]:
+            print(f"{agent['name']} cannot be used yet: {agent['reason']}")
+    print("What an agent does and which parameters it takes: `drivora agents show NAME`")
 
 
 @app.command()
@@ -60,7 +65,7 @@ def show(
     print(f"{agent['name']} ({agent['kind']}): {agent['description']}")
     print(f"From: {agent['source']}. Licence: {agent['licence'] or 'none stated'}")
     if not agent["installed"]:
-        print(f"It cannot be used here: {agent['reason']}")
+        print(f"It cannot be used yet: {agent['reason']}")
     if agent["parameters"] is None:
         print("It does not say which parameters it takes: they are not checked before a run")
     elif agent["parameters"]:
