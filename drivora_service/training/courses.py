@@ -41,7 +41,7 @@ COURSES = (
 
 
 def plans(
-    networks: NetworkCatalogue, *, runs: int, seed: int, traffic: bool
+    networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int
 ) -> Iterator[EpisodePlan]:
     """Gives the runs of all courses.
 
@@ -49,7 +49,7 @@ def plans(
         networks: Has the shipped networks.
         runs: On each network.
         seed: Of the routes, and of everything in the runs that is drawn at random.
-        traffic: Whether there is background traffic.
+        crowding: How many times the usual background traffic there is; 0 for none.
 
     Raises:
         NetworkError: A network does not offer that many routes.
@@ -64,6 +64,7 @@ def plans(
             agent=EXPERT,
         )
         for document in documents:
-            busy = with_background(document, course.background) if traffic else document
-            valid = validate_document(busy, networks, None)
+            if crowding:
+                document = with_background(document, crowding * course.background)
+            valid = validate_document(document, networks, None)
             yield plan_episode(valid.scenario, valid.network)

@@ -18,8 +18,6 @@ from drivora_service.training.recording import Samples
 
 FloatArray = NDArray[np.float64]
 
-_BATCH = 128
-_LEARNING_RATE = 2e-3
 _WEIGHT_DECAY = 1e-4
 _SIDE_WEIGHT = 2.0
 """Of an error to the side; to one ahead 1."""
@@ -55,37 +53,39 @@ class DisplacementErrors:
         return ", ".join(told)
 
 
-def fit(trainee: Trainee, samples: Samples, *, epochs: int, seed: int) -> None:
+def fit(
+    trainee: Trainee, samples: Samples, *, epochs: int, batch: int, rate: float, seed: int
+) -> None:
     """Fits a network by AdamW to the least absolute error; the learning rate ends at zero.
 
     Args:
         trainee: Goes on from its present weights.
         samples: To fit to.
         epochs: How many times each sample is shown.
+        batch: Samples a step.
+        rate: Highest learning rate.
         seed: Of the order in which.
     """
     generator = torch.Generator().manual_seed(seed)
     seen, wanted = torch.from_numpy(samples.seen), torch.from_numpy(samples.waypoints)
     known = torch.from_numpy(samples.known).float()[:, :, None]
     weight = known * torch.tensor([1.0, _SIDE_WEIGHT])
-    batches = math.ceil(len(seen) / _BATCH)
-    optimiser = torch.optim.AdamW(
-        trainee.modules.parameters(), lr=_LEARNING_RATE, weight_decay=_WEIGHT_DECAY
-    )
-    rate = torch.optim.lr_scheduler.OneCycleLR(
-        optimiser, max_lr=_LEARNING_RATE, total_steps=epochs * batches, pct_start=0.1
+    batches = math.ceil(len(seen) / batch)
+    optimiser = torch.optim.AdamW(trainee.modules.parameters(), lr=rate, weight_decay=_WEIGHT_DECAY)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(
+        optimiser, max_lr=rate, total_steps=epochs * batches, pct_start=0.1
     )
     trainee.modules.train()
     for _ in range(epochs):
         order = torch.randperm(len(seen), generator=generator)
-        for rows in order.split(_BATCH):
+        for rows in order.split(batch):
             error = (trainee.waypoints(seen[rows]) - wanted[rows]).abs() * weight[rows]
             loss = error.sum() / weight[rows].sum()
             optimiser.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(trainee.modules.parameters(), _LONGEST_GRADIENT)
             optimiser.step()
-            rate.step()
+            schedule.step()
 
 
 def errors_of(trainee: Trainee, samples: Samples) -> DisplacementErrors:

@@ -1,8 +1,7 @@
 """Recording what an expert does, also from where it would not have come by itself.
 
-Somebody else takes the wheel now and then: a hand that jerks it, so that the expert shows how to
-get back (Laskey et al. 2017: *DART*), or the network that was trained so far, so that the expert
-shows what to do in the situations which that one gets into (Ross, Gordon, Bagnell 2011: *DAgger*).
+A hand jerks the wheel and a pedal now and then, so that the expert shows how to get back (Laskey,
+Lee, Fox, Dragan, Goldberg 2017: *DART: Noise Injection for Robust Imitation Learning*).
 Only what the expert does while it has the wheel is learned from.
 """
 
@@ -89,32 +88,8 @@ class Jerks:
         return AccelerationControl(expert.acceleration + self._acceleration, expert.steer + steer)
 
 
-class Novice:
-    """The network that was trained so far."""
-
-    def __init__(self, agent: Agent) -> None:
-        """Args: agent: Drives by that network."""
-        self._agent = agent
-
-    def setup_env(self, context: AgentContext) -> None:
-        """Prepares for a run."""
-        self._agent.setup_env(context)
-
-    def begin(self, random: np.random.Generator) -> float:
-        """Draws how long it drives."""
-        return float(random.uniform(2.0, 7.0))
-
-    def drive(
-        self,
-        observation: Observation,
-        expert: AccelerationControl,  # noqa: ARG002  # needed by others
-    ) -> Control:
-        """Drives as the network says."""
-        return self._agent.run_step(observation)
-
-
 class Recorder:
-    """An agent that lets an expert drive, and others in between, and keeps what was seen."""
+    """An agent that lets an expert drive, and somebody else in between, and keeps what was seen."""
 
     def __init__(self, expert: Agent, view: View, deviation: Deviation | None, seed: int) -> None:
         """Makes the recorder.

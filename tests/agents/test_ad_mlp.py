@@ -31,7 +31,10 @@ def made() -> Agent:
 def test_its_weights_are_those_that_its_page_speaks_of() -> None:
     file = resources.files("drivora_service.agents.ad_mlp").joinpath(FILE_NAME).read_bytes()
     assert len(file) < 400_000
-    assert hashlib.sha256(file).hexdigest() == "MLP_SHA"
+    assert (
+        hashlib.sha256(file).hexdigest()
+        == "7e87fbfdcbc2bdb7248587ca2bfd66c85f064a153b594768fe8d2d7f03121736"
+    )
 
 
 def test_its_waypoints_are_those_of_pytorch() -> None:

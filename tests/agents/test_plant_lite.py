@@ -54,7 +54,10 @@ def shown(objects: FloatArray) -> NDArray[np.float32]:
 def test_its_weights_are_those_that_its_page_speaks_of() -> None:
     file = resources.files("drivora_service.agents.plant_lite").joinpath(FILE_NAME).read_bytes()
     assert len(file) < 400_000
-    assert hashlib.sha256(file).hexdigest() == "PLANT_SHA"
+    assert (
+        hashlib.sha256(file).hexdigest()
+        == "fba41b055394567d3065dbf7bb9c75ae3c67dc0b79d1447b79cac41372ef4625"
+    )
 
 
 def test_its_waypoints_are_those_of_pytorch(reference: dict[str, Any]) -> None:

@@ -26,14 +26,14 @@ WHEELBASE, MAX_BRAKING = 2.85, 8.0
 
 
 def pulled(speed: float, acceleration: float, curvature: float = 0.0) -> Float32Array:
-    """Waypoints of a car on a circle, which never goes backwards."""
+    """Waypoints of a car whose rear axle is on a circle; it never goes backwards."""
     times = TIMES if acceleration >= 0.0 else np.minimum(TIMES, -speed / acceleration)
     way = speed * times + 0.5 * acceleration * times**2
     if curvature == 0.0:
         return np.column_stack((way, np.zeros(WAYPOINTS))).astype(np.float32)
-    turn = curvature * way
-    points = np.column_stack((np.sin(turn), 1.0 - np.cos(turn))) / curvature
-    return points.astype(np.float32)
+    turn, half = curvature * way, 0.5 * WHEELBASE
+    rear = np.column_stack((np.sin(turn), 1.0 - np.cos(turn))) / curvature - (half, 0.0)
+    return (rear + half * np.column_stack((np.cos(turn), np.sin(turn)))).astype(np.float32)
 
 
 def follow(waypoints: Float32Array, speed: float, last: float = 0.0) -> tuple[float, float]:
@@ -49,9 +49,11 @@ def test_a_constant_pull_is_given_back(speed: float, acceleration: float) -> Non
 
 @given(st.floats(3.0, 15.0), st.floats(0.005, 0.08), st.booleans())
 def test_a_bend_is_steered_as_it_bends(speed: float, curvature: float, right: bool) -> None:
+    # No car turns with more than half its weight.
+    curvature = min(curvature, 5.0 / speed**2)
     bend = -curvature if right else curvature
     _, steer = follow(pulled(speed, 0.0, bend), speed)
-    assert math.tan(steer) / WHEELBASE == pytest.approx(bend, rel=0.35)
+    assert math.tan(steer) / WHEELBASE == pytest.approx(bend, rel=0.1)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 15.0))

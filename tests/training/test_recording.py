@@ -17,8 +17,10 @@ from tests.simulation.episodes import Scripted, accelerating, ego, network, plac
 START, END = place("harbour_0_0", 20), place("harbour_0_0", 150)
 
 
-def recorded(expert: Scripted | IdmAgent, deviation: Deviation | None, **more: float) -> Samples:
-    what = scenario(ego(START, END, **more), seconds=9.0)
+def recorded(
+    expert: Scripted | IdmAgent, deviation: Deviation | None, initial_speed: float = 0.0
+) -> Samples:
+    what = scenario(ego(START, END, initial_speed=initial_speed), seconds=9.0)
     return record(plan_episode(what, network()), Recorder(expert, AdMlpView(), deviation, 3))
 
 
@@ -73,10 +75,10 @@ def test_an_expert_who_answers_otherwise_is_refused() -> None:
 
 def test_courses_give_runs_with_and_without_traffic() -> None:
     networks = NetworkCatalogue(shipped_networks())
-    busy = next(plans(networks, runs=1, seed=5, traffic=True))
-    empty = next(plans(networks, runs=1, seed=5, traffic=False))
+    busy = next(plans(networks, runs=1, seed=5, crowding=4))
+    empty = next(plans(networks, runs=1, seed=5, crowding=0))
     assert busy.network.name == empty.network.name == COURSES[0].network
     traffic = busy.scenario.background_traffic
     assert traffic is not None
-    assert traffic.count == COURSES[0].background
+    assert traffic.count == 4 * COURSES[0].background
     assert empty.scenario.background_traffic is None

@@ -145,10 +145,9 @@ class PlantNetwork:
 
 def _normal(tokens: Float32Array, norm: Float32Array) -> Float32Array:
     """Normalises each token (Ba, Kiros, Hinton 2016)."""
-    centred = tokens - tokens.mean(axis=1, keepdims=True)
-    # Sums of squares by one call: half the time of NumPy's own variance.
+    centred: Float32Array = tokens - tokens.mean(axis=1, keepdims=True)
     spread = np.einsum("ij,ij->i", centred, centred) / np.float32(tokens.shape[1])
-    centred *= (norm[0] / np.sqrt(spread + np.float32(NORM_EPSILON))[:, None]).astype(np.float32)
+    centred *= norm[0] / np.sqrt(spread + np.float32(NORM_EPSILON))[:, None]
     centred += norm[1]
     return centred
 
@@ -167,13 +166,13 @@ def _attention(heads: Float32Array, queries: int) -> Float32Array:
     ask = parts[:queries, 0].transpose(1, 0, 2)
     offer = parts[:, 1].transpose(1, 2, 0)
     value = parts[:, 2].transpose(1, 0, 2)
-    share = ask @ offer
+    share: Float32Array = np.matmul(ask, offer)
     share *= np.float32(1.0 / math.sqrt(WIDTH // HEADS))
     share -= share.max(axis=2, keepdims=True)
     np.exp(share, out=share)
     share /= share.sum(axis=2, keepdims=True)
-    mixed: Float32Array = (share @ value).transpose(1, 0, 2).reshape(queries, WIDTH)
-    return mixed
+    mixed: Float32Array = np.matmul(share, value)
+    return mixed.transpose(1, 0, 2).reshape(queries, WIDTH)
 
 
 def _sigmoid(x: Float32Array) -> Float32Array:

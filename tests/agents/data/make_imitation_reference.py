@@ -2,7 +2,7 @@
 
 Run with the extra ``training``::
 
-    python tests/agents/data/make_imitation_reference.py tests/agents/data
+    python tests/agents/data/make_imitation_reference.py tests/agents/data plant-lite ad-mlp
 
 The expert of the training drives two runs of each network to which nothing was fitted; of what the
 networks would see there every 40th sample is stored, with the waypoints that PyTorch's own modules
@@ -19,18 +19,19 @@ import torch
 
 from drivora_service.agents.imitation.weights import load_weights
 from drivora_service.training.exchange import put_weights
-from drivora_service.training.imitation import HELD_OUT_SEED, RECIPES, record_runs
+from drivora_service.training.imitation import RECIPES, held_out_samples
 
 EVERY = 40
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, agents: list[str]) -> None:
     torch.set_num_threads(1)
-    for agent, recipe in RECIPES.items():
+    for agent in agents:
+        recipe = RECIPES[agent]
         trainee = recipe.trainee()
         put_weights(load_weights(recipe.weights), trainee.parts())
         trainee.modules.eval()
-        samples = record_runs(recipe, 2, HELD_OUT_SEED, lambda: None)
+        samples = held_out_samples(recipe, 2)
         seen = samples.seen[::EVERY]
         with torch.no_grad():
             waypoints = trainee.waypoints(torch.from_numpy(seen)).numpy()
@@ -40,4 +41,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:])
