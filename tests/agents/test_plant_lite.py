@@ -23,7 +23,7 @@ from drivora_service.errors import AgentError
 from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
 from drivora_service.scenario.model import LightTimes, TrafficLights
 from drivora_service.testing.agent_contract import AgentContract
-from tests.simulation.episodes import car, contacts, ego, place, run, scenario, speeds
+from tests.simulation.episodes import ego, place, run, scenario, speeds
 
 FloatArray = NDArray[np.float64]
 
@@ -119,15 +119,6 @@ def test_it_stops_at_red_and_goes_on() -> None:
     stands = (speeds(trace, "ego") < 0.1) & (trace.times > 3.0)
     assert (lights[stands] == Light.RED).sum() > 20
     assert 0.0 < distance[stands].min() <= distance[stands].max() < 6.0
-
-
-def test_it_follows_a_slow_car() -> None:
-    way = (place("harbour_0_0", 60), place("harbour_0_0", 150))
-    slow = car(place("harbour_0_0", 80, speed=3.0), place("harbour_0_0", 170, speed=3.0))
-    what = scenario(ego(*way, initial_speed=8.0), npc_vehicles=(slow,), seconds=20.0)
-    trace = run(what, made())
-    assert not contacts(trace)
-    assert np.nanmin(speeds(trace, "ego")) < 4.5
 
 
 class TestPlantLite(AgentContract):
