@@ -1,28 +1,36 @@
 """What K workers and the service add: K = 2 against K = 1, the service against the executor.
 
-The runs: one ego (`idm`), ten reactive NPCs, 60 s, on tee-town, traces written. Each measurement is
-taken in turn with its counterpart; the workers are warm before the clock starts.
+The runs: one ego (`idm`), ten reactive NPCs, 60 s, on tee-town, traces written. What two cores give
+is measured beside it, with libsumo alone: one process and two that replay the placements of such
+runs. All of it takes turns, round after round, so that a machine that changes its speed changes
+it for all; workers, server and replaying processes are warm before the clock starts.
 
-    python -m benchmarks.throughput --runs 500 --repeat 3
+    python -m benchmarks.throughput --runs 500 --rounds 3
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import statistics
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from itertools import count, cycle, islice
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import httpx
 
+from benchmarks.run_cost import floor, record
 from benchmarks.scenes import usual_scenes
 from drivora_service.cli.service_process import running_service
 from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.execution.running import run_all
-from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.report import RunSpec, RunStatus
 from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
@@ -31,81 +39,143 @@ from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.model import Scenario
 
 _WARM_UP = 8
+_POLL_S = 0.25
+
+Seconds = float
+Measured = Callable[[Sequence[Scenario]], Seconds]
 
 
-def bare(scenes: Sequence[Scenario], slots: int) -> float:
-    """Runs scenes on the executor alone; gives wall seconds."""
+@contextmanager
+def warm_executor(slots: int, folder: Path) -> Iterator[Measured]:
+    """Gives a function that runs scenes on the executor alone."""
     setup = WorkerSetup(shipped_networks=shipped_networks())
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    numbers = count()
+    folder.mkdir()
 
-        def specs(chosen: Sequence[Scenario], prefix: str) -> list[RunSpec]:
-            return [
-                RunSpec(
-                    run_id=f"{prefix}{n}",
-                    document=canonical_json(scene),
-                    trace_path=str(folder / f"{prefix}{n}.parquet"),
-                )
-                for n, scene in enumerate(chosen)
-            ]
+    def measured(scenes: Sequence[Scenario]) -> Seconds:
+        specs = [
+            RunSpec(
+                run_id=f"run{number}",
+                document=canonical_json(scene),
+                trace_path=str(folder / f"{number}.parquet"),
+            )
+            for number, scene in zip(numbers, scenes, strict=False)
+        ]
+        begun = time.perf_counter()
+        reports = list(run_all(executor, specs))
+        seconds = time.perf_counter() - begun
+        assert all(report.status is RunStatus.FINISHED for report in reports)
+        return seconds
 
-        with LocalExecutor(slots=slots, setup=setup, folder=folder) as executor:
-            list(run_all(executor, specs(scenes[:_WARM_UP], "warm")))
-            begun = time.perf_counter()
-            reports = list(run_all(executor, specs(scenes, "run")))
-            seconds = time.perf_counter() - begun
-    assert all(report.status is RunStatus.FINISHED for report in reports)
-    return seconds
+    with LocalExecutor(slots=slots, setup=setup, folder=folder) as executor:
+        yield measured
 
 
-def served(scenes: Sequence[Scenario], slots: int) -> float:
-    """Posts scenes to a real server; gives wall seconds from the post to the last run's end."""
+@contextmanager
+def warm_service(slots: int, folder: Path) -> Iterator[Measured]:
+    """Gives a function that posts scenes to a real server: from the post to the last run's end."""
     with (
-        tempfile.TemporaryDirectory() as name,
-        running_service(Path(name), workers=slots) as url,
+        running_service(folder, workers=slots) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=300.0) as client,
     ):
-        _post_and_wait(client, scenes[:_WARM_UP])
-        return _post_and_wait(client, scenes)
 
-
-def _post_and_wait(client: httpx.Client, scenes: Sequence[Scenario]) -> float:
-    lines = [json.dumps(json.loads(document_text(to_document(scene)))) for scene in scenes]
-    begun = time.perf_counter()
-    answer = client.post(
-        "/batches",
-        content="\n".join(lines),
-        headers={"Content-Type": "application/x-ndjson"},
-    )
-    answer.raise_for_status()
-    batch = answer.headers["Location"].rsplit("/", 1)[-1]
-    while True:
-        found = client.get(f"/batches/{batch}").raise_for_status().json()
-        if found["done"]:
+        def measured(scenes: Sequence[Scenario]) -> Seconds:
+            lines = [json.dumps(json.loads(document_text(to_document(s)))) for s in scenes]
+            begun = time.perf_counter()
+            answer = client.post(
+                "/batches",
+                content="\n".join(lines),
+                headers={"Content-Type": "application/x-ndjson"},
+            )
+            answer.raise_for_status()
+            batch = answer.headers["Location"].rsplit("/", 1)[-1]
+            while not client.get(f"/batches/{batch}").raise_for_status().json()["done"]:
+                time.sleep(_POLL_S)
             return time.perf_counter() - begun
-        time.sleep(0.5)
+
+        yield measured
+
+
+@contextmanager
+def warm_libsumo(processes: int) -> Iterator[Measured]:
+    """Gives a function that replays runs in libsumo alone, as many as there are scenes."""
+    spawn = multiprocessing.get_context("spawn")
+    pipes = []
+    for _ in range(processes):
+        ours, theirs = spawn.Pipe()
+        spawn.Process(target=_replay, args=(theirs,), daemon=True).start()
+        pipes.append(ours)
+    for pipe in pipes:
+        pipe.recv()
+
+    def measured(scenes: Sequence[Scenario]) -> Seconds:
+        begun = time.perf_counter()
+        for pipe in pipes:
+            pipe.send(len(scenes) // processes)
+        for pipe in pipes:
+            pipe.recv()
+        return time.perf_counter() - begun
+
+    yield measured
+    for pipe in pipes:
+        pipe.send(0)
+
+
+def _replay(pipe: Connection) -> None:
+    die_with_parent()
+    setup = WorkerSetup(shipped_networks=shipped_networks())
+    networks = NetworkCatalogue(setup.shipped_networks)
+    tapes = []
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in usual_scenes(_WARM_UP, seed=1):
+            spec = RunSpec(
+                run_id="tape",
+                document=canonical_json(scene),
+                trace_path=str(Path(folder) / "trace.parquet"),
+            )
+            tapes.append((record(spec, setup), networks.get(scene.map_region.town).path))
+    pipe.send(None)
+    while times := pipe.recv():
+        for tape, network in islice(cycle(tapes), times):
+            floor(tape, network)
+        pipe.send(None)
 
 
 def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=500)
-    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--runs", type=int, default=500, help="posted to the service a round")
+    parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
     scenes = usual_scenes(options.runs, seed=1)
-    some = scenes[: max(options.runs // 4, _WARM_UP)]
-    scaling, overhead = [], []
-    for _ in range(options.repeat):
-        one, two = bare(some, 1), bare(some, 2)
-        alone, service = bare(scenes, 2), served(scenes, 2)
-        scaling.append(one / two)
-        overhead.append(service / alone)
-        print(
-            f"{len(some)} runs: K=1 {one:.2f} s, K=2 {two:.2f} s, x {one / two:.3f};  "
-            f"{len(scenes)} runs, K=2: executor {alone:.2f} s, service {service:.2f} s, "
-            f"x {service / alone:.3f}"
-        )
-    print(f"K = 2 / K = 1: {statistics.median(scaling):.3f}")
+    # A fifth is enough for two workers against one: their batches differ in nothing else.
+    some = scenes[: max(options.runs // 5 // 2 * 2, _WARM_UP)]
+    ours, bare, overhead = [], [], []
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        one = stack.enter_context(warm_executor(1, folder / "one"))
+        two = stack.enter_context(warm_executor(2, folder / "two"))
+        bare_one = stack.enter_context(warm_libsumo(1))
+        bare_two = stack.enter_context(warm_libsumo(2))
+        service = stack.enter_context(warm_service(2, folder / "service"))
+        for measured in (one, two, service):
+            measured(scenes[:_WARM_UP])
+        for _ in range(options.rounds):
+            alone, pair = one(some), two(some)
+            bare_alone, bare_pair = bare_one(some), bare_two(some)
+            executed, served = two(scenes), service(scenes)
+            ours.append(alone / pair)
+            bare.append(bare_alone / bare_pair)
+            overhead.append(served / executed)
+            print(
+                f"{len(some)} runs: K=1 {alone:.2f} s, K=2 {pair:.2f} s, x {ours[-1]:.3f}, "
+                f"libsumo alone {bare_alone:.2f} s, {bare_pair:.2f} s, x {bare[-1]:.3f};  "
+                f"{len(scenes)} runs, K=2: executor {executed:.2f} s, service {served:.2f} s, "
+                f"x {overhead[-1]:.3f}",
+                flush=True,
+            )
+    print(f"K = 2 / K = 1: {statistics.median(ours):.3f}")
+    print(f"the same with libsumo alone: {statistics.median(bare):.3f}")
     print(f"service / executor: {statistics.median(overhead):.3f}")
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 import inspect
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from drivora_service.errors import DrivoraError, SearchError
+from drivora_service.errors import DrivoraError, Problem, SearchError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -41,7 +42,7 @@ class ParameterDescription:
 def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescription, ...]:
     """Describes the fields of a dataclass as :func:`read_parameters` takes them.
 
-    The descriptions come from the section ``Attributes`` of its docstring.
+    The descriptions come from the section ``Attributes`` of its docstring, or from the fields.
     """
     described = _adapter(type_).json_schema()
     section = (inspect.getdoc(type_) or "").partition("Attributes:\n")[2]
@@ -51,7 +52,7 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
             name=name,
             default=schema.get("default"),
             schema={key: value for key, value in schema.items() if key not in _NOT_TYPE},
-            description=texts.get(name, ""),
+            description=texts.get(name, schema.get("description", "")),
         )
         for name, schema in described.get("properties", {}).items()
     )
@@ -64,6 +65,124 @@ def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
 
 
 _NOT_TYPE = frozenset({"default", "title", "description"})
+_SHOWN = 60
+"""Characters of a value in a message."""
+
+
+def parameter_problems(
+    type_: type[DataclassInstance], parameters: Mapping[str, Any], *, of: str
+) -> tuple[Problem, ...]:
+    """Finds all that is wrong with what a user wrote.
+
+    Args:
+        type_: As for :func:`read_parameters`.
+        parameters: As for :func:`read_parameters`.
+        of: As for :func:`read_parameters`.
+
+    Returns:
+        With pointers that begin at the parameters: ``/rate``.
+    """
+    known = tuple(field.name for field in fields(type_))
+    problems = [_unknown(name, known, of) for name in parameters if name not in known]
+    taken = {name: value for name, value in parameters.items() if name in known}
+    try:
+        text = json.dumps(taken, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        message = (
+            f"{of}: the parameters hold what JSON cannot ({error}); allowed: finite numbers, text, "
+            "true, false, lists"
+        )
+        return (*problems, Problem(pointer="", code="not_json", message=message))
+    try:
+        _adapter(type_).validate_json(text, strict=True)
+    except ValidationError as invalid:
+        schemas = _adapter(type_).json_schema().get("properties", {})
+        for flaw in invalid.errors(include_url=False):
+            place = _place(flaw["loc"], taken)
+            schema = schemas.get(place[0], {}) if place else {}
+            allowed = f"allowed: {allowed_values(schema)}" if schema else flaw["msg"]
+            problems.append(
+                Problem(
+                    pointer="".join(f"/{_escaped(key)}" for key in place),
+                    code=flaw["type"],
+                    message=f"{of}: {'.'.join(place)} is {_shown(flaw['input'])}; {allowed}",
+                )
+            )
+    return tuple(problems)
+
+
+def allowed_values(schema: Mapping[str, Any]) -> str:
+    """Says in words which values a parameter may have.
+
+    Args:
+        schema: JSON Schema, as in :class:`ParameterDescription`.
+    """
+    if "anyOf" in schema:
+        return " or ".join(allowed_values(choice) for choice in schema["anyOf"])
+    if "enum" in schema or "const" in schema:
+        return ", ".join(map(json.dumps, schema.get("enum", (schema.get("const"),))))
+    match schema.get("type"):
+        case "number" | "integer" as kind:
+            return _number_in_words("a number" if kind == "number" else "an integer", schema)
+        case "boolean":
+            return "true or false"
+        case "string":
+            return "text"
+        case "null":
+            return "null"
+        case "array":
+            return f"a list, each of it {allowed_values(schema.get('items', {}))}"
+        case _:
+            return json.dumps({k: v for k, v in schema.items() if k not in _NOT_TYPE})
+
+
+def _number_in_words(noun: str, schema: Mapping[str, Any]) -> str:
+    low, high = schema.get("minimum"), schema.get("maximum")
+    if low is not None and high is not None:
+        return f"{noun} from {low:g} to {high:g}"
+    bounds = {
+        "of at least": low,
+        "above": schema.get("exclusiveMinimum"),
+        "of at most": high,
+        "below": schema.get("exclusiveMaximum"),
+    }
+    told = " and ".join(
+        f"{words} {limit:g}" for words, limit in bounds.items() if limit is not None
+    )
+    return f"{noun} {told}" if told else noun
+
+
+def _unknown(name: str, known: tuple[str, ...], of: str) -> Problem:
+    close = difflib.get_close_matches(name, known, n=1)
+    meant = f"did you mean {close[0]!r}? Known" if close else "known"
+    allowed = f"{meant}: {', '.join(known)}" if known else "it takes none: leave them out"
+    return Problem(
+        pointer=f"/{_escaped(name)}",
+        code="unknown_parameter",
+        message=f"{of} has no parameter {name[:80]!r}; {allowed}",
+    )
+
+
+def _place(keys: Iterable[str | int], content: Any) -> list[str]:
+    """Gives the keys that lead through the content; further ones are names of types."""
+    place = []
+    for key in keys:
+        try:
+            content = content[key]
+        except (IndexError, KeyError, TypeError):
+            break
+        place.append(str(key))
+    return place
+
+
+def _shown(value: object) -> str:
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
+
+
+def _escaped(key: str) -> str:
+    """Writes a key as JSON pointers have it."""
+    return key.replace("~", "~0").replace("/", "~1")
 
 
 def read_parameters(
@@ -85,27 +204,11 @@ def read_parameters(
         error: Makes the error to raise from its message.
 
     Raises:
-        DrivoraError: As ``error`` makes it, if there is no such parameter, or its value is not
-            allowed.
+        DrivoraError: As ``error`` makes it, with every parameter that there is not, or whose value
+            is not allowed.
     """
-    known = tuple(field.name for field in fields(type_))
-    for name in parameters:
-        if name not in known:
-            allowed = f"known: {', '.join(known)}" if known else "it takes none: leave them out"
-            raise error(f"{of} has no parameter {name!r}; {allowed}")
-    try:
-        text = json.dumps(dict(parameters), allow_nan=False)
-    except (TypeError, ValueError) as problem:
-        raise error(
-            f"{of}: the parameters hold what JSON cannot ({problem}); allowed: finite numbers, "
-            "text, true, false, lists"
-        ) from problem
-    try:
-        read: P = _adapter(type_).validate_json(text, strict=True)
-    except ValidationError as invalid:
-        found = "; ".join(
-            f"{'.'.join(map(str, problem['loc']))} is {problem['input']!r}: {problem['msg']}"
-            for problem in invalid.errors(include_url=False)
-        )
-        raise error(f"{of}: {found}") from invalid
+    problems = parameter_problems(type_, parameters, of=of)
+    if problems:
+        raise error("; ".join(problem.message for problem in problems))
+    read: P = _adapter(type_).validate_json(json.dumps(dict(parameters)), strict=True)
     return read

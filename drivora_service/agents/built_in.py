@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
-
 from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
 from drivora_service.agents.ad_mlp.view import AdMlpView
 from drivora_service.agents.entry import AgentEntry, AgentKind
@@ -13,7 +9,6 @@ from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
 from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
 from drivora_service.agents.imitation.agent import NoParameters, WaypointAgent
 from drivora_service.agents.imitation.weights import load_weights
-from drivora_service.agents.interface import Agent
 from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
 from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
 from drivora_service.agents.nmpc import agent as nmpc
@@ -21,33 +16,14 @@ from drivora_service.agents.nmpc.casadi_files import CASADI_FILES
 from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
 from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import PlantView
-from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
+from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, agent_plugin
 from drivora_service.agents.puffer_drive import agent as puffer_drive
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
 from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
-from drivora_service.errors import AgentError
-from drivora_service.parameters import read_parameters
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-P = TypeVar("P", bound="DataclassInstance")
-
-
-def _built_in(
-    entry: AgentEntry, type_: type[P], make: Callable[[P], Agent | SumoDriver]
-) -> AgentPlugin:
-    """Makes the plug-in of an agent whose parameters are the fields of a dataclass."""
-    error = partial(AgentError, cause="agent_parameters")
-
-    def create(parameters: Mapping[str, Any]) -> Agent | SumoDriver:
-        return make(read_parameters(type_, parameters, of=f"agent {entry.name!r}", error=error))
-
-    return AgentPlugin(entry=entry, create=create)
 
 
 def _sumo_plugin(name: str, model: str, car_following: str) -> AgentPlugin:
-    return _built_in(
+    return agent_plugin(
         AgentEntry(
             name=name,
             kind=AgentKind.BASELINE,
@@ -64,7 +40,7 @@ def _sumo_plugin(name: str, model: str, car_following: str) -> AgentPlugin:
 
 
 BUILT_IN: tuple[AgentPlugin, ...] = (
-    _built_in(
+    agent_plugin(
         AgentEntry(
             name="idm",
             kind=AgentKind.MODULE_BASED,
@@ -78,7 +54,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         IdmParameters,
         lambda parameters: IdmAgent(parameters.speed_factor),
     ),
-    _built_in(
+    agent_plugin(
         AgentEntry(
             name="idm-mobil",
             kind=AgentKind.MODULE_BASED,
@@ -92,7 +68,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         MobilParameters,
         MobilAgent,
     ),
-    _built_in(
+    agent_plugin(
         AgentEntry(
             name="pdm-closed",
             kind=AgentKind.MODULE_BASED,
@@ -106,7 +82,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         PdmParameters,
         PdmClosedAgent,
     ),
-    _built_in(
+    agent_plugin(
         AgentEntry(
             name="plant-lite",
             kind=AgentKind.END_TO_END,
@@ -120,7 +96,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         NoParameters,
         lambda _: WaypointAgent(PlantView(), PlantNetwork(load_weights(PlantWeights))),
     ),
-    _built_in(
+    agent_plugin(
         AgentEntry(
             name="ad-mlp",
             kind=AgentKind.END_TO_END,
@@ -154,6 +130,7 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="metadrive-simulator 0.4.3 (Li et al. 2022)",
             licence="Apache-2.0",
         ),
+        parameters=metadrive_ppo.MetaDriveParameters,
         files=(METADRIVE_WEIGHTS,),
         create=metadrive_ppo.create,
     ),
@@ -169,6 +146,7 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="pufferlib 3.0.0 (Suarez 2024; scenes of GPUDrive, Kazemkhani et al. 2024)",
             licence="MIT",
         ),
+        parameters=puffer_drive.PufferDriveParameters,
         files=(PUFFER_WEIGHTS,),
         create=puffer_drive.create,
     ),
@@ -183,6 +161,7 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="written here, with CasADi 3.8.2 (Andersson et al. 2019) and FATROP",
             licence="Apache-2.0; CasADi LGPL-3.0-or-later, FATROP BSD-2-Clause and EPL-2.0",
         ),
+        parameters=nmpc.NmpcParameters,
         files=(CASADI_FILES,),
         create=nmpc.create,
     ),

@@ -20,12 +20,21 @@ from drivora_service.agents.installing import (
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.manifest import AgentManifest, read_manifest
 from drivora_service.agents.manifest_files import operator_manifests, shipped_manifests
+from drivora_service.agents.manifest_parameters import parameters_type
 from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.errors import AgentError, UnknownName
+from drivora_service.errors import AgentError, Problem, UnknownName
+from drivora_service.parameters import (
+    ParameterDescription,
+    describe_parameters,
+    parameter_problems,
+)
 from drivora_service.plugin_table import PluginTable
+from drivora_service.scenario.agent_checks import AgentDirectory
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from drivora_service.agents.remote.processes import AgentHosts
 
 LONGEST_CALL_S = 10.0
@@ -115,9 +124,32 @@ class AgentCatalogue:
         """Gives all entries, by name."""
         return tuple(self.entry(name) for name in self.names())
 
-    def availability(self) -> Mapping[str, str]:
-        """Gives by name why an agent cannot be used, "" for one that can; looked up when asked."""
+    def availability(self) -> AgentDirectory:
+        """Gives what documents are checked against; looked up when asked."""
         return _Availability(self)
+
+    def parameters(self, name: str) -> tuple[ParameterDescription, ...] | None:
+        """Gives the parameters that an agent takes; ``None`` where it does not declare them.
+
+        Raises:
+            UnknownName: If there is no such agent.
+        """
+        type_ = self._parameters(name)
+        return None if type_ is None else describe_parameters(type_)
+
+    def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
+        """Finds what is wrong with the parameters of an agent; none where it declares none.
+
+        Returns:
+            With pointers that begin at the parameters.
+
+        Raises:
+            UnknownName: If there is no such agent.
+        """
+        type_ = self._parameters(name) if parameters else None
+        if type_ is None:
+            return ()
+        return parameter_problems(type_, parameters, of=f"agent {name!r}")
 
     def create(self, name: str, parameters: Mapping[str, Any]) -> Agent | SumoDriver:
         """Makes an agent for one ego and one run.
@@ -188,6 +220,19 @@ class AgentCatalogue:
         path = self._shipped.get(name) or operator_manifests(self._folder).get(name)
         return None if path is None else read_manifest(path, name)
 
+    def _parameters(self, name: str) -> type[DataclassInstance] | None:
+        fetched = self._fetched.get(name)
+        if fetched is not None:
+            return fetched.parameters
+        try:
+            manifest = self._manifest(name)
+            if manifest is None:
+                return self._plugin(name).parameters
+        except AgentError:
+            # Its entry tells why it cannot be used.
+            return None
+        return None if manifest.parameters is None else parameters_type(manifest.parameters)
+
     def _plugin(self, name: str) -> AgentPlugin:
         if name not in self._table.names():
             raise UnknownName("agent", name, self.names())
@@ -202,8 +247,8 @@ class AgentCatalogue:
         return self._hosts
 
 
-class _Availability(Mapping[str, str]):
-    """Why agents cannot be used, by name."""
+class _Availability(AgentDirectory):
+    """The agents of a catalogue, by name."""
 
     def __init__(self, catalogue: AgentCatalogue) -> None:
         self._catalogue = catalogue
@@ -213,6 +258,9 @@ class _Availability(Mapping[str, str]):
         if name not in self._names:
             raise KeyError(name)
         return self._catalogue.entry(name).reason
+
+    def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
+        return self._catalogue.parameter_problems(name, parameters)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)

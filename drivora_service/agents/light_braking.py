@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from drivora_service.agents.idm.driving import halt
+from drivora_service.agents.idm.car_following import halt
 from drivora_service.agents.interface import Observation
 from drivora_service.observations.trace import Light
 

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic_core import PydanticCustomError
 
 from drivora_service.agents.entry import AgentKind
+from drivora_service.agents.manifest_parameters import ManifestParameter, ParameterDocument
 from drivora_service.errors import AgentError, InvalidDocument, Problem
 from drivora_service.scenario.fields import NAME_PATTERN
 from drivora_service.scenario.plain_data import plain_data
@@ -22,6 +23,7 @@ _PLACEHOLDERS = ("python", "folder")
 _ADDRESS = r"^(unix:/.+|\[?[A-Za-z0-9_.:-]+\]?:[0-9]{1,5})$"
 
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=2000)]
+_ParameterName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z][A-Za-z0-9_]{0,63}$")]
 _Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
 
@@ -53,6 +55,7 @@ class AgentManifest:
         resolved: Whether its requirements are complete, so that what the packages themselves ask
             for is not looked at.
         deadlines: What it may take.
+        parameters: Those that documents may set; ``None``: only the ADS knows.
     """
 
     name: str
@@ -67,6 +70,7 @@ class AgentManifest:
     environment: str = ""
     resolved: bool = False
     deadlines: AgentDeadlines = AgentDeadlines()
+    parameters: tuple[ManifestParameter, ...] | None = None
 
 
 class _Deadlines(BaseModel):
@@ -94,6 +98,7 @@ class _Manifest(BaseModel):
     environment: Annotated[str, Field(strict=True, pattern=NAME_PATTERN)] | None = None
     resolved: Annotated[bool, Field(strict=True)] = False
     deadlines: _Deadlines = _Deadlines()
+    parameters: dict[_ParameterName, ParameterDocument] | None = None
 
     @model_validator(mode="after")
     def _one_way_to_reach_it(self) -> Self:
@@ -150,6 +155,9 @@ def _manifest(text: bytes, path: Path, name: str) -> AgentManifest:
         environment=document.environment or document.name,
         resolved=document.resolved,
         deadlines=AgentDeadlines(**document.deadlines.model_dump()),
+        parameters=None
+        if document.parameters is None
+        else tuple(parameter.parameter(name) for name, parameter in document.parameters.items()),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from fastapi import FastAPI
@@ -11,6 +11,8 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 
 from drivora_service.api import problems
+from drivora_service.api.conditional import JSON
+from drivora_service.api.observations import NDJSON, PARQUET
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
 
@@ -27,15 +29,11 @@ carry an `ETag`; a request with `If-None-Match` is answered with 304 where nothi
 
 def answers(example: BaseModel, *errors: int, status: int = 200) -> dict[int | str, dict[str, Any]]:
     """Documents an operation: its answer with an example, and the errors it can end in."""
-    documented: dict[int | str, dict[str, Any]] = {
-        status: {
-            "description": "Done" if status < 202 else "Accepted",
-            "content": {"application/json": {"example": _packed(example)}},
-        }
+    answer = {
+        "description": "Done" if status < 202 else "Accepted",
+        "content": {JSON: {"example": _packed(example)}},
     }
-    for error in errors:
-        documented[error] = problem_answer(error)
-    return documented
+    return _with_errors(answer, errors, status=status)
 
 
 def problem_answer(status: int) -> dict[str, Any]:
@@ -51,6 +49,21 @@ def problem_answer(status: int) -> dict[str, Any]:
             }
         },
     }
+
+
+def scenario_answers(example: Mapping[str, Any], *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer that is one scenario, and the errors."""
+    content = {JSON: {"schema": _SCENARIO_REF, "example": example}}
+    return _with_errors({"description": "The scenario", "content": content}, errors)
+
+
+def observations_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer that is what a run recorded, and the errors."""
+    content = {
+        NDJSON: {"schema": {"type": "string"}, "example": example},
+        PARQUET: {"schema": {"type": "string", "format": "binary"}},
+    }
+    return _with_errors({"description": "One frame a step", "content": content}, errors)
 
 
 def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
@@ -112,6 +125,12 @@ def install_openapi(api: FastAPI) -> None:
         return api.openapi_schema
 
     api.openapi = build  # type: ignore[method-assign] # FastAPI's own way to extend the document
+
+
+def _with_errors(
+    answer: dict[str, Any], errors: Iterable[int], *, status: int = 200
+) -> dict[int | str, dict[str, Any]]:
+    return {status: answer, **{error: problem_answer(error) for error in errors}}
 
 
 def _packed(example: BaseModel) -> str:

@@ -101,6 +101,7 @@ RUN = runs.Run(
     metrics={"route_completion": 0.63},
     scores={"minimum_gap": 0.0, "time_to_collision": None},
     step_cost_us=118.0,
+    agent_cost_us={"ego_0": 31.0},
     versions={"drivora": "0.1.0", "sumo": "1.28.0"},
     tries=(
         runs.Attempt(number=1, worker="slot-0", outcome="finished", cause="", signal="", log=""),
@@ -202,6 +203,14 @@ AGENTS = catalogues.AgentList(
             description="Follows its route with the Intelligent Driver Model",
             source="",
             licence="Apache-2.0",
+            parameters=(
+                catalogues.AgentParameter(
+                    name="speed_factor",
+                    default=1.0,
+                    values={"type": "number", "minimum": 0.1, "maximum": 2.0},
+                    description="Share of the speed limit that it drives where the road is free.",
+                ),
+            ),
             installed=True,
             reason="",
         ),

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import Depends, Query
 
+from drivora_service.api.observations import StepRange
 from drivora_service.api.submission import Overrides
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
@@ -63,3 +64,15 @@ def _job_filter(
 
 
 Filter = Annotated[JobFilter, Depends(_job_filter)]
+
+
+def _step_range(
+    first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
+    last: Annotated[
+        int | None, Query(ge=0, le=10**9, description="Last step, itself included.")
+    ] = None,
+) -> StepRange:
+    return StepRange(first=first, last=last)
+
+
+Steps = Annotated[StepRange, Depends(_step_range)]

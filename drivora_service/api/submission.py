@@ -55,9 +55,8 @@ def validated(
     Raises:
         InvalidDocument: It cannot be run; every problem is named.
     """
-    # With an override nobody will drive as documented, so those names need not exist here.
-    agents = None if overrides.agent else context.agents.availability()
-    return validate_data(data, context.networks, agents, form)
+    agents = context.agents.availability()
+    return validate_data(data, context.networks, agents, form, driven_by=overrides.agent)
 
 
 def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:

@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -56,6 +57,12 @@ class BenchmarkRun:
         """What was broken."""
         return tuple(v for v in self.report.verdicts if v.outcome is Outcome.VIOLATED)
 
+    @property
+    def agent_cost_us(self) -> float | None:
+        """Wall microseconds that the agent took of a step; ``None`` if nobody was asked."""
+        costs = self.report.agent_cost_us.values()
+        return math.fsum(costs) if costs else None
+
     def metric(self, name: str) -> float | None:
         """Gives a metric; ``None`` if it could not be measured."""
         value = self.report.metrics.get(name)
@@ -86,6 +93,7 @@ class Figures:
         step_cost_median_us: Wall microseconds of a whole step, simulation and agent: median of the
             judged runs' means.
         step_cost_p95_us: 95th percentile of the same.
+        agent_cost_median_us: What the agent alone takes of a step; ``None`` also where SUMO drives.
     """
 
     runs: int
@@ -101,6 +109,7 @@ class Figures:
     comfortable: int
     step_cost_median_us: float | None
     step_cost_p95_us: float | None
+    agent_cost_median_us: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -207,7 +216,8 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     """Sums runs up."""
     judged = [run for run in runs if run.finished]
     costs = [run.report.step_cost_us for run in judged]
-    median, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
+    typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
+    own = [cost for run in judged if (cost := run.agent_cost_us) is not None]
     at_fault = [run for run in judged if run.broke(COLLISION, at_fault=True)]
     arrivals = [run for run in judged if run.arrived]
     failed = sum(run.report.status in _AGENTS_OWN for run in runs)
@@ -223,8 +233,9 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
         route_completion=_mean(_values(judged, "route_completion")),
         comfort=_mean(_values(judged, "comfort")),
         comfortable=sum(value == 1.0 for value in _values(judged, "comfort")),
-        step_cost_median_us=None if median is None else float(median),
+        step_cost_median_us=None if typical is None else float(typical),
         step_cost_p95_us=None if p95 is None else float(p95),
+        agent_cost_median_us=median(own) if own else None,
     )
 
 

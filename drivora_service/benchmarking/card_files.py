@@ -93,5 +93,6 @@ def _run_content(run: BenchmarkRun) -> dict[str, Any]:
         "driving_score": run.metric("driving_score"),
         "sim_time_s": run.report.sim_time_s,
         "step_cost_us": run.report.step_cost_us,
+        "agent_cost_us": run.agent_cost_us,
         "trace_sha256": run.report.trace_sha256,
     }

@@ -18,6 +18,7 @@ COLUMNS = (
     "comfort",
     "step (ms)",
     "95 %",
+    "agent (ms)",
     "failed",
 )
 """What :func:`cells` gives, in this order."""
@@ -37,6 +38,7 @@ def cells(figures: Figures) -> tuple[str, ...]:
         _number(figures.comfort, 2),
         _milliseconds(figures.step_cost_median_us),
         _milliseconds(figures.step_cost_p95_us),
+        _milliseconds(figures.agent_cost_median_us),
         str(figures.runs - judged),
     )
 
@@ -68,7 +70,8 @@ HOW_TO_READ = (
     "fault; *red lights*: ran at least one. *driving score*: mean of Leaderboard 2.1 (per cent), "
     "0 where the agent failed. *comfort*: mean share of the time within nuPlan's bounds. "
     "*step*, *95 %*: median and 95th percentile over the runs of the mean wall time of a step, "
-    "simulation and agent together; what a `sumo-` driver takes is the simulation's part. "
+    "simulation and agent together; *agent*: the median of what the agent alone took of it, a dash "
+    "where SUMO drives. "
     "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
     "perception model lets through."
 )

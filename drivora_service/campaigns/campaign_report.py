@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from drivora_service.campaigns.comparing import (
     Ground,
@@ -18,8 +17,6 @@ from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
 from drivora_service.campaigns.reading import Catalogues
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.plotting.run_picture import draw_run
 from drivora_service.store.campaign_records import CampaignRecord, Confirmation, FailureRecord
 from drivora_service.store.database import Database
 
@@ -103,45 +100,6 @@ def group(failures: Sequence[FailureRecord]) -> tuple[FailureGroup, ...]:
         FailureGroup(key=key, cluster=cluster, failures=tuple(members))
         for (key, cluster), members in found.items()
     )
-
-
-def draw_examples(
-    report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
-) -> dict[int, Path]:
-    """Draws the example of each cluster whose trace is there, once an evaluation.
-
-    Args:
-        report: The campaign.
-        traces: Folder of its traces.
-        catalogues: Knows the road network.
-        folder: Where the pictures go; made if need be.
-
-    Returns:
-        Pictures by number of the evaluation.
-
-    Raises:
-        UnknownName: The road network is not here any more.
-        StoreError: A trace cannot be read.
-    """
-    pictures: dict[int, Path] = {}
-    drawn: set[tuple[str, int | None]] = set()
-    every = [failure for one in report.groups for failure in one.failures]
-    for one in report.groups:
-        example = one.example
-        source = traces / example.trace
-        cluster = (example.verdict.oracle, one.cluster)
-        if cluster in drawn or not example.trace or not source.is_file():
-            continue
-        drawn.add(cluster)
-        if example.number in pictures:
-            continue
-        trace = read_trace(source)
-        verdicts = [failure.verdict for failure in every if failure.number == example.number]
-        folder.mkdir(parents=True, exist_ok=True)
-        picture = folder / f"{example.number:06d}.png"
-        draw_run(trace, catalogues.networks.get(trace.network), verdicts, picture)
-        pictures[example.number] = picture
-    return pictures
 
 
 def _figures(

@@ -64,6 +64,8 @@ class Clustering:
     def _label(self, features: FloatArray) -> NDArray[np.int64]:
         if not features.shape[1]:
             return np.zeros(len(features), dtype=np.int64)
+        if len(features) == 1:
+            return np.array([0 if self.least <= 1 else -1])
         # Loading it takes a second, and only the end of a campaign needs it.
         from sklearn.cluster import DBSCAN
 

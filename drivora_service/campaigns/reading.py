@@ -16,7 +16,7 @@ from drivora_service.campaigns.documents import CampaignDocument, TesterDocument
 from drivora_service.errors import InvalidDocument, Problem, SearchError, UnknownName
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.parameters import read_parameters
+from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.plain_data import plain_data
@@ -159,12 +159,9 @@ def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterato
     except SearchError as error:
         yield Problem(pointer="/tester/name", code="plugin", message=str(error))
     else:
-        try:
-            read_parameters(plugin.parameters, tester.parameters, of=f"tester {tester.name!r}")
-        except SearchError as error:
-            yield Problem(
-                pointer="/tester/parameters", code="tester_parameters", message=str(error)
-            )
+        of = f"tester {tester.name!r}"
+        for problem in parameter_problems(plugin.parameters, tester.parameters, of=of):
+            yield replace(problem, pointer=f"/tester/parameters{problem.pointer}")
     for kind, name, table in (
         ("mutation", tester.mutation, mutation_plugins()),
         ("selection", tester.selection, selection_plugins()),
@@ -188,6 +185,9 @@ def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Pr
     if not entry.installed:
         message = f"agent {agent.name!r} cannot be run here: {entry.reason}"
         yield Problem(pointer="/agent/name", code="agent_not_installed", message=message)
+        return
+    for problem in catalogue.parameter_problems(agent.name, agent.parameters):
+        yield replace(problem, pointer=f"/agent/parameters{problem.pointer}")
 
 
 def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:

@@ -22,6 +22,9 @@ from drivora_service.scenario.validation import validate_document
 from drivora_service.settings import Settings
 from drivora_service.worker_settings import run_limits, worker_setup
 
+_MOMENTS = 5
+"""Pictures in the strip of a card."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entrants:
@@ -134,13 +137,14 @@ _COLUMNS = (
     "score",
     "comfort",
     "step\n(ms)",
+    "agent\n(ms)",
 )
 """Two lines where one would make the table wider than a terminal."""
 
 
 def _row(card: AgentCard) -> tuple[str, ...]:
     total = card.total
-    cost = total.step_cost_median_us
+    cost, own = total.step_cost_median_us, total.agent_cost_median_us
     return (
         card.agent.name + ("*" if card.agent.privileged else ""),
         f"{total.arrivals}/{total.runs}",
@@ -150,6 +154,7 @@ def _row(card: AgentCard) -> tuple[str, ...]:
         number(total.driving_score),
         number(total.comfort, 2),
         number(None if cost is None else cost / 1000.0, 2),
+        number(None if own is None else own / 1000.0, 2),
     )
 
 
@@ -167,8 +172,9 @@ def _pictures(
     for card in cards:
         if card.shown is not None:
             name = card.agent.name
-            picture = out / f"{name}.svg"
-            draw_trace(_trace(scratch, f"{name}-{card.shown.name}"), settings, picture)
+            picture = out / f"{name}.png"
+            trace = _trace(scratch, f"{name}-{card.shown.name}")
+            draw_trace(trace, settings, picture, moments=_MOMENTS)
             yield name, picture
 
 

@@ -12,6 +12,7 @@ from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.plotting.run_picture import draw_run
+from drivora_service.plotting.strip import draw_strip
 from drivora_service.settings import Settings
 
 
@@ -22,6 +23,7 @@ def draw_trace(
     *,
     color_by: Literal["actor", "time"] = "actor",
     rules: Collection[str] = (),
+    moments: int | None = None,
 ) -> None:
     """Judges a trace and draws it.
 
@@ -31,6 +33,7 @@ def draw_trace(
         target: Where to write; ends in ``.svg`` or ``.png``.
         color_by: What the colour of the egos' trails says.
         rules: Names of the rules whose violations are marked; none: of all.
+        moments: Draws a strip of so many moments rather than the whole run.
 
     Raises:
         StoreError: The file is no trace.
@@ -48,4 +51,7 @@ def draw_trace(
     judged = judge_all(trace, network, oracles)
     verdicts = [verdict for verdict in judged if not rules or verdict.oracle in rules]
     target.parent.mkdir(parents=True, exist_ok=True)
-    draw_run(trace, network, verdicts, target, color_by=color_by)
+    if moments is None:
+        draw_run(trace, network, verdicts, target, color_by=color_by)
+    else:
+        draw_strip(trace, network, verdicts, target, count=moments)

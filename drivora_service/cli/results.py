@@ -29,6 +29,7 @@ def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str])
         "sim_time_s": content["sim_time_s"],
         "wall_time_s": content["wall_time_s"],
         "step_cost_us": content["step_cost_us"],
+        "agent_cost_us": content["agent_cost_us"],
         "versions": content["versions"],
         "trace": trace,
         "notes": list(notes),
@@ -50,6 +51,7 @@ def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, An
         "sim_time_s": run["sim_time_s"] or 0.0,
         "wall_time_s": run["wall_time_s"] or 0.0,
         "step_cost_us": run["step_cost_us"] or 0.0,
+        "agent_cost_us": run["agent_cost_us"],
         "versions": run["versions"],
         "trace": trace,
         "notes": [],
@@ -76,6 +78,7 @@ def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
         "sim_time_s": 0.0,
         "wall_time_s": 0.0,
         "step_cost_us": 0.0,
+        "agent_cost_us": {},
         "versions": {},
         "trace": "",
         "notes": [],
@@ -91,7 +94,7 @@ def print_results(results: Sequence[dict[str, Any]]) -> None:
     """Prints a row a run, and below it why runs were not judged."""
     print_table(
         "",
-        ("scenario", "status", "violations", "sim time", "real time", "step cost"),
+        ("scenario", "status", "violations", "sim time", "real time", "step cost", "agents"),
         (_row(result) for result in results),
     )
     for result in results:
@@ -144,6 +147,7 @@ def summary(result: dict[str, Any]) -> str:
 def _row(result: dict[str, Any]) -> tuple[str, ...]:
     wall, sim = result["wall_time_s"], result["sim_time_s"]
     judged = result["status"] == FINISHED
+    agents = result["agent_cost_us"].values()
     return (
         result["scenario"],
         result["status"].replace("_", " "),
@@ -151,4 +155,5 @@ def _row(result: dict[str, Any]) -> tuple[str, ...]:
         f"{sim:.1f} s" if judged else "-",
         f"{sim / wall:.0f}" if judged and wall else "-",
         f"{result['step_cost_us']:.0f} µs" if judged else "-",
+        f"{sum(agents):.0f} µs" if judged and agents else "-",
     )

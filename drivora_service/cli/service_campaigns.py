@@ -11,11 +11,13 @@ from typing import Any, Self
 import numpy as np
 from pydantic import TypeAdapter
 
+from drivora_service.campaigns.figures import CampaignFigures
 from drivora_service.campaigns.progress import Progress
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file
 from drivora_service.cli.campaign_results import CampaignFindings
 from drivora_service.cli.client import ServiceClient
+from drivora_service.cli.service_comparison import figures_from
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
@@ -98,6 +100,12 @@ class ServiceCampaigns:
                 _failure(item) for item in self._client.items(f"/campaigns/{campaign_id}/failures")
             ),
         )
+
+    def figures(self, campaign_id: str) -> tuple[CampaignFigures | None, str]:
+        """Gives the figures of a campaign, or ``None`` and why they are not known."""
+        answer = self._client.get(f"/campaigns/{campaign_id}/figures")
+        figures = answer["figures"]
+        return None if figures is None else figures_from(figures), answer["note"]
 
     def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
         """Gives the newest campaigns first."""
@@ -226,6 +234,7 @@ def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
             sim_time_s=item["sim_time_s"],
             wall_time_s=item["wall_time_s"],
             step_cost_us=item["step_cost_us"],
+            agent_cost_us=item["agent_cost_us"],
             failure=None if item["error"] is None else RunFailure(**item["error"]),
             versions=item["versions"],
         ),

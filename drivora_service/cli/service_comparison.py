@@ -44,7 +44,7 @@ def compare_on_service(
         )
     return Comparison(
         baseline=answer["baseline"],
-        figures=tuple(_figures(item) for item in answer["campaigns"]),
+        figures=tuple(figures_from(item) for item in answer["campaigns"]),
         rows=tuple(_row(item, answer["baseline"]) for item in answer["differences"]),
         budgets=answer["budgets"],
         time_limits=answer["time_limits_s"],
@@ -52,7 +52,8 @@ def compare_on_service(
     )
 
 
-def _figures(item: dict[str, Any]) -> CampaignFigures:
+def figures_from(item: dict[str, Any]) -> CampaignFigures:
+    """Reads the figures of a campaign as a service writes them."""
     derived = ("own_share",)
     given = {name: value for name, value in item.items() if name not in derived}
     return TypeAdapter(CampaignFigures).validate_python(given)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,14 +62,11 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
     Returns:
         The files, SVG and PNG.
     """
-    looks = looks_of([group for one in shown for group in one.groups], baseline)
+    looks = _looks(shown, baseline)
     with chart_style():
         figure, axes = panels(len(shown))
         for one, panel in zip(shown, axes, strict=True):
-            for group, look in looks.items():
-                if group in one.groups:
-                    _draw_curve(panel, one.groups[group], look)
-            _dress(panel, one.title, "different failures found")
+            _draw_groups(panel, one, looks, _draw_curve, "different failures found")
             panel.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
         figure.suptitle(
             "Median of the repetitions; the band holds the middle half",
@@ -92,14 +89,11 @@ def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
     Returns:
         The files, SVG and PNG.
     """
-    looks = looks_of([group for one in shown for group in one.groups], baseline)
+    looks = _looks(shown, baseline)
     with chart_style():
         figure, axes = panels(len(shown))
         for one, panel in zip(shown, axes, strict=True):
-            for group, look in looks.items():
-                if group in one.groups:
-                    _draw_steps(panel, one.groups[group], look)
-            _dress(panel, one.title, "repetitions with a failure")
+            _draw_groups(panel, one, looks, _draw_steps, "repetitions with a failure")
             panel.set_ylim(-0.02, 1.04)
             panel.yaxis.set_major_formatter(PercentFormatter(1.0))
         legend_below(figure, looks)
@@ -117,6 +111,29 @@ def counts_after(repetitions: Sequence[Repetition]) -> FloatArray:
     return np.array(rows, dtype=np.float64)
 
 
+def _looks(shown: Sequence[Discoveries], baseline: str) -> dict[str, Look]:
+    return looks_of([group for one in shown for group in one.groups], baseline)
+
+
+def _draw_groups(
+    axes: Axes,
+    one: Discoveries,
+    looks: Mapping[str, Look],
+    draw: Callable[[Axes, Sequence[Repetition], Look], None],
+    label: str,
+) -> None:
+    for group, look in looks.items():
+        if group in one.groups:
+            draw(axes, one.groups[group], look)
+    axes.set_title(one.title)
+    axes.set_xlabel("simulations")
+    axes.set_ylabel(label)
+    axes.set_ylim(bottom=0.0)
+    axes.margins(x=0.01)
+    axes.grid(visible=True)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))
+
+
 def _draw_curve(axes: Axes, repetitions: Sequence[Repetition], look: Look) -> None:
     counts = counts_after(repetitions)
     at = np.arange(counts.shape[1])
@@ -130,13 +147,3 @@ def _draw_steps(axes: Axes, repetitions: Sequence[Repetition], look: Look) -> No
     share = (counts > 0).mean(axis=0)
     at = np.arange(counts.shape[1])
     axes.step(at, share, where="post", color=look.color, ls=look.line, lw=2.0)
-
-
-def _dress(axes: Axes, title: str, label: str) -> None:
-    axes.set_title(title)
-    axes.set_xlabel("simulations")
-    axes.set_ylabel(label)
-    axes.set_ylim(bottom=0.0)
-    axes.margins(x=0.01)
-    axes.grid(visible=True)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=6, integer=True))

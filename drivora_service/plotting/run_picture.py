@@ -6,16 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
-import matplotlib as mpl
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
-
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Trace
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.plotting import colors
 from drivora_service.plotting.panel import draw_panel, draw_scale_bar
+from drivora_service.plotting.picture_file import add_map, picture_file
 from drivora_service.plotting.road import draw_road
 from drivora_service.plotting.signals import draw_signals
 from drivora_service.plotting.trails import draw_trails
@@ -24,7 +19,6 @@ from drivora_service.plotting.view import view_of_run
 
 _PANEL_IN = 2.9
 _EDGE_IN = 0.15
-_DPI = 150
 
 
 def draw_run(
@@ -49,34 +43,12 @@ def draw_run(
     Raises:
         ValueError: The target ends in something else.
     """
-    suffix = target.suffix.lower()
-    if suffix not in (".svg", ".png"):
-        raise ValueError(f"a picture is .svg or .png, not {target.name!r}")
     view = view_of_run(trace, verdicts)
     marks = marks_of(verdicts)
     width = view.width_in + _PANEL_IN + 3 * _EDGE_IN
     height = view.height_in + 2 * _EDGE_IN
-    with mpl.rc_context(
-        {"svg.hashsalt": "drivora", "font.family": "DejaVu Sans", "text.color": colors.INK}
-    ):
-        figure = Figure(figsize=(width, height), facecolor="white")
-        canvas = FigureCanvasSVG(figure) if suffix == ".svg" else FigureCanvasAgg(figure)
-        axes = figure.add_axes(
-            (
-                _EDGE_IN / width,
-                _EDGE_IN / height,
-                view.width_in / width,
-                view.height_in / height,
-            ),
-            facecolor=colors.GROUND,
-        )
-        axes.set_xlim(view.min_x, view.max_x)
-        axes.set_ylim(view.min_y, view.max_y)
-        axes.set_aspect("equal")
-        axes.set_autoscale_on(False)
-        axes.tick_params(left=False, bottom=False, labelleft=False, labelbottom=False)
-        for side in axes.spines.values():
-            side.set_color(colors.ROAD_EDGE)
+    with picture_file(target, width_in=width, height_in=height) as figure:
+        axes = add_map(figure, view, left_in=_EDGE_IN, bottom_in=_EDGE_IN)
         draw_road(axes, network, view)
         signals = draw_signals(axes, trace, network, view)
         scale = draw_trails(axes, trace, view, by_time=color_by == "time")
@@ -97,5 +69,3 @@ def draw_run(
             )
         )
         draw_panel(figure, panel, trace, marks, height_in=view.height_in, signals=signals)
-        metadata = {"Date": None, "Creator": None} if suffix == ".svg" else {"Software": None}
-        canvas.print_figure(str(target), dpi=_DPI, metadata=metadata)

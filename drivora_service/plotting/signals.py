@@ -23,11 +23,13 @@ _LIGHT_OF_LETTER = {
 }
 
 
-def draw_signals(axes: Axes, trace: Trace, network: RoadNetwork, view: View) -> bool:
+def draw_signals(
+    axes: Axes, trace: Trace, network: RoadNetwork, view: View, *, step: int | None = None
+) -> bool:
     """Draws the signals in view; tells whether there are any.
 
-    A stop line has the colour that its signal showed when the first ego crossed it, or, where none
-    did, at the end of the run.
+    A stop line has the colour that its signal showed at ``step``; without one, when the first ego
+    crossed it, or, where none did, at the end of the run.
     """
     bars, shades = [], []
     columns = {light: column for column, light in enumerate(trace.light_ids)}
@@ -38,8 +40,8 @@ def draw_signals(axes: Axes, trace: Trace, network: RoadNetwork, view: View) -> 
         x, y, heading = lane.position_at(float(lane.arc[-1]))
         if not view.holds(x, y):
             continue
-        step = _first_passage(trace, lane)
-        state = trace.light_state_names[trace.light_states[step, columns[link.traffic_light]]]
+        shown = _first_passage(trace, lane) if step is None else step
+        state = trace.light_state_names[trace.light_states[shown, columns[link.traffic_light]]]
         across = np.array([-np.sin(heading), np.cos(heading)]) * 0.5 * lane.width
         bars.append(np.array([x, y]) + np.stack((across, -across)))
         shades.append(colors.LIGHTS[_LIGHT_OF_LETTER.get(state[link.link_index], Light.NONE)])

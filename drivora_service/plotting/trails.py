@@ -7,16 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.patches import Polygon
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
-from drivora_service.geometry import box_corners
 from drivora_service.observations.trace import Actor, Col, FloatArray, Role, Trace
 from drivora_service.plotting import colors
+from drivora_service.plotting.boxes import draw_box
 from drivora_service.plotting.view import View
 
-_SMALLEST_BOX_IN = 0.075
 _TIME_MARKS = 6
 
 RowArray = NDArray[np.signedinteger]
@@ -80,8 +78,8 @@ def _draw_ego(
         zorder=6.5,
     )
     first, last = int(rows[0]), int(rows[-1])
-    _draw_box(axes, trace, actor, first, view, face="white", edge=color, z=6.0)
-    _draw_box(axes, trace, actor, last, view, face=color, edge="white", z=6.2)
+    draw_box(axes, trace, actor, first, view, face="white", edge=color, z=6.0)
+    draw_box(axes, trace, actor, last, view, face=color, edge="white", z=6.2)
     _draw_times(axes, trace, path, rows, color)
 
 
@@ -92,33 +90,8 @@ def _draw_other(axes: Axes, trace: Trace, actor: Actor, rows: RowArray, view: Vi
     if actor.role is not Role.NPC_OBSTACLE:
         axes.plot(*path.T, color=color, linewidth=0.8 if quiet else 1.5, alpha=0.75, zorder=4.0)
         if not quiet:
-            _draw_box(axes, trace, actor, int(rows[0]), view, face="white", edge=color, z=4.2)
-    _draw_box(axes, trace, actor, int(rows[-1]), view, face=color, edge="white", z=4.4)
-
-
-def _draw_box(
-    axes: Axes,
-    trace: Trace,
-    actor: Actor,
-    step: int,
-    view: View,
-    *,
-    face: str,
-    edge: str,
-    z: float,
-) -> None:
-    state = trace.states[step, actor.row]
-    grow = max(1.0, _SMALLEST_BOX_IN * view.metres_an_inch / actor.width)
-    corners = box_corners(
-        state[None, Col.X],
-        state[None, Col.Y],
-        state[None, Col.YAW],
-        grow * actor.length,
-        grow * actor.width,
-    )[0]
-    axes.add_patch(
-        Polygon(corners, closed=True, facecolor=face, edgecolor=edge, linewidth=1.1, zorder=z)
-    )
+            draw_box(axes, trace, actor, int(rows[0]), view, face="white", edge=color, z=4.2)
+    draw_box(axes, trace, actor, int(rows[-1]), view, face=color, edge="white", z=4.4)
 
 
 def _draw_times(axes: Axes, trace: Trace, path: FloatArray, rows: RowArray, color: str) -> None:

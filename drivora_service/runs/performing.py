@@ -129,6 +129,7 @@ def _perform(
     trace.meta["versions"] = _versions()
     if spec.trace_path:
         write_trace(trace, Path(spec.trace_path))
+    steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
     verdicts = judge_all(trace, network, default_oracles(), view=view)
     return RunReport(
@@ -142,7 +143,8 @@ def _perform(
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),
         wall_time_s=time.perf_counter() - clock.started,
-        step_cost_us=1e6 * clock.stepping / max(trace.step_count - 1, 1),
+        step_cost_us=1e6 * clock.stepping / steps,
+        agent_cost_us={ego: 1e6 * spent / steps for ego, spent in episode.agent_seconds().items()},
         versions=_versions(),
     )
 

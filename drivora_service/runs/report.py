@@ -82,6 +82,9 @@ class RunReport:
         sim_time_s: Simulated seconds.
         wall_time_s: Seconds from the start of the run to its report, in the worker.
         step_cost_us: Mean wall microseconds a step, without reset and judging.
+        agent_cost_us: What the calls of each ego's agent took of that, by the ego's id; a mean over
+            the same steps, so that the rest is the simulation's. Egos that SUMO drives are left
+            out.
         versions: Versions of what took part, by name.
     """
 
@@ -96,5 +99,6 @@ class RunReport:
     sim_time_s: float = 0.0
     wall_time_s: float = 0.0
     step_cost_us: float = 0.0
+    agent_cost_us: Mapping[str, float] = field(default_factory=dict)
     failure: RunFailure | None = None
     versions: Mapping[str, Any] = field(default_factory=dict)

@@ -85,7 +85,8 @@ class AgentDocument(EntityDocument):
 
     name: fields.AgentName = Field(description="A name of `drivora agents list`.")
     parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
-        default_factory=dict, description="What the agent's entry in the catalogue allows."
+        default_factory=dict,
+        description="Those of `drivora agents show NAME` that differ from their defaults.",
     )
 
 

@@ -5,7 +5,6 @@ Nothing that passes may fail later for a reason that the document shows.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -15,6 +14,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario import fields
+from drivora_service.scenario.agent_checks import check_agents
 from drivora_service.scenario.conversion import (
     DEFAULT_AGENT,
     background_count,
@@ -53,6 +53,8 @@ def validate_data(
     networks: NetworkCatalogue,
     agents: Collection[str] | None,
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+    *,
+    driven_by: str = "",
 ) -> ValidScenario:
     """Reads a document, checks it and converts it.
 
@@ -64,8 +66,11 @@ def validate_data(
         data: Text, or what a JSON parser made of it.
         networks: Where towns are looked up.
         agents: Names of the agents that exist; in a mapping, with the reason why one cannot be
-            used, or ""; ``None``: any name will do.
+            used, or ""; in an ``AgentDirectory``, with the parameters that they take; ``None``: any
+            name will do.
         format: Language of the text; YAML without aliases and tags.
+        driven_by: Agent that will drive every ego in place of whom the document names, with the
+            parameters of the egos that name it: others need not exist. "": as documented.
 
     Raises:
         InvalidDocument: With every problem, in document order. Where the town is unknown, what
@@ -74,11 +79,11 @@ def validate_data(
     """
     read = read_document(data, format)
     if read.document is not None and not read.malformed:
-        return _validated(read.document, read.duplicates, read.content, networks, agents)
+        return _validated(read.document, read.duplicates, read.content, networks, agents, driven_by)
     draft = make_whole(read.content, read.malformed)
     problems = read.malformed
     if draft is not None:
-        checked = _check(draft.document, networks, agents, draft.doubts)
+        checked = _check(draft.document, networks, agents, driven_by, draft.doubts)
         problems = (*draft.problems, *checked.problems)
     raise InvalidDocument(in_document_order((*problems, *read.duplicates), read.content))
 
@@ -91,8 +96,7 @@ def validate_document(
     Args:
         document: What ``parse_document`` gave.
         networks: Where towns are looked up.
-        agents: Names of the agents that exist; in a mapping, with the reason why one cannot be
-            used, or ""; ``None``: any name will do.
+        agents: As for :func:`validate_data`.
 
     Raises:
         InvalidDocument: With every problem, in document order. Where the town is unknown, what
@@ -100,7 +104,7 @@ def validate_document(
         NetworkError: The town's network file cannot be read.
     """
     content = document.model_dump()
-    return _validated(document, duplicate_ids(content), content, networks, agents)
+    return _validated(document, duplicate_ids(content), content, networks, agents, "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,8 +128,9 @@ def _validated(
     content: Mapping[str, Any],
     networks: NetworkCatalogue,
     agents: Collection[str] | None,
+    driven_by: str,
 ) -> ValidScenario:
-    checked = _check(document, networks, agents, Doubts())
+    checked = _check(document, networks, agents, driven_by, Doubts())
     problems, network = (*duplicates, *checked.problems), checked.network
     if problems or network is None:
         raise InvalidDocument(in_document_order(problems, content))
@@ -143,9 +148,10 @@ def _check(
     document: ScenarioDocument,
     networks: NetworkCatalogue,
     agents: Collection[str] | None,
+    driven_by: str,
     doubts: Doubts,
 ) -> _Checked:
-    problems = [] if agents is None else _check_agents(document, agents)
+    problems = check_agents(document, agents, driven_by)
     network: RoadNetwork | None = None
     if not doubts.cover("/map_region/town"):
         try:
@@ -199,36 +205,6 @@ def _unknown_town(town: str, error: UnknownName) -> Problem:
             f"`drivora networks import FILE --name {town}` from a .net.xml, .xodr or .osm file"
         ),
     )
-
-
-def _check_agents(document: ScenarioDocument, agents: Collection[str]) -> list[Problem]:
-    problems = []
-    for index, ego in enumerate(document.ego_vehicles):
-        name = ego.agent_name
-        if name is None:
-            continue
-        key: tuple[str, ...] = ("config_path",) if ego.agent is None else ("agent", "name")
-        if name in agents:
-            reason = agents[name] if isinstance(agents, Mapping) else ""
-            if reason:
-                problems.append(
-                    Problem(
-                        pointer=pointer(("ego_vehicles", index, *key)),
-                        code="agent_not_installed",
-                        message=f"found agent {name!r}, which cannot be run here: {reason}",
-                    )
-                )
-            continue
-        close = difflib.get_close_matches(name, sorted(agents), n=3) or sorted(agents)
-        problems.append(
-            Problem(
-                pointer=pointer(("ego_vehicles", index, *key)),
-                code="unknown_agent",
-                message=f"found agent {name!r}, which is not in the catalogue; known: "
-                f"{', '.join(close)}. See `drivora agents list`",
-            )
-        )
-    return problems
 
 
 def _agent_notes(document: ScenarioDocument) -> list[str]:

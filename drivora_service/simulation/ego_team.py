@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Mapping, Sequence
+from time import perf_counter_ns
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,7 @@ class EgoTeam:
             followed.
         going: How many egos' parts have not ended.
         endings: How each ego's part ended.
+        agent_ns: Wall nanoseconds that each ego's agent took in ``run_step`` so far.
         logs: Agent logs.
         log_names: Names of all numeric log columns.
     """
@@ -84,6 +86,7 @@ class EgoTeam:
         self.endings = [Ending() for _ in range(count)]
         self.ends: IntArray = np.zeros(count, dtype=np.int64)
         self.going = count
+        self.agent_ns = [0] * count
         self.routes = lay_routes(plan.egos, plan.programs)
         self.progress = first_progress(plan.egos)
         usual = senses_of(plan.weather, plan.scenario.step_length)
@@ -187,7 +190,9 @@ class EgoTeam:
                 log.step = step
                 cells[1], cells[2], cells[0] = step, m, _IN_AGENT
                 try:
+                    begun = perf_counter_ns()
                     control = agent.run_step(observation)
+                    self.agent_ns[m] += perf_counter_ns() - begun
                     if log.names:
                         world.logs[step, m, self._log_columns[m]] = log.row
                 except (Exception, SystemExit) as error:

@@ -126,6 +126,18 @@ class Episode:
         """Seconds of simulation."""
         return self._k * self._dt
 
+    def agent_seconds(self) -> dict[str, float]:
+        """Gives by ego the wall seconds that its agent took in ``run_step`` so far.
+
+        Egos that SUMO drives are left out: nobody is asked for them.
+        """
+        asked = zip(self.plan.egos, self._team.agents, self._team.agent_ns, strict=True)
+        return {
+            ego.ego.id: 1e-9 * spent
+            for ego, agent, spent in asked
+            if not isinstance(agent, SumoDriver)
+        }
+
     def _announce(self, actors: Sequence[Actor]) -> None:
         """Tells the traffic whom SUMO will drive."""
         rows = {actor.id: actor.row for actor in actors}

@@ -8,11 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from drivora_service.agents.built_in import BUILT_IN, FETCHED
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentKind
 from drivora_service.agents.idm.agent import IdmAgent
+from drivora_service.agents.manifest_files import shipped_manifests
+from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError, UnknownName
+from drivora_service.parameters import describe_parameters
 
 PLUGIN = """
 from drivora_service.agents.entry import AgentEntry, AgentKind
@@ -107,6 +111,37 @@ def test_parameters_that_an_agent_does_not_take_are_refused(
         AgentCatalogue().create(name, parameters)
     assert failure.value.cause == "agent_parameters"
     assert f"'{name}'" in str(failure.value)
+
+
+@pytest.mark.parametrize("plugin", [*BUILT_IN, *FETCHED], ids=lambda plugin: plugin.name)
+def test_an_agent_that_drivora_brings_declares_its_parameters(
+    plugin: AgentPlugin | FetchedAgentPlugin,
+) -> None:
+    assert plugin.parameters is not None
+    described = describe_parameters(plugin.parameters)
+    assert all(parameter.description for parameter in described)
+    assert AgentCatalogue().parameters(plugin.name) == described
+    usual = {parameter.name: parameter.default for parameter in described}
+    assert AgentCatalogue().parameter_problems(plugin.name, usual) == ()
+    (problem,) = AgentCatalogue().parameter_problems(plugin.name, {**usual, "colour": 1})
+    assert problem.pointer == "/colour"
+    assert plugin.name in problem.message
+
+
+@pytest.mark.parametrize("name", shipped_manifests())
+def test_the_adss_in_environments_of_their_own_take_no_parameters(name: str) -> None:
+    assert AgentCatalogue().parameters(name) == ()
+    (problem,) = AgentCatalogue().parameter_problems(name, {"horizon": 3})
+    assert "it takes none" in problem.message
+
+
+@pytest.mark.usefixtures("installed_package")
+def test_an_agent_that_declares_nothing_takes_anything() -> None:
+    catalogue = AgentCatalogue()
+    assert catalogue.parameters("parked") is None
+    assert catalogue.parameter_problems("parked", {"colour": "red"}) == ()
+    # One that cannot be loaded says so in its entry.
+    assert catalogue.parameter_problems("gone", {"colour": "red"}) == ()
 
 
 @pytest.mark.usefixtures("installed_package")

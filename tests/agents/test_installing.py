@@ -20,6 +20,7 @@ import yaml
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import Agent
+from drivora_service.agents.metadrive_ppo.agent import MetaDriveParameters
 from drivora_service.agents.package_files import PackageFile
 from drivora_service.agents.plugin import FetchedAgentPlugin
 from drivora_service.errors import AgentError, InvalidDocument
@@ -170,7 +171,9 @@ def fetched(files: tuple[PackageFile, ...]) -> FetchedAgentPlugin:
         source="tests",
         licence="MIT",
     )
-    return FetchedAgentPlugin(entry=entry, files=files, create=create)
+    return FetchedAgentPlugin(
+        entry=entry, parameters=MetaDriveParameters, files=files, create=create
+    )
 
 
 def package_file(packages: Path, **more: Any) -> PackageFile:

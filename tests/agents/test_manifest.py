@@ -72,6 +72,30 @@ def test_an_address_stands_in_for_a_command(tmp_path: Path, address: str) -> Non
         ({"deadlines": {"step": 0}}, "/deadlines/step", ""),
         ({"deadlines": {"step": "fast"}}, "/deadlines/step", ""),
         ({"deadlines": {"think": 1}}, "/deadlines/think", ""),
+        ({"parameters": ["speed"]}, "/parameters", ""),
+        ({"parameters": {"my speed": {"type": "number"}}}, "/parameters/my speed", ""),
+        ({"parameters": {"speed": {"type": "float"}}}, "/parameters/speed/type", "'number'"),
+        ({"parameters": {"speed": {}}}, "/parameters/speed/type", "missing"),
+        (
+            {"parameters": {"speed": {"type": "number", "minimum": 2, "maximum": 1}}},
+            "/parameters/speed",
+            "minimum 2 is above maximum 1",
+        ),
+        (
+            {"parameters": {"speed": {"type": "text", "maximum": 1}}},
+            "/parameters/speed",
+            "are for numbers",
+        ),
+        (
+            {"parameters": {"speed": {"type": "number", "choices": ["a"]}}},
+            "/parameters/speed",
+            "choices are texts",
+        ),
+        (
+            {"parameters": {"speed": {"type": "number", "maximum": 1, "default": 2}}},
+            "/parameters/speed",
+            "default is 2; allowed: a number of at most 1",
+        ),
     ],
 )
 def test_problems_are_named_with_their_place(
@@ -84,6 +108,46 @@ def test_problems_are_named_with_their_place(
     assert str(path) in str(failure.value)
     assert f"{place}: " in str(failure.value)
     assert says in str(failure.value)
+
+
+PARAMETERS = {
+    "speed": {"type": "number", "minimum": 1, "maximum": 20, "default": 8, "description": "m/s"},
+    "lanes": {"type": "integer", "minimum": 1},
+    "cautious": {"type": "boolean", "default": False},
+    "planner": {"type": "text", "choices": ["small", "large"], "default": "small"},
+    "label": {"type": "text"},
+}
+
+
+def test_parameters_that_a_manifest_declares_are_checked(tmp_path: Path) -> None:
+    write(tmp_path, {**GOOD, "parameters": PARAMETERS})
+    catalogue = AgentCatalogue(folder=tmp_path)
+    described = catalogue.parameters("mine")
+    assert described is not None
+    assert {(p.name, p.default, p.description) for p in described} == {
+        ("speed", 8, "m/s"),
+        ("lanes", None, ""),
+        ("cautious", False, ""),
+        ("planner", "small", ""),
+        ("label", None, ""),
+    }
+    right = {"speed": 20, "lanes": 2, "cautious": True, "planner": "large", "label": ""}
+    assert catalogue.parameter_problems("mine", right) == ()
+    wrong = {"speed": 0.5, "lanes": 2.5, "cautious": 1, "planner": "huge", "label": 3, "sped": 1}
+    problems = {p.pointer: p.message for p in catalogue.parameter_problems("mine", wrong)}
+    assert set(problems) == {f"/{name}" for name in wrong}
+    assert problems["/speed"] == "agent 'mine': speed is 0.5; allowed: a number from 1 to 20"
+    assert problems["/lanes"].endswith("allowed: an integer of at least 1")
+    assert problems["/planner"].endswith('allowed: "small", "large"')
+
+
+def test_a_manifest_that_declares_no_parameters_leaves_them_to_the_ads(tmp_path: Path) -> None:
+    write(tmp_path, GOOD)
+    catalogue = AgentCatalogue(folder=tmp_path)
+    assert catalogue.parameters("mine") is None
+    assert catalogue.parameter_problems("mine", {"anything": {"goes": [1]}}) == ()
+    write(tmp_path, {**GOOD, "parameters": {}})
+    assert len(catalogue.parameter_problems("mine", {"anything": 1})) == 1
 
 
 @pytest.mark.parametrize("text", ["- a list", "a: [", "", "!!python/object:os.system {}"])

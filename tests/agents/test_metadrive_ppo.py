@@ -225,7 +225,7 @@ def test_files_that_are_not_its_weights_are_refused(tmp_path: Path) -> None:
 
 
 def test_it_takes_no_parameters(tmp_path: Path) -> None:
-    with pytest.raises(AgentError, match="takes no parameters") as failure:
+    with pytest.raises(AgentError, match="it takes none") as failure:
         create({"speed": 3}, tmp_path)
     assert failure.value.cause == "agent_parameters"
 

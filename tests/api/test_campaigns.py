@@ -123,7 +123,11 @@ def test_every_problem_is_named_with_its_place(offline: Offline, document: dict[
 @pytest.mark.parametrize(
     ("change", "pointer"),
     [
-        ({"tester": {"name": "avfuzzer", "parameters": {"population": 0}}}, "/tester/parameters"),
+        (
+            {"tester": {"name": "avfuzzer", "parameters": {"population": 0}}},
+            "/tester/parameters/population",
+        ),
+        ({"agent": {"name": "idm", "parameters": {"speed": 1}}}, "/agent/parameters/speed"),
         ({"scenario": {"file": "seed.json"}}, "/scenario/file"),
         ({"space": {"vehicles": 0, "walkers": 0, "weather": False}}, "/space"),
         ({"tester": {"name": "doppeltest"}}, "/tester"),

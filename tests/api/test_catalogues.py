@@ -20,6 +20,10 @@ def test_networks_and_their_geometry(offline: Offline) -> None:
 def test_agents_and_oracles(offline: Offline) -> None:
     agents = {item["name"]: item for item in offline.client.get("/api/v1/agents").json()["items"]}
     assert agents["idm"]["installed"] is True
+    (parameter,) = agents["idm"]["parameters"]
+    assert (parameter["name"], parameter["default"]) == ("speed_factor", 1.0)
+    assert parameter["values"] == {"type": "number", "minimum": 0.1, "maximum": 2.0}
+    assert agents["fop"]["parameters"] == []
     oracles = {o["name"]: o for o in offline.client.get("/api/v1/oracles").json()["items"]}
     assert {"collision", "red_light", "off_road"} <= set(oracles)
     assert all(oracle["description"] for oracle in oracles.values())

@@ -97,6 +97,17 @@ def test_methods_are_compared_with_the_baseline(offline: Offline, study: list[st
     assert again.status_code == 304
 
 
+def test_a_campaign_is_told_in_the_same_figures(offline: Offline, study: list[str]) -> None:
+    compared = offline.client.get(COMPARE, params={"campaign": "study-*"}).json()["campaigns"]
+    for campaign_id, theirs in zip(study, compared, strict=True):
+        answer = offline.client.get(f"/api/v1/campaigns/{campaign_id}/figures").json()
+        assert answer["note"] == ""
+        # Groups of failures are made over all that are compared, and here for the one.
+        apart = {"clusters": None, "scenario": "", "network_coverage": None}
+        assert {**answer["figures"], **apart} == {**theirs, **apart}
+    is_problem(offline.client.get("/api/v1/campaigns/nobody/figures"), 404)
+
+
 def test_measures_and_campaigns_are_chosen(offline: Offline, study: list[str]) -> None:
     wanted = {"campaign": study[1:], "measure": ["kinds", "failing"], "baseline": "avfuzzer"}
     comparison = offline.client.get(COMPARE, params=wanted).json()

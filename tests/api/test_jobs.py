@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import Any
 
 import httpx
+import pytest
 
 from tests.api.conftest import Offline, wait_until_final
 
@@ -28,6 +29,8 @@ def test_a_run_carries_its_verdicts_and_measures(finished_run: dict[str, Any]) -
     assert outcomes["destination"] == "passed"
     assert finished_run["metrics"]["route_completion"] == 100.0
     assert len(finished_run["trace_sha256"]) == 64
+    (ego,) = finished_run["agent_cost_us"]
+    assert 0.0 < finished_run["agent_cost_us"][ego] < finished_run["step_cost_us"]
     assert finished_run["tries"][0]["outcome"] == "finished"
     assert finished_run["label"] == "first"
 
@@ -50,6 +53,36 @@ ego_vehicles:
     assert posted.status_code == 202, posted.text
     job = wait_until_final(http, posted.json()["id"])
     assert (job["status"], job["agent"], job["seed"]) == ("finished", "sumo-idm", 7)
+
+
+@pytest.mark.parametrize(
+    ("query", "pointers"),
+    [
+        ({}, ["speed_factor", "pace"]),
+        ({"agent": "idm"}, ["speed_factor", "pace"]),
+        ({"agent": "sumo-idm"}, None),
+    ],
+)
+def test_parameters_that_the_agent_does_not_take_are_refused(
+    offline: Offline,
+    scenario: dict[str, Any],
+    query: dict[str, str],
+    pointers: list[str] | None,
+) -> None:
+    agent = {"name": "idm", "parameters": {"speed_factor": "fast", "pace": 1}}
+    document = {**scenario, "ego_vehicles": [{**scenario["ego_vehicles"][0], "agent": agent}]}
+    posted = offline.client.post("/api/v1/jobs", json=document, params=query)
+    if pointers is None:
+        # Somebody else will drive, without these parameters.
+        assert posted.status_code == 202
+        return
+    assert posted.status_code == 422
+    above = "/ego_vehicles/0/agent/parameters"
+    problems = posted.json()["problems"]
+    assert [problem["pointer"] for problem in problems] == [f"{above}/{name}" for name in pointers]
+    assert 'speed_factor is "fast"; allowed: a number from 0.1 to 2' in problems[0]["message"]
+    batch = offline.client.post("/api/v1/batches", json=[document, scenario], params=query).json()
+    assert [item["result"] for item in batch["items"]] == ["rejected", "accepted"]
 
 
 def test_the_same_scenario_gives_the_same_trace(

@@ -34,6 +34,7 @@ def finished(
     score: float | None = 100.0,
     comfort: float | None = 1.0,
     step_cost_us: float = 100.0,
+    agent_cost_us: float | None = 40.0,
     sim_time_s: float = 30.0,
 ) -> BenchmarkRun:
     """A judged run; it arrived unless the destination is among what was broken."""
@@ -57,6 +58,7 @@ def finished(
             steps=600,
             sim_time_s=sim_time_s,
             step_cost_us=step_cost_us,
+            agent_cost_us={} if agent_cost_us is None else {"ego_0": agent_cost_us},
         ),
     )
 

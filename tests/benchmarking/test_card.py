@@ -5,6 +5,7 @@ import random
 import pytest
 
 from drivora_service.benchmarking.card import card_of, figures_of, worst_run
+from drivora_service.benchmarking.card_text import COLUMNS, cells
 from drivora_service.runs.report import RunStatus
 from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
 
@@ -54,6 +55,16 @@ def test_cost_of_a_step_is_median_and_percentile_over_runs() -> None:
     figures = figures_of([finished(n, step_cost_us=float(n)) for n in range(1, 102)])
     assert figures.step_cost_median_us == pytest.approx(51.0)
     assert figures.step_cost_p95_us == pytest.approx(96.0)
+
+
+def test_what_the_agent_takes_of_a_step_is_told_apart() -> None:
+    figures = figures_of([finished(n, agent_cost_us=float(n)) for n in range(1, 101)])
+    assert figures.agent_cost_median_us == pytest.approx(50.5)
+    nobody_asked = figures_of([finished(1, agent_cost_us=None)])
+    assert nobody_asked.agent_cost_median_us is None
+    assert nobody_asked.step_cost_median_us is not None
+    assert cells(nobody_asked)[COLUMNS.index("agent (ms)")] == "-"
+    assert cells(figures)[COLUMNS.index("agent (ms)")] == "0.05"
 
 
 def test_a_card_tells_rules_causes_and_networks() -> None:

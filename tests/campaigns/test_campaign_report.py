@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.campaigns.campaign_report import draw_examples, group, read_report
+from drivora_service.campaigns.campaign_report import group, read_report
 from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.report_pictures import draw_examples
 from drivora_service.campaigns.report_text import report_markdown
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.oracles.verdict import Outcome, Verdict

@@ -105,6 +105,15 @@ def test_groups_are_within_an_oracle() -> None:
     assert Clustering().label(verdicts) == (0, 0, 0)
 
 
+@pytest.mark.parametrize(("least", "label"), [(1, 0), (2, -1)])
+def test_a_failure_like_no_other_is_a_group_if_one_is_enough(least: int, label: int) -> None:
+    clustering = Clustering(least=least)
+    alone = violation(location=(0.0, 90.0), time=30.0)
+    assert clustering.label([alone]) == (label,)
+    far = violation(location=(80.0, 0.0), time=5.0)
+    assert set(clustering.label([alone, far])) == ({0, 1} if least == 1 else {-1})
+
+
 def test_small_differences_are_not_stretched() -> None:
     nearly = [violation(location=(0.1 * i, 0.0), time=5.0 + 0.05 * i) for i in range(5)]
     assert set(Clustering().label(nearly)) == {0}

@@ -47,7 +47,7 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     "tester as text": (put("tester", value="random"), "/tester", "an object"),
     "tester's parameters": (
         put("tester", "parameters", value={"population": 4}),
-        "/tester/parameters",
+        "/tester/parameters/population",
         "no parameter 'population'",
     ),
     "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
@@ -58,6 +58,16 @@ WRONG: dict[str, tuple[Change, str, str]] = {
         "'own' or 'shuffled'",
     ),
     "unknown agent": (put("agent", "name", value="idn"), "/agent/name", "'idm'"),
+    "agent's parameters": (
+        put("agent", "parameters", value={"speed_factor": 3}),
+        "/agent/parameters/speed_factor",
+        "a number from 0.1 to 2",
+    ),
+    "parameters of an agent in the scenario": (
+        put("scenario", "ego_vehicles", 0, "agent", value={"name": "idm", "parameters": {"a": 1}}),
+        "/scenario/ego_vehicles/0/agent/parameters/a",
+        "known: speed_factor",
+    ),
     "unknown oracle": (
         put("oracles", value=["collision", "crash"]),
         "/oracles/1",

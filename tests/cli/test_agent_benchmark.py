@@ -26,12 +26,13 @@ def test_an_agent_gets_a_card_and_an_absent_one_its_reason(
     assert card["total"]["arrivals"] == 3
     assert card["total"]["driving_score"] > 50.0
     assert card["total"]["step_cost_median_us"] > 0.0
+    assert card["total"]["agent_cost_median_us"] is None
     assert len({run["trace_sha256"] for run in card["runs"]}) == 3
     assert told["absent"] == [
         {"agent": "fop", "reason": "run `drivora agents install fop`"},
     ]
     assert {path.name for path in out.iterdir()} == {
-        "cards.md", "cards.json", "sumo-idm.md", "sumo-idm.svg",
+        "cards.md", "cards.json", "sumo-idm.md", "sumo-idm.png",
     }  # fmt: skip
     assert json.loads((out / "cards.json").read_text()) == told
     assert "sumo-idm" in ended.err

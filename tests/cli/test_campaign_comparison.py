@@ -102,9 +102,18 @@ def test_real_campaigns_are_compared_and_reported(
         ]
     )
 
+    failing = next(f for f in result["campaigns"] if f["failing"])
+    far = tmp_path / "far" / "first.md"
     with running_service(tmp_path / "data", workers=1) as url:
-        asked = drivora("campaign", "compare", "study-*", "--server", url, "--json")
+        server = ("--server", url)
+        asked = drivora("campaign", "compare", "study-*", *server, "--json")
+        # Another data folder: all comes from the service.
+        elsewhere = {"DRIVORA_DATA_DIR": str(tmp_path / "elsewhere")}
+        ended = drivora(
+            "campaign", "report", failing["campaign"], "--out", far, *server, **elsewhere
+        )
     assert asked.json() == result
+    assert ended.code == 0, ended.err
 
     timed = drivora(
         "campaign",
@@ -120,7 +129,6 @@ def test_real_campaigns_are_compared_and_reported(
     assert "different failures (by key) (more is better)" in timed.out
     assert "of one worker" in timed.out
 
-    failing = next(f for f in result["campaigns"] if f["failing"])
     report = tmp_path / "reports" / "first.md"
     ended = drivora("campaign", "report", failing["campaign"], "--out", report)
     assert ended.code == 0, ended.err
@@ -129,6 +137,11 @@ def test_real_campaigns_are_compared_and_reported(
     assert pictures
     assert all(f"(first-pictures/{picture.name})" in text for picture in pictures)
     assert drivora("campaign", "report", failing["campaign"]).out.startswith("# Campaign study-")
+    # The service tells and draws the same; commands in its report ask it.
+    assert far.read_text().replace(f" --server {url}", "") == text
+    assert f"drivora campaign show {failing['campaign']}" in far.read_text()
+    drawn = sorted((far.parent / "first-pictures").iterdir())
+    assert [picture.name for picture in drawn] == [picture.name for picture in pictures]
 
 
 def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:

@@ -59,7 +59,7 @@ def test_what_is_not_there_or_makes_no_sense(
     drivora: Drivora, campaign_file: Path, service_url: str
 ) -> None:
     server = ("--server", service_url)
-    for command in ("show", "pause", "cancel", "resume"):
+    for command in ("show", "pause", "cancel", "resume", "report"):
         ended = drivora("campaign", command, "0123", *server)
         assert ended.code == 3
         assert "unknown campaign '0123'" in ended.err
@@ -94,7 +94,7 @@ def test_a_service_finds_what_a_command_finds(
     for one in (*mine["lineage"], *theirs["lineage"]):
         for timed in ("search_s", "prepare_s"):
             del one[timed]
-        for timed in ("run_id", "wall_time_s", "step_cost_us"):
+        for timed in ("run_id", "wall_time_s", "step_cost_us", "agent_cost_us"):
             del one["report"][timed]
     assert theirs == mine
     assert mine["lineage"][-1]["report"]["measurement"]["objectives"]

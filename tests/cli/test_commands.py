@@ -16,7 +16,7 @@ GROUPS = {
     "campaign": ["run", "resume", "list", "show", "scenario", "pause", "cancel"],
     "seeds": ["generate", "import"],
     "networks": ["list", "show", "import"],
-    "agents": ["list", "install"],
+    "agents": ["list", "show", "install"],
     "testers": ["list", "show"],
     "store": ["migrate", "backup", "verify", "prune"],
     "tokens": ["create", "list", "revoke"],
@@ -139,6 +139,12 @@ def test_agents(drivora: Drivora, service_url: str) -> None:
     there = drivora("agents", "list", "--server", service_url, "--json").json()
     assert [agent["name"] for agent in here] == [agent["name"] for agent in there]
     assert "idm" in drivora("agents", "list").out
+    shown = drivora("agents", "show", "idm")
+    assert all(word in shown.out for word in ("speed_factor", "1.0", "from 0.1 to 2"))
+    assert "takes no parameters" in drivora("agents", "show", "fop").out
+    (idm,) = [agent for agent in there if agent["name"] == "idm"]
+    assert drivora("agents", "show", "idm", "--server", service_url, "--json").json() == idm
+    assert drivora("agents", "show", "nobody").code == 2
 
 
 def test_agents_of_the_operator_and_their_installation(drivora: Drivora, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ PROMISED = {
     "sim_time_s",
     "wall_time_s",
     "step_cost_us",
+    "agent_cost_us",
 }
 
 
@@ -128,6 +129,13 @@ def test_a_picture_marks_the_rules_that_are_asked_for(drivora: Drivora, tmp_path
 
     everything, both, one = picture(), picture("collision", "destination"), picture("collision")
     assert len(everything) > len(both) > len(one) > len(picture("red_light"))
+    trace = tmp_path / "walker-behind-van.trace.parquet"
+    strip = tmp_path / "strip.svg"
+    assert drivora("plot", trace, "--moments", "4", "--out", strip).code == 0
+    assert "<svg" in strip.read_text()
+    mixed = drivora("plot", trace, "--moments", "4", "--color-by", "time", "--out", strip)
+    assert mixed.code == 2
+    assert "leave it out with --moments" in mixed.err
     wrong = drivora("plot", tmp_path / "walker-behind-van.trace.parquet", "--rule", "crash")
     assert wrong.code == 2
     assert "collision" in wrong.err

@@ -21,7 +21,7 @@ from tests.scenario.strategies import documents
 from tests.scenario.test_bad_input import BROKEN
 from tests.scenario.test_documents import garbled
 
-AGENTS = ("idm", "sumo-krauss")
+AGENTS = ("idm", "idm-mobil", "pdm-closed", "sumo-krauss")
 EXAMPLES = sorted((Path(__file__).parents[2] / "openscenario_schemas" / "examples").glob("*.json"))
 BEYOND_THE_SCHEMA = frozenset(
     {

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from time import perf_counter_ns
+
 import numpy as np
 import pytest
 
-from drivora_service.agents.interface import AccelerationControl, PedalControl, PoseControl
+from drivora_service.agents.interface import (
+    AccelerationControl,
+    Observation,
+    PedalControl,
+    PoseControl,
+)
 from drivora_service.errors import AgentError, NoRoute, SimulatorError
 from drivora_service.observations.trace import Role, TerminalEvent
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.look import ActorState
 from tests.simulation.episodes import (
     Blind,
+    Scripted,
     car,
     contacts,
     ego,
@@ -209,3 +217,35 @@ def test_the_trace_grows_beyond_its_first_room() -> None:
     assert trace.step_count == 1201
     assert presence(trace, "npc").all()
     assert np.isfinite(trace.states[:, 0]).all()
+
+
+def test_the_time_that_agents_take_is_told_by_ego() -> None:
+    pause_ns = 1_000_000
+
+    def think(observation: Observation) -> AccelerationControl:
+        begun = perf_counter_ns()
+        while perf_counter_ns() - begun < pause_ns:
+            pass
+        return AccelerationControl(-8.0, 0.0)
+
+    episode = start(
+        scenario(
+            ego(place(ROAD, 20), place(ROAD, 120), name="slow"),
+            ego(place("-north_2_0", 10), place("-north_2_0", 130), name="late", start_time=5.0),
+            ego(place(ROAD, 60), place(ROAD, 120), name="driven", agent="sumo-idm"),
+            seconds=10.0,
+        ),
+        Scripted(think),
+        Scripted(think),
+    )
+    begun = perf_counter_ns()
+    for _ in range(20):
+        episode.step()
+    took = 1e-9 * (perf_counter_ns() - begun)
+    seconds = episode.agent_seconds()
+    assert set(seconds) == {"slow", "late"}
+    assert 20 * 1e-9 * pause_ns <= seconds["slow"] <= took
+    assert seconds["late"] == 0.0
+    # Who is driven from outside is not asked.
+    episode.step({"slow": AccelerationControl(0.0, 0.0)})
+    assert episode.agent_seconds() == seconds

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
-from drivora_service.agents.idm.driving import lane_is_free
+from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.speed_profile import slow_down_in_time
 from drivora_service.networks.lane_route import LaneRoute, LaneRun

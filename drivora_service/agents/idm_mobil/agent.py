@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
+from drivora_service.agents.idm.car_following import follow
+from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.idm.driver import IdmDriver
-from drivora_service.agents.idm.driving import follow, lane_is_free
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places

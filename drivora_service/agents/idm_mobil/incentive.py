@@ -11,7 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.idm.driving import SIDE_ROOM, follow
+from drivora_service.agents.idm.car_following import follow
+from drivora_service.agents.idm.corridor import SIDE_ROOM
 from drivora_service.compilation import compiled
 
 FloatArray = NDArray[np.float64]

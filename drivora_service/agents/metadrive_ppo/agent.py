@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,8 @@ from drivora_service.agents.metadrive_ppo.policy import (
     expert_action,
 )
 from drivora_service.agents.metadrive_ppo.weights import load_weights
+from drivora_service.agents.plugin import read_agent_parameters
 from drivora_service.agents.route_corridor import find_corridor
-from drivora_service.errors import AgentError
 
 _PERIOD = 0.1
 """Seconds between two decisions."""
@@ -43,6 +44,11 @@ _BRAKE = 9.0
 """m/s² at full braking."""
 _OVER_LIMIT = 1.0
 """m/s² of braking a m/s above the speed limit."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MetaDriveParameters:
+    """There is nothing that a document may set."""
 
 
 class MetaDriveAgent:
@@ -113,11 +119,7 @@ def create(parameters: Mapping[str, Any], folder: Path) -> MetaDriveAgent:
     Raises:
         AgentError: If there are parameters, or the weights cannot be used.
     """
-    if parameters:
-        raise AgentError(
-            "agent 'metadrive-ppo' takes no parameters: leave `parameters` out",
-            cause="agent_parameters",
-        )
+    read_agent_parameters("metadrive-ppo", MetaDriveParameters, parameters)
     compile_encoding()
     compile_braking()
     return MetaDriveAgent(load_weights(folder))

@@ -19,15 +19,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
-from drivora_service.agents.idm.driving import (
-    HARD_BRAKING,
-    MAX_ACCELERATION,
-    PATIENCE,
-    SIDE_ROOM,
-    TIGHT_ROOM,
-    find_halt,
-    gap_on_line,
-)
+from drivora_service.agents.idm.car_following import MAX_ACCELERATION
+from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.nmpc.plan import LastPlan
@@ -44,10 +38,9 @@ from drivora_service.agents.nmpc.reference import lay_boxes, roll_out
 from drivora_service.agents.pdm_closed.forecast import STEPS, forecast, see_from_way
 from drivora_service.agents.pdm_closed.margins import side_margins
 from drivora_service.agents.pdm_closed.paths import LanePaths
-from drivora_service.errors import AgentError
+from drivora_service.agents.plugin import read_agent_parameters
 from drivora_service.networks.line_tracking import track_line
 from drivora_service.observations.trace import Col
-from drivora_service.parameters import read_parameters
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -190,11 +183,7 @@ def create(parameters: Mapping[str, Any], folder: Path) -> NmpcAgent:
     Raises:
         AgentError: If it does not take these parameters.
     """
-    read = read_parameters(
-        NmpcParameters, parameters, of="agent 'nmpc'",
-        error=partial(AgentError, cause="agent_parameters"),
-    )  # fmt: skip
-    return NmpcAgent(read, folder)
+    return NmpcAgent(read_agent_parameters("nmpc", NmpcParameters, parameters), folder)
 
 
 def _sides(margins: FloatArray, half_width: float) -> FloatArray:

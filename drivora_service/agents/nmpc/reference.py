@@ -11,13 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.idm.driving import (
-    BRAKING_JERK,
-    DRIVING_JERK,
-    HARD_BRAKING,
-    MAX_ACCELERATION,
-    halt,
-)
+from drivora_service.agents.idm.car_following import MAX_ACCELERATION, halt
+from drivora_service.agents.idm.driving import BRAKING_JERK, DRIVING_JERK
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME
 from drivora_service.agents.pdm_closed.proposals import accelerate
 from drivora_service.compilation import compiled

@@ -15,14 +15,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
-from drivora_service.agents.idm.driving import (
-    HARD_BRAKING,
-    PATIENCE,
-    SIDE_ROOM,
-    TIGHT_ROOM,
-    find_halt,
-    gap_on_line,
-)
+from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way

@@ -11,19 +11,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.idm.driving import (
-    BRAKING_JERK,
+from drivora_service.agents.idm.car_following import (
     COMFORTABLE_BRAKING,
-    DRIVING_JERK,
-    HARD_BRAKING,
     MAX_ACCELERATION,
     STANDSTILL_GAP,
     TIME_HEADWAY,
     halt,
-    point_at,
-    preview,
-    steer_at,
 )
+from drivora_service.agents.idm.driving import BRAKING_JERK, DRIVING_JERK
+from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.pdm_closed.forecast import STEP
 from drivora_service.compilation import compiled
 from drivora_service.networks.line_tracking import track_line

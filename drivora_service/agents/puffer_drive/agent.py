@@ -11,13 +11,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from drivora_service.agents.interface import AgentContext, Observation, PoseControl
 from drivora_service.agents.light_braking import compile_braking, light_acceleration
+from drivora_service.agents.plugin import read_agent_parameters
 from drivora_service.agents.puffer_drive.encoding import SIZE_SHARE, compile_encoding, encode
 from drivora_service.agents.puffer_drive.policy import (
     ACCELERATIONS,
@@ -28,7 +31,6 @@ from drivora_service.agents.puffer_drive.policy import (
 )
 from drivora_service.agents.puffer_drive.road import pieces_along
 from drivora_service.agents.puffer_drive.weights import load_weights
-from drivora_service.errors import AgentError
 
 _PERIOD = 0.1
 """Seconds between two decisions."""
@@ -44,6 +46,17 @@ _REACHED = 2.5
 """Metres from a goal at which it is reached; 2 m in training."""
 _PASSED = 1.0
 """Metres before a goal's place on the route from which the next one is shown all the same."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PufferDriveParameters:
+    """What a document may set.
+
+    Attributes:
+        goal_distance: Metres along the route from one goal to the next.
+    """
+
+    goal_distance: Annotated[float, Field(ge=_NEAREST_GOAL, le=_FURTHEST_GOAL)] = _GOAL_DISTANCE
 
 
 class PufferDriveAgent:
@@ -138,20 +151,7 @@ def create(parameters: Mapping[str, Any], folder: Path) -> PufferDriveAgent:
     Raises:
         AgentError: If a parameter is not allowed, or the weights cannot be used.
     """
-    unknown = sorted(set(parameters) - {"goal_distance"})
-    if unknown:
-        raise AgentError(
-            f"agent 'puffer-drive' has no parameter {unknown[0]!r}; known: goal_distance",
-            cause="agent_parameters",
-        )
-    distance = parameters.get("goal_distance", _GOAL_DISTANCE)
-    is_number = isinstance(distance, int | float) and not isinstance(distance, bool)
-    if not is_number or not _NEAREST_GOAL <= distance <= _FURTHEST_GOAL:
-        raise AgentError(
-            f"agent 'puffer-drive': goal_distance is {distance!r}; allowed: a number from "
-            f"{_NEAREST_GOAL:g} to {_FURTHEST_GOAL:g}",
-            cause="agent_parameters",
-        )
+    read = read_agent_parameters("puffer-drive", PufferDriveParameters, parameters)
     compile_encoding()
     compile_braking()
-    return PufferDriveAgent(load_weights(folder), float(distance))
+    return PufferDriveAgent(load_weights(folder), read.goal_distance)

@@ -6,6 +6,7 @@ import inspect
 
 from fastapi import APIRouter, Depends, Request, Response
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
@@ -13,6 +14,7 @@ from drivora_service.api.documentation import answers
 from drivora_service.api.schemas.catalogues import (
     Agent,
     AgentList,
+    AgentParameter,
     Oracle,
     OracleList,
     Tester,
@@ -31,19 +33,7 @@ router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
 @router.get("/agents", response_model=AgentList, responses=answers(examples.AGENTS, 401, 403))
 def list_agents(request: Request, context: Context) -> Response:
     """Lists the ADSs that can drive an ego."""
-    entries = (context.agents.entry(name) for name in context.agents.names())
-    items = tuple(
-        Agent(
-            name=entry.name,
-            kind=str(entry.kind),
-            description=entry.description,
-            source=entry.source,
-            licence=entry.licence,
-            installed=entry.installed,
-            reason=entry.reason,
-        )
-        for entry in entries
-    )
+    items = tuple(_agent(context.agents, name) for name in context.agents.names())
     return json_answer(request, AgentList(items=items))
 
 
@@ -60,6 +50,30 @@ def list_oracles(request: Request, context: Context) -> Response:
     """Lists the rules that every run is judged by, with their thresholds."""
     return json_answer(
         request, OracleList(items=tuple(_oracle(oracle) for oracle in context.oracles))
+    )
+
+
+def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
+    entry, parameters = catalogue.entry(name), catalogue.parameters(name)
+    return Agent(
+        name=entry.name,
+        kind=str(entry.kind),
+        description=entry.description,
+        source=entry.source,
+        licence=entry.licence,
+        parameters=None
+        if parameters is None
+        else tuple(
+            AgentParameter(
+                name=parameter.name,
+                default=parameter.default,
+                values=dict(parameter.schema),
+                description=parameter.description,
+            )
+            for parameter in parameters
+        ),
+        installed=entry.installed,
+        reason=entry.reason,
     )
 
 

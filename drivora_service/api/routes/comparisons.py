@@ -1,4 +1,4 @@
-"""Comparing methods by their campaigns."""
+"""Campaigns in figures, and methods compared by them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,14 @@ from drivora_service.api import campaign_examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
-from drivora_service.api.schemas.comparisons import ComparisonView, comparison_view
+from drivora_service.api.schemas.comparisons import (
+    CampaignFiguresView,
+    ComparisonView,
+    comparison_view,
+    figures_view,
+)
 from drivora_service.api.security import reader
+from drivora_service.campaigns.campaign_report import read_report
 from drivora_service.campaigns.choosing import choose_campaigns
 from drivora_service.campaigns.comparing import compare_stored
 from drivora_service.campaigns.comparison import MEASURES, measure
@@ -58,3 +64,15 @@ def compare_campaigns(
         equal_time=equal_time,
     )
     return json_answer(request, comparison_view(comparison))
+
+
+@router.get(
+    "/campaigns/{campaign_id}/figures",
+    response_model=CampaignFiguresView,
+    responses=answers(campaign_examples.FIGURES, 401, 403, 404),
+)
+def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
+    """Gives what a campaign came to so far, in the figures by which campaigns are compared."""
+    report = read_report(context.database, campaign_id, context.catalogues)
+    figures = None if report.figures is None else figures_view(report.figures)
+    return json_answer(request, CampaignFiguresView(figures=figures, note=report.note))

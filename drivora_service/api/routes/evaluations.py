@@ -10,9 +10,9 @@ from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from drivora_service.api import campaign_examples, examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.context import PREFIX, Context
-from drivora_service.api.documentation import answers, problem_answer
-from drivora_service.api.observations import NDJSON, PARQUET, StepRange, observations_answer
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import answers, observations_answers, scenario_answers
+from drivora_service.api.observations import observations_answer
+from drivora_service.api.parameters import Limit, PageToken, Steps
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
@@ -113,18 +113,7 @@ def get_evaluation(
 @router.get(
     "/campaigns/{campaign_id}/evaluations/{number}/scenario",
     response_class=Response,
-    responses={
-        200: {
-            "description": "The scenario",
-            "content": {
-                JSON: {
-                    "schema": {"$ref": "#/components/schemas/ScenarioDocument"},
-                    "example": examples.SCENARIO,
-                }
-            },
-        },
-        **{status: problem_answer(status) for status in (401, 403, 404)},
-    },
+    responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, campaign_id: str, number: Number) -> Response:
     """Gives the scenario of a candidate as a document that can be posted."""
@@ -137,26 +126,14 @@ def get_scenario(request: Request, context: Context, campaign_id: str, number: N
 @router.get(
     "/campaigns/{campaign_id}/evaluations/{number}/observations",
     response_class=Response,
-    responses={
-        200: {
-            "description": "One frame a step",
-            "content": {
-                NDJSON: {"schema": {"type": "string"}, "example": examples.FRAME_LINE},
-                PARQUET: {"schema": {"type": "string", "format": "binary"}},
-            },
-        },
-        **{status: problem_answer(status) for status in (401, 403, 404, 406, 422)},
-    },
+    responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,
     context: Context,
     campaign_id: str,
     number: Number,
-    first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
-    last: Annotated[
-        int | None, Query(ge=0, le=10**9, description="Last step, itself included.")
-    ] = None,
+    steps: Steps,
 ) -> Response:
     """Gives what the second, identical run of a failing candidate recorded."""
     with context.database.read() as transaction:
@@ -166,7 +143,7 @@ def get_observations(
         raise UnknownName(
             "trace of evaluation", str(number), (), "only failures that were run again have one"
         )
-    steps = StepRange(first=first, last=last)
+    steps = steps
     return observations_answer(request, path, record.report.trace_sha256, steps)
 
 

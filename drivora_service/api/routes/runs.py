@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.context import PREFIX, Context
-from drivora_service.api.documentation import answers, problem_answer
-from drivora_service.api.observations import NDJSON, PARQUET, StepRange, observations_answer
-from drivora_service.api.parameters import Filter, Limit, PageToken
+from drivora_service.api.documentation import answers, observations_answers, scenario_answers
+from drivora_service.api.observations import observations_answer
+from drivora_service.api.parameters import Filter, Limit, PageToken, Steps
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.jobs import JobSummary, job_summary
 from drivora_service.api.schemas.runs import Run, run_of
@@ -58,18 +56,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id}/scenario",
     response_class=Response,
-    responses={
-        200: {
-            "description": "The scenario",
-            "content": {
-                JSON: {
-                    "schema": {"$ref": "#/components/schemas/ScenarioDocument"},
-                    "example": examples.SCENARIO,
-                }
-            },
-        },
-        **{status: problem_answer(status) for status in (401, 403, 404)},
-    },
+    responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
     """Gives the scenario of a run as a document that can be posted again."""
@@ -82,25 +69,13 @@ def get_scenario(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id}/observations",
     response_class=Response,
-    responses={
-        200: {
-            "description": "One frame a step",
-            "content": {
-                NDJSON: {"schema": {"type": "string"}, "example": examples.FRAME_LINE},
-                PARQUET: {"schema": {"type": "string", "format": "binary"}},
-            },
-        },
-        **{status: problem_answer(status) for status in (401, 403, 404, 406, 422)},
-    },
+    responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,
     context: Context,
     run_id: str,
-    first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
-    last: Annotated[
-        int | None, Query(ge=0, le=10**9, description="Last step, itself included.")
-    ] = None,
+    steps: Steps,
 ) -> Response:
     """Gives what a run recorded: frames in the published shape, or Parquet by `Accept`."""
     with context.database.read() as transaction:
@@ -108,6 +83,4 @@ def get_observations(
     path = context.trace_path(record.id)
     if not record.trace_sha256 or not path.is_file():
         raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
-    return observations_answer(
-        request, path, record.trace_sha256, StepRange(first=first, last=last)
-    )
+    return observations_answer(request, path, record.trace_sha256, steps)

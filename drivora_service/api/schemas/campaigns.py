@@ -168,6 +168,9 @@ class EvaluationDetail(Evaluation):
     run_status: RunStatus
     steps: int
     step_cost_us: float
+    agent_cost_us: dict[str, float] = Field(
+        description="What each ego's agent took of a step, by the ego's id."
+    )
     trace_sha256: str
     versions: dict[str, Any] = Field(description="What took part in the run.")
     search_s: float = Field(description="Seconds that the tester took for it.")
@@ -267,6 +270,7 @@ def evaluation_detail(
         run_status=report.status,
         steps=report.steps,
         step_cost_us=report.step_cost_us,
+        agent_cost_us=dict(report.agent_cost_us),
         trace_sha256=report.trace_sha256,
         versions=dict(report.versions),
         search_s=record.search_s,

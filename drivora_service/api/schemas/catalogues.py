@@ -57,6 +57,15 @@ class NetworkGeometry(Schema):
     )
 
 
+class AgentParameter(Schema):
+    """A parameter of an agent."""
+
+    name: str
+    default: Any = Field(description="Its value unless a document sets it; null: not known.")
+    values: dict[str, Any] = Field(description="JSON Schema of the values that it may have.")
+    description: str
+
+
 class Agent(Schema):
     """An ADS that can drive an ego."""
 
@@ -65,6 +74,9 @@ class Agent(Schema):
     description: str
     source: str
     licence: str
+    parameters: tuple[AgentParameter, ...] | None = Field(
+        description="Documents are checked against them; null where it does not declare them."
+    )
     installed: bool
     reason: str = Field(description="Why it cannot be used here; empty if it can.")
 

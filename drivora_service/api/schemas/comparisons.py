@@ -39,6 +39,15 @@ class Figures(Schema):
     time_limit_s: float | None = Field(description="Seconds that count, at equal time.")
 
 
+class CampaignFiguresView(Schema):
+    """The figures of one campaign, finished or not."""
+
+    figures: Figures | None = Field(
+        description="null where what it searched is not there any more."
+    )
+    note: str = Field(description="Why they are not known; empty if they are.")
+
+
 class Difference(Schema):
     """One method against the baseline, by one measure on one seed scenario."""
 
@@ -78,7 +87,7 @@ def comparison_view(comparison: Comparison) -> ComparisonView:
         time_limits_s=comparison.time_limits,
         notes=comparison.notes,
         differences=tuple(_difference(row) for row in comparison.rows),
-        campaigns=tuple(_figures(figures) for figures in comparison.figures),
+        campaigns=tuple(figures_view(figures) for figures in comparison.figures),
     )
 
 
@@ -102,7 +111,8 @@ def _difference(row: Row) -> Difference:
     )
 
 
-def _figures(figures: CampaignFigures) -> Figures:
+def figures_view(figures: CampaignFigures) -> Figures:
+    """Gives the figures of a campaign as the API shows them."""
     shown = set(Figures.model_fields)
     values: dict[str, Any] = {
         field.name: getattr(figures, field.name) for field in fields(figures) if field.name in shown

@@ -47,6 +47,10 @@ class Run(JobSummary):
     metrics: dict[str, float | None] = Field(description="null: not measurable.")
     scores: dict[str, float | None] = Field(description="Objectives to minimise.")
     step_cost_us: float | None = Field(description="Mean wall microseconds a step.")
+    agent_cost_us: dict[str, float] = Field(
+        description="What each ego's agent took of that, by the ego's id; the rest is the "
+        "simulation's. Egos that SUMO drives are left out."
+    )
     versions: dict[str, Any]
     tries: tuple[Attempt, ...]
     observations_url: str = Field(description="Empty where nothing was recorded.")
@@ -80,6 +84,7 @@ def run_of(
         metrics=dict(report.metrics) if report else {},
         scores=dict(report.scores) if report else {},
         step_cost_us=report.step_cost_us if report and report.steps else None,
+        agent_cost_us=dict(report.agent_cost_us) if report else {},
         versions=dict(report.versions) if report else {},
         tries=tuple(
             Attempt(

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
 from drivora_service.cli.commands.agent_benchmark import benchmark
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, note, print_json, print_table
+from drivora_service.cli.parameters import parameter_contents, print_parameters
+from drivora_service.errors import UnknownName
 
 app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
 app.command()(benchmark)
@@ -19,19 +22,7 @@ def list_agents(
     server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
 ) -> None:
     """Lists the agents."""
-    if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            agents = client.get("/agents")["items"]
-    else:
-        from dataclasses import asdict
-
-        from drivora_service.agents.catalogue import AgentCatalogue
-        from drivora_service.cli.embedded import settings_for
-
-        catalogue = AgentCatalogue(folder=settings_for(data_dir).agents_folder)
-        agents = [asdict(entry) for entry in catalogue.entries()]
+    agents = _agents(server, data_dir)
     if as_json:
         print_json(agents)
         return
@@ -49,6 +40,33 @@ def list_agents(
             for agent in agents
         ),
     )
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows an agent with its parameters."""
+    agents = {agent["name"]: agent for agent in _agents(server, data_dir)}
+    if name not in agents:
+        raise UnknownName("agent", name, tuple(agents))
+    agent = agents[name]
+    if as_json:
+        print_json(agent)
+        return
+    print(f"{agent['name']} ({agent['kind']}): {agent['description']}")
+    print(f"From: {agent['source']}. Licence: {agent['licence'] or 'none stated'}")
+    if not agent["installed"]:
+        print(f"It cannot be used here: {agent['reason']}")
+    if agent["parameters"] is None:
+        print("It does not say which parameters it takes: they are not checked before a run")
+    elif agent["parameters"]:
+        print_parameters(agent["parameters"])
+    else:
+        print("It takes no parameters")
 
 
 @app.command()
@@ -75,3 +93,25 @@ def install(
         typer.echo(f"installed {name} in {settings.agents_folder}")
     else:
         typer.echo(f"{name} needs nothing more to be installed")
+
+
+def _agents(server: str, data_dir: Path | None) -> list[dict[str, Any]]:
+    """Gives the agents of a service, or those that there are here, in the same form."""
+    if server:
+        from drivora_service.cli.client import ServiceClient
+
+        with ServiceClient(server) as client:
+            listed: list[dict[str, Any]] = client.get("/agents")["items"]
+            return listed
+    from dataclasses import asdict
+
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.cli.embedded import settings_for
+
+    catalogue = AgentCatalogue(folder=settings_for(data_dir).agents_folder)
+    agents = []
+    for entry in catalogue.entries():
+        parameters = catalogue.parameters(entry.name)
+        told = None if parameters is None else parameter_contents(parameters)
+        agents.append({**asdict(entry), "parameters": told})
+    return agents

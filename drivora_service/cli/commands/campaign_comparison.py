@@ -106,28 +106,28 @@ def report(
             "[default: print it].",
         ),
     ] = None,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
 ) -> None:
-    """Tells what a campaign searched and found, as Markdown."""
-    from drivora_service.campaigns.campaign_report import draw_examples, read_report
-    from drivora_service.campaigns.reading import installed_catalogues
-    from drivora_service.campaigns.report_text import report_markdown
-    from drivora_service.cli.embedded import network_catalogue
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+    """Tells what a campaign searched and found, as Markdown.
 
-    options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
-    with StoredCampaigns(data_dir) as campaigns:
-        catalogues = installed_catalogues(
-            network_catalogue(campaigns.settings), campaigns.settings.agents_folder
-        )
-        told = read_report(campaigns.database, campaign_id, catalogues)
-        if out is None:
-            typer.echo(report_markdown(told, options=options), nl=False)
-            return
-        folder = out.with_name(f"{out.stem}-pictures")
-        traces = campaigns.folder(campaign_id).traces
-        pictures = draw_examples(told, traces, catalogues, folder)
-    addresses = {number: f"{folder.name}/{path.name}" for number, path in pictures.items()}
+    With --server it is a campaign of the service; pictures show road networks that are here too.
+    """
+    from drivora_service.campaigns.report_text import report_markdown
+    from drivora_service.cli.campaign_reports import report_here, report_of_service
+
+    folder = None if out is None else out.with_name(f"{out.stem}-pictures")
+    if server:
+        told = report_of_service(server, campaign_id, data_dir, folder)
+        options = f"--server {shlex.quote(server)}"
+    else:
+        told = report_here(campaign_id, data_dir, folder)
+        options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
+    addresses = {n: f"{path.parent.name}/{path.name}" for n, path in told.pictures.items()}
+    text = report_markdown(told.report, pictures=addresses, options=options)
+    if out is None:
+        typer.echo(text, nl=False)
+        return
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(report_markdown(told, pictures=addresses, options=options))
+    out.write_text(text)
     typer.echo(str(out))

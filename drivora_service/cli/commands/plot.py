@@ -39,6 +39,15 @@ def plot(
         list[str] | None,
         typer.Option(metavar="NAME", help="Mark violations of this rule only; may be repeated."),
     ] = None,
+    moments: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            max=12,
+            help="Draw a strip of so many moments that lead to the gravest violation, around its "
+            "ego, rather than the whole run.",
+        ),
+    ] = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -51,9 +60,15 @@ def plot(
     target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
     if target.suffix.lower() not in (".svg", ".png"):
         raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
+    if moments is not None and color_by is ColorBy.TIME:
+        raise ConfigurationError(
+            "--color-by time colours the trails of a whole run: leave it out with --moments"
+        )
     path = _downloaded(server, run, target) if server else _trace_path(run, settings)
     try:
-        draw_trace(path, settings, target, color_by=color_by.value, rules=rule or ())
+        draw_trace(
+            path, settings, target, color_by=color_by.value, rules=rule or (), moments=moments
+        )
     finally:
         if server:
             path.unlink()

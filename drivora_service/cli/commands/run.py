@@ -52,7 +52,8 @@ def run(
     """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
 
     With --json, one scenario prints one object with status, verdicts, metrics, scores,
-    trace_sha256, steps, sim_time_s, wall_time_s and step_cost_us; several print {"runs": […]}.
+    trace_sha256, steps, sim_time_s, wall_time_s, step_cost_us and, by ego, agent_cost_us; several
+    print {"runs": […]}.
     """
     if not server:
         from drivora_service.execution.fork_server import prepare_processes

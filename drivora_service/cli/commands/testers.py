@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivora_service.cli.options import ServerOption
 from drivora_service.cli.output import JsonOption, print_json, print_table
+from drivora_service.cli.parameters import parameter_contents, print_parameters
 from drivora_service.errors import SearchError, UnknownName
 
 if TYPE_CHECKING:
@@ -56,14 +56,7 @@ def show(
         return
     print(f"{tester['title']} ({tester['name']}): {tester['description']}")
     print(f"Source: {tester['source']}. Measured by: {tester['feedback']}")
-    print_table(
-        "",
-        ("parameter", "default", ""),
-        (
-            (parameter["name"], json.dumps(parameter["default"]), parameter["description"])
-            for parameter in tester["parameters"]
-        ),
-    )
+    print_parameters(tester["parameters"])
 
 
 def _testers(server: str) -> list[dict[str, Any]]:
@@ -104,15 +97,7 @@ def _tester(catalogue: TesterCatalogue, name: str) -> dict[str, Any]:
         "source": plugin.source,
         "generational": plugin.is_generational,
         "feedback": plugin.feedback.name,
-        "parameters": [
-            {
-                "name": parameter.name,
-                "default": parameter.default,
-                "values": dict(parameter.schema),
-                "description": parameter.description,
-            }
-            for parameter in describe_parameters(plugin.parameters)
-        ],
+        "parameters": parameter_contents(describe_parameters(plugin.parameters)),
         "installed": True,
         "reason": "",
     }

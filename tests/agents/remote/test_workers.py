@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing.util
 import shutil
 import tempfile
@@ -12,18 +13,23 @@ from pathlib import Path
 import psutil
 import pytest
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
-from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs import performing
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import BackgroundTraffic, Scenario
+from drivora_service.scenario.validation import validate_data
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
 from tests.simulation.episodes import ego, place, scenario
 
-EXAMPLE = Path(__file__).resolve().parents[3] / "deploy" / "external-agent"
+_ROOT = Path(__file__).resolve().parents[3]
+EXAMPLE = _ROOT / "deploy" / "external-agent"
+THREE_DRIVERS = _ROOT / "openscenario_schemas" / "examples" / "three-drivers.json"
 
 
 @pytest.fixture
@@ -134,3 +140,30 @@ def test_two_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
     own = ("multiprocessing.resource_tracker", "multiprocessing.forkserver")
     assert [p for p in left if not any(name in " ".join(p.cmdline()) for name in own)] == []
     assert psutil.Process().num_fds() <= open_before + 4
+
+
+@pytest.mark.slow
+def test_three_egos_with_three_adss_drive_the_same_wherever_they_run(agents: Path) -> None:
+    shutil.copytree(EXAMPLE, agents / EXAMPLE.name)
+    content = json.loads(THREE_DRIVERS.read_text())
+    assert len({ego["agent"]["name"] for ego in content["ego_vehicles"]}) == 3
+    # One of the three in a process of its own.
+    content["ego_vehicles"][2]["agent"] = {"name": EXAMPLE.name}
+    content["max_sim_time"] = 8.0
+    networks = NetworkCatalogue(shipped_networks())
+    directory = AgentCatalogue(folder=agents).availability()
+    valid = validate_data(content, networks, directory)
+    spec = RunSpec(run_id="here", document=canonical_json(valid.scenario))
+    setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents, agent_deadline_s=60.0)
+    performing._agents.cache_clear()
+    try:
+        reports = [performing.perform(spec, setup) for _ in range(2)]
+    finally:
+        performing._agents(setup).close()
+        performing._agents.cache_clear()
+    with executor(agents, 1) as workers:
+        reports += run_all(workers, [replace(spec, run_id="worker")])
+    assert [report.status for report in reports] == [RunStatus.FINISHED] * 3
+    assert len({report.trace_sha256 for report in reports}) == 1
+    assert set(reports[0].agent_cost_us) == {"ego_0", "ego_1", "ego_2"}
+    wait_until(lambda: left_behind(agents) == [])
