@@ -98,7 +98,10 @@ RECIPES = {
         weights=PlantWeights,
         batch=128,
         rate=2e-3,
-        stages=(Stage(runs=40, crowding=1, epochs=8),),
+        stages=(
+            Stage(runs=40, crowding=1, epochs=8),
+            Stage(runs=8, crowding=4, epochs=3),
+        ),
         held_out=5,
     ),
     "ad-mlp": Recipe(

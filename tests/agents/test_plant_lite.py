@@ -56,7 +56,7 @@ def test_its_weights_are_those_that_its_page_speaks_of() -> None:
     assert len(file) < 400_000
     assert (
         hashlib.sha256(file).hexdigest()
-        == "fba41b055394567d3065dbf7bb9c75ae3c67dc0b79d1447b79cac41372ef4625"
+        == "5b6f8a1f6cfda1ee29efc79886679981608e3754c2a34f36bdc0a880962472d2"
     )
 
 
