@@ -20,6 +20,7 @@ from drivora_service.scenario.problems import structural_problems
 
 _PLACEHOLDER = re.compile(r"\{(\w+)\}")
 _PLACEHOLDERS = ("python", "folder")
+_SETTING = r"^DRIVORA_[A-Z0-9_]+$"
 _ADDRESS = r"^(unix:/.+|\[?[A-Za-z0-9_.:-]+\]?:[0-9]{1,5})$"
 
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=2000)]
@@ -50,6 +51,8 @@ class AgentManifest:
         folder: Where the manifest lies.
         command: What starts it, placeholders and all; empty where somebody else runs it.
         variables: Environment variables that it gets.
+        settings: Names of the operator's environment variables that it gets, of those that begin
+            with ``DRIVORA_`` and else go to no ADS: what may be secret goes to who needs it.
         address: Where it listens, if somebody else runs it, else "".
         environment: Name of the virtual environment that it runs in; agents may share one.
         resolved: Whether its requirements are complete, so that what the packages themselves ask
@@ -66,6 +69,7 @@ class AgentManifest:
     folder: Path
     command: tuple[str, ...] = ()
     variables: tuple[tuple[str, str], ...] = ()
+    settings: tuple[str, ...] = ()
     address: str = ""
     environment: str = ""
     resolved: bool = False
@@ -94,6 +98,7 @@ class _Manifest(BaseModel):
     licence: _Text
     command: tuple[_Text, ...] = ()
     variables: dict[_Text, Annotated[str, Field(strict=True)]] = {}
+    settings: tuple[Annotated[str, Field(strict=True, pattern=_SETTING)], ...] = ()
     address: Annotated[str, Field(strict=True, pattern=_ADDRESS)] | None = None
     environment: Annotated[str, Field(strict=True, pattern=NAME_PATTERN)] | None = None
     resolved: Annotated[bool, Field(strict=True)] = False
@@ -151,6 +156,7 @@ def _manifest(text: bytes, path: Path, name: str) -> AgentManifest:
         folder=path.parent.resolve(),
         command=document.command,
         variables=tuple(document.variables.items()),
+        settings=document.settings,
         address=document.address or "",
         environment=document.environment or document.name,
         resolved=document.resolved,

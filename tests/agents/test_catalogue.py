@@ -129,10 +129,13 @@ def test_an_agent_that_drivora_brings_declares_its_parameters(
 
 
 @pytest.mark.parametrize("name", shipped_manifests())
-def test_the_adss_in_environments_of_their_own_take_no_parameters(name: str) -> None:
-    assert AgentCatalogue().parameters(name) == ()
+def test_the_adss_in_environments_of_their_own_declare_their_parameters(name: str) -> None:
+    taken = {"dilu": ["examples"]}
+    parameters = AgentCatalogue().parameters(name)
+    assert parameters is not None
+    assert [parameter.name for parameter in parameters] == taken.get(name, [])
     (problem,) = AgentCatalogue().parameter_problems(name, {"horizon": 3})
-    assert "it takes none" in problem.message
+    assert ("it takes none" in problem.message) == (not parameters)
 
 
 @pytest.mark.usefixtures("installed_package")

@@ -32,11 +32,16 @@ def write(folder: Path, content: object, name: str = "mine") -> Path:
 
 
 def test_a_manifest_is_read(tmp_path: Path) -> None:
-    more = {"variables": {"MODEL": "big"}, "deadlines": {"step": 0.5}}
+    more = {
+        "variables": {"MODEL": "big"},
+        "settings": ["DRIVORA_MINE_KEY"],
+        "deadlines": {"step": 0.5},
+    }
     path = write(tmp_path, {**GOOD, **more})
     manifest = read_manifest(path, "mine")
     assert (manifest.name, manifest.kind, manifest.licence) == ("mine", AgentKind.END_TO_END, "MIT")
     assert manifest.variables == (("MODEL", "big"),)
+    assert manifest.settings == ("DRIVORA_MINE_KEY",)
     assert manifest.deadlines == AgentDeadlines(step=0.5)
     assert manifest.environment == "mine"
     assert command_line(manifest, Path("/python")) == [
@@ -69,6 +74,8 @@ def test_an_address_stands_in_for_a_command(tmp_path: Path, address: str) -> Non
         ({"command": ["{home}/x"]}, "/command/0", "{python}, {folder}"),
         ({"variables": {"A": 1}}, "/variables/A", ""),
         ({"variables": {"DRIVORA_X": "1"}}, "/variables/DRIVORA_X", "Drivora's own"),
+        ({"settings": ["HOME"]}, "/settings/0", "DRIVORA_"),
+        ({"settings": "DRIVORA_MINE_KEY"}, "/settings", ""),
         ({"deadlines": {"step": 0}}, "/deadlines/step", ""),
         ({"deadlines": {"step": "fast"}}, "/deadlines/step", ""),
         ({"deadlines": {"think": 1}}, "/deadlines/think", ""),
@@ -196,7 +203,7 @@ def test_folders_whose_names_no_document_may_name_are_left_out(tmp_path: Path) -
 
 def test_the_shipped_manifests_are_good() -> None:
     shipped = shipped_manifests()
-    assert {"fiss-plus", "fop", "frenetix", "commonroad-rp"} <= set(shipped)
+    assert {"fiss-plus", "fop", "frenetix", "commonroad-rp", "dilu"} <= set(shipped)
     for name, path in shipped.items():
         manifest = read_manifest(path, name)
         assert manifest.licence

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.idm.__pycache__.driving.preview-384.py311.1.nbc drivora_service.agents.idm.__pycache__.pure_pursuit.preview-37.py311.1.nbc drivora_service.agents.idm.pure_pursuit import preview
+from drivora_service.agents.idm.pure_pursuit import preview
 from drivora_service.compilation import compiled
 
 Float32Array = NDArray[np.float32]

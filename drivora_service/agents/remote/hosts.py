@@ -104,6 +104,8 @@ class ProcessHost:
     def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
         """Gives the variables for the ADS: Drivora's own, which may be secret, are not for it.
 
+        Those that its manifest asks for are: the operator set them for it.
+
         The ADS finds ``drivora_service`` in a folder with nothing beside it: in the folder where it
         is installed there are packages of versions that the ADS did not ask for.
         """
@@ -113,7 +115,8 @@ class ProcessHost:
         kept = {
             name: value
             for name, value in os.environ.items()
-            if not name.startswith("DRIVORA_") and name not in ("PYTHONPATH", "PYTHONHOME")
+            if (not name.startswith("DRIVORA_") or name in manifest.settings)
+            and name not in ("PYTHONPATH", "PYTHONHOME")
         }
         kept.update(manifest.variables)
         paths = (str(packages), kept.get("PYTHONPATH", ""))
