@@ -70,7 +70,7 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
             [
                 sys.executable, "-m", "pip", "--python", str(_python(environment)), "install",
                 "--quiet", "--no-input", "--disable-pip-version-check", "--require-hashes",
-                *(["--no-deps"] if manifest.resolved else []),
+                *(["--no-deps", "--ignore-requires-python"] if manifest.resolved else []),
                 "-r", str(requirements),
             ]
         )  # fmt: skip

@@ -56,7 +56,7 @@ class AgentManifest:
         address: Where it listens, if somebody else runs it, else "".
         environment: Name of the virtual environment that it runs in; agents may share one.
         resolved: Whether its requirements are complete, so that what the packages themselves ask
-            for is not looked at.
+            for, other packages and a version of Python, is not looked at.
         deadlines: What it may take.
         parameters: Those that documents may set; ``None``: only the ADS knows.
     """

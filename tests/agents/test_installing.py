@@ -114,14 +114,21 @@ def test_other_requirements_make_an_installation_count_as_none(
     assert failure.value.cause == "agent_not_installed"
 
 
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ("Requires-Dist: what-nobody-has==1.0", "what-nobody-has"),
+        ("Requires-Python: ==3.8.*", "3.8"),
+    ],
+)
 def test_what_packages_ask_for_is_left_out_where_the_requirements_are_complete(
-    tmp_path: Path, packages: Path
+    tmp_path: Path, packages: Path, asked: str, says: str
 ) -> None:
-    write_wheel(packages, "Requires-Dist: what-nobody-has==1.0\n")
+    write_wheel(packages, f"{asked}\n")
     agents = tmp_path / "agents"
     catalogue = AgentCatalogue(folder=agents)
     write_agent(agents, tiny(packages))
-    with pytest.raises(AgentError, match="what-nobody-has"):
+    with pytest.raises(AgentError, match=says):
         catalogue.install("tiny")
     write_agent(agents, tiny(packages), resolved=True)
     assert catalogue.install("tiny")

@@ -203,7 +203,8 @@ def test_folders_whose_names_no_document_may_name_are_left_out(tmp_path: Path) -
 
 def test_the_shipped_manifests_are_good() -> None:
     shipped = shipped_manifests()
-    assert {"fiss-plus", "fop", "frenetix", "commonroad-rp", "dilu"} <= set(shipped)
+    wanted = {"fiss-plus", "fop", "frenetix", "commonroad-rp", "dilu", "smarts-iamp"}
+    assert wanted <= set(shipped)
     for name, path in shipped.items():
         manifest = read_manifest(path, name)
         assert manifest.licence

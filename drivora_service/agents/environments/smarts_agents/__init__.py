@@ -1,0 +1,1 @@
+"""Policies trained in the simulator SMARTS, of packages that their users install."""
