@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
+from drivora_service.agents.ad_mlp.view import AdMlpView
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
 from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
+from drivora_service.agents.imitation.agent import NoParameters, WaypointAgent
+from drivora_service.agents.imitation.weights import load_weights
 from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
 from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
 from drivora_service.agents.nmpc import agent as nmpc
 from drivora_service.agents.nmpc.casadi_files import CASADI_FILES
 from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
+from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
+from drivora_service.agents.plant_lite.view import PlantView
 from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, agent_plugin
 from drivora_service.agents.puffer_drive import agent as puffer_drive
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
@@ -75,6 +81,34 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         ),
         PdmParameters,
         PdmClosedAgent,
+    ),
+    agent_plugin(
+        AgentEntry(
+            name="plant-lite",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "transformer over others and pieces of the way as boxes, to waypoints; trained "
+                "here by imitation of `idm`, shown lights and right of way"
+            ),
+            source="written and trained here after Renz et al. 2022 (PlanT)",
+            licence="Apache-2.0",
+        ),
+        NoParameters,
+        lambda _: WaypointAgent(PlantView(), PlantNetwork(load_weights(PlantWeights))),
+    ),
+    agent_plugin(
+        AgentEntry(
+            name="ad-mlp",
+            kind=AgentKind.END_TO_END,
+            description=(
+                "perceptron from its own history, its way and the light to waypoints; trained here "
+                "by imitation of `idm`; sees nobody, so it hits whoever is in its way"
+            ),
+            source="written and trained here after Zhai et al. 2023 (AD-MLP)",
+            licence="Apache-2.0",
+        ),
+        NoParameters,
+        lambda _: WaypointAgent(AdMlpView(), AdMlpNetwork(load_weights(AdMlpWeights))),
     ),
     _sumo_plugin("sumo-krauss", "Krauss car following", "krauss"),
     _sumo_plugin("sumo-idm", "IDM car following", "idm"),

@@ -1,0 +1,102 @@
+"""What ad-mlp sees: itself, its way, and where it came from; (112,) numbers, nobody else.
+
+===========  =====================================================================================
+0 to 9       itself, as ``WayView.show`` has it
+10 to 93     twelve pieces of the way, seven numbers each, likewise
+94 to 109    where it was 0.5, 1, 1.5 and 2 s ago: ahead and to the left (1/40 m), sine of its
+             heading then, speed then (1/15 s/m)
+110, 111     its acceleration (1/4 s²/m) and yaw rate (s)
+===========  =====================================================================================
+
+Places and headings are in the ego's frame of now.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.imitation.way_view import (
+    EGO_SIZE,
+    LENGTH_SCALE,
+    PIECE_SIZE,
+    PIECES,
+    SPEED_SCALE,
+    WayView,
+)
+from drivora_service.agents.interface import AgentContext, Observation
+from drivora_service.compilation import compiled
+from drivora_service.observations.trace import Col
+
+FloatArray = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
+
+FRAMES = 4
+FRAME_SIZE = 4
+FRAMES_AT = EGO_SIZE + PIECES * PIECE_SIZE
+SEEN_SIZE = FRAMES_AT + FRAMES * FRAME_SIZE + 2
+_INTERVAL = 0.5
+"""Seconds between two frames."""
+_ACCELERATION_SCALE = 0.25
+
+
+class AdMlpView:
+    """Fills what the network takes.
+
+    Attributes:
+        seen: (112,) after ``look``.
+    """
+
+    def __init__(self) -> None:
+        self.seen = np.zeros(SEEN_SIZE, dtype=np.float32)
+        self._own = self.seen[:EGO_SIZE]
+        self._pieces = self.seen[EGO_SIZE:FRAMES_AT].reshape(PIECES, PIECE_SIZE)
+        self._frames = self.seen[FRAMES_AT:-2].reshape(FRAMES, FRAME_SIZE)
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares the way and forgets where it was."""
+        self._way = WayView(context)
+        self._apart = max(round(_INTERVAL / context.step_length), 1)
+        self._past = np.zeros((FRAMES * self._apart + 1, 4))
+        self._now = -1
+
+    def follow(self, observation: Observation) -> None:
+        """Moves on along the way, and remembers where."""
+        self._way.follow(observation)
+        ego = observation.ego
+        state = (ego[Col.X], ego[Col.Y], ego[Col.YAW], observation.speed)
+        if self._now < 0:
+            # Before the first step it stood where it is.
+            self._past[:] = (*state[:3], 0.0)
+        self._now = (self._now + 1) % len(self._past)
+        self._past[self._now] = state
+
+    def look(self, observation: Observation) -> None:
+        """Fills ``seen``."""
+        self._way.show(observation, self._own, self._pieces)
+        show_past(observation.ego, self._past, self._now, self._apart, self._frames)
+        self.seen[-2] = _ACCELERATION_SCALE * observation.acceleration
+        self.seen[-1] = observation.ego[Col.YAW_RATE]
+
+
+@compiled
+def show_past(ego: FloatArray, past: FloatArray, now: int, apart: int, out: Float32Array) -> None:
+    """Fills the frames.
+
+    Args:
+        ego: (9,) the ego's state.
+        past: (n, 4) x, y, heading and speed of the last n steps, in a ring.
+        now: Row of it that belongs to this step.
+        apart: Steps between two frames.
+        out: (4, 4) filled.
+    """
+    cos, sin = math.cos(ego[2]), math.sin(ego[2])
+    for k in range(FRAMES):
+        then = past[(now - (k + 1) * apart) % past.shape[0]]
+        dx, dy = then[0] - ego[0], then[1] - ego[1]
+        out[k, 0] = LENGTH_SCALE * (dx * cos + dy * sin)
+        out[k, 1] = LENGTH_SCALE * (dy * cos - dx * sin)
+        out[k, 2] = math.sin(then[2] - ego[2])
+        out[k, 3] = SPEED_SCALE * then[3]

@@ -1,0 +1,93 @@
+"""Driving by a network that was trained here: it sees, gives waypoints, and they are followed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.imitation.waypoints import WAYPOINTS, drive_waypoints
+from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+
+Float32Array = NDArray[np.float32]
+
+_PERIOD = 0.1
+"""Seconds between two decisions."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoParameters:
+    """What a document may set: nothing."""
+
+
+class View(Protocol):
+    """What a network is shown.
+
+    Attributes:
+        seen: The numbers, after ``look``; stays the same array through a run.
+    """
+
+    seen: Float32Array
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares for a run."""
+        ...
+
+    def follow(self, observation: Observation) -> None:
+        """Keeps track of what passes; called once every step."""
+        ...
+
+    def look(self, observation: Observation) -> None:
+        """Fills ``seen``; called where a decision is due, after ``follow``."""
+        ...
+
+
+class Network(Protocol):
+    """What was trained."""
+
+    def waypoints(self, seen: Float32Array) -> Float32Array:
+        """Gives (4, 2) places after each half second, in the ego's frame, metres."""
+        ...
+
+
+class WaypointAgent:
+    """The agent. One object drives one ego through one run."""
+
+    def __init__(self, view: View, network: Network) -> None:
+        """Makes the agent.
+
+        Args:
+            view: Fills what the network takes.
+            network: Gives waypoints.
+        """
+        self._view = view
+        self._network = network
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares for a run."""
+        self._view.setup_env(context)
+        self._wheelbase = context.model.wheelbase
+        self._max_braking = min(context.model.max_deceleration, 9.81 * context.friction)
+        self._next_decision = -math.inf
+        self._control = AccelerationControl(0.0, 0.0)
+        self._log = context.log
+        self._log.declare(*(f"waypoint_{k}_{axis}" for k in range(WAYPOINTS) for axis in "xy"))
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        """Drives."""
+        self._view.follow(observation)
+        if observation.time > self._next_decision - 1e-6:
+            self._next_decision = observation.time + _PERIOD
+            self._view.look(observation)
+            waypoints = self._network.waypoints(self._view.seen)
+            self._log.row[:] = waypoints.ravel()
+            self._control = AccelerationControl(
+                *drive_waypoints(
+                    waypoints, max(observation.speed, 0.0), self._wheelbase, self._max_braking,
+                    self._control.steer,
+                )
+            )  # fmt: skip
+        return self._control

@@ -1,0 +1,91 @@
+"""From waypoints to acceleration and steering: how the agents that were trained here drive them.
+
+Frame: the ego's, x ahead and y to the left of its centre, metres.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.agents.idm.pure_pursuit import preview
+from drivora_service.compilation import compiled
+
+Float32Array = NDArray[np.float32]
+
+WAYPOINTS = 4
+INTERVAL = 0.5
+"""Seconds between two waypoints; the first is as far from now."""
+STEP_SCALE = 5.0
+"""Metres from one waypoint to the next that a network gives as 1."""
+_TRACKED = 2
+"""Waypoints from which the acceleration is taken."""
+_STANDING_WAY = 0.4
+"""Metres; who stands and is not to go further by the last waypoint stays where it is."""
+_STANDING_SPEED = 0.5
+_HOLD = -1.5
+"""m/s² while standing."""
+_SHORTEST_AIM = 1.0
+"""Metres of way, below which its direction says nothing and the wheels stay as they are."""
+_HARDEST_START = 3.0
+"""m/s²; no waypoints ask for more."""
+
+
+@compiled
+def drive_waypoints(
+    waypoints: Float32Array, speed: float, wheelbase: float, max_braking: float, last_steer: float
+) -> tuple[float, float]:
+    """Gives the acceleration (m/s²) and the front-wheel angle (radians) that follow waypoints.
+
+    The acceleration is the one that, kept, misses the first second's waypoints least along the way
+    (least squares); the wheels are aimed at a point of the way as far ahead as ``idm`` looks.
+
+    Args:
+        waypoints: (4, 2) places after each half second, metres.
+        speed: Of the ego, m/s.
+        wheelbase: Metres.
+        max_braking: m/s², positive.
+        last_steer: Front-wheel angle until now, radians.
+    """
+    above, below = 0.0, 0.0
+    x = y = way = 0.0
+    ux, uy = 1.0, 0.0
+    aim_at = preview(speed, wheelbase) - 0.5 * wheelbase
+    aim_x = aim_y = 0.0
+    aimed = False
+    for k in range(WAYPOINTS):
+        dx, dy = waypoints[k, 0] - x, waypoints[k, 1] - y
+        part = math.hypot(dx, dy)
+        if part > 1e-3:
+            ux, uy = dx / part, dy / part
+        if not aimed and way + part >= aim_at:
+            aim_x, aim_y = x + (aim_at - way) * ux, y + (aim_at - way) * uy
+            aimed = True
+        x, y = waypoints[k, 0], waypoints[k, 1]
+        way += math.copysign(part, dx)
+        if k < _TRACKED:
+            time = INTERVAL * (k + 1)
+            above += 0.5 * time * time * (way - speed * time)
+            below += 0.25 * time**4
+    if speed < _STANDING_SPEED and way < _STANDING_WAY:
+        return _HOLD, last_steer
+    acceleration = min(max(above / below, -max_braking), _HARDEST_START)
+    if way < _SHORTEST_AIM:
+        return acceleration, last_steer
+    if not aimed:
+        aim_x, aim_y = x + (aim_at - way) * ux, y + (aim_at - way) * uy
+    return acceleration, _steer_centre_at(aim_x, aim_y, wheelbase)
+
+
+@compiled
+def _steer_centre_at(x: float, y: float, wheelbase: float) -> float:
+    """Gives the front-wheel angle that leads the centre to a point, by pure pursuit (Coulter 1992).
+
+    On a circle the centre moves at an angle to the heading (about half the wheelbase times the
+    curvature): seen from the centre a point of its way lies further to the side than seen from the
+    rear axle, for which the method was made.
+    """
+    distance = max(math.hypot(x, y), 1e-3)
+    return math.atan(wheelbase * 2.0 * y / distance / (distance + wheelbase))

@@ -1,0 +1,29 @@
+"""Reading the weights that Drivora ships."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import lru_cache
+from importlib import resources
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+W = TypeVar("W", bound="DataclassInstance")
+
+FILE_NAME = "weights.npz"
+
+
+@lru_cache(maxsize=8)
+def load_weights(type_: type[W]) -> W:
+    """Reads the weights that lie beside the module of a network, once a process.
+
+    Args:
+        type_: A dataclass whose fields are the names of the file's arrays.
+    """
+    package = type_.__module__.rpartition(".")[0]
+    with resources.files(package).joinpath(FILE_NAME).open("rb") as file, np.load(file) as arrays:
+        return type_(**{field.name: arrays[field.name] for field in fields(type_)})

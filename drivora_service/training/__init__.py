@@ -1,0 +1,1 @@
+"""Training agents by imitation: recording an expert, fitting networks, writing their weights."""

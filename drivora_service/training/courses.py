@@ -1,0 +1,70 @@
+"""Where the expert is recorded: generated routes, none of them of the benchmark's seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.scenario.documents import with_background
+from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.validation import validate_document
+from drivora_service.simulation.plan import EpisodePlan, plan_episode
+
+EXPERT = "idm"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrainingCourse:
+    """Runs on a network.
+
+    Attributes:
+        network: Name of a shipped network.
+        min_length: Metres of route at least.
+        max_length: Metres of route at most.
+        background: Vehicles of background traffic.
+    """
+
+    network: str
+    min_length: float
+    max_length: float
+    background: int
+
+
+COURSES = (
+    TrainingCourse(network="tee-town", min_length=150.0, max_length=450.0, background=12),
+    TrainingCourse(network="signal-grid", min_length=200.0, max_length=600.0, background=24),
+    TrainingCourse(network="roundabout", min_length=250.0, max_length=700.0, background=25),
+    TrainingCourse(network="arterial", min_length=200.0, max_length=600.0, background=24),
+    TrainingCourse(network="old-town", min_length=150.0, max_length=450.0, background=15),
+)
+
+
+def plans(
+    networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int
+) -> Iterator[EpisodePlan]:
+    """Gives the runs of all courses.
+
+    Args:
+        networks: Has the shipped networks.
+        runs: On each network.
+        seed: Of the routes, and of everything in the runs that is drawn at random.
+        crowding: How many times the usual background traffic there is; 0 for none.
+
+    Raises:
+        NetworkError: A network does not offer that many routes.
+    """
+    for number, course in enumerate(COURSES):
+        documents = generate_seeds(
+            networks.get(course.network),
+            count=runs,
+            min_length=course.min_length,
+            max_length=course.max_length,
+            seed=seed + 1000 * number,
+            agent=EXPERT,
+        )
+        for document in documents:
+            if crowding:
+                document = with_background(document, crowding * course.background)
+            valid = validate_document(document, networks, None)
+            yield plan_episode(valid.scenario, valid.network)
