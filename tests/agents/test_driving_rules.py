@@ -7,22 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivora_service.observations.trace import EgoCol, Light, TerminalEvent, Trace
-from drivora_service.oracles.catalogue import judge_all
+from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.speeding import Speeding
-from drivora_service.oracles.verdict import Outcome
 from drivora_service.oracles.wrong_way import WrongWay
 from drivora_service.scenario.model import (
     AgentChoice,
-    LightTimes,
     Scenario,
-    TrafficLights,
-    Waypoint,
     Weather,
 )
+from tests.agents.driving import assert_keeps, assert_stops_at_red, passes, red_light_ahead
 from tests.simulation.episodes import (
     car,
     closest,
@@ -33,11 +29,9 @@ from tests.simulation.episodes import (
     run,
     scenario,
     speeds,
-    track,
     walker,
 )
 
-GRID = "signal-grid"
 RULES = (Collision(), RedLight(), OffRoad(), WrongWay(), Speeding())
 
 pytestmark = pytest.mark.parametrize("agent", ["idm-mobil", "pdm-closed"])
@@ -47,32 +41,13 @@ def drive(what: Scenario, agent: str) -> Trace:
     """Runs a scenario in which the agent must keep the rules."""
     egos = tuple(replace(one, agent=AgentChoice(name=agent)) for one in what.ego_vehicles)
     trace = run(replace(what, ego_vehicles=egos))
-    broken = [
-        f"{v.time}: {v.message}"
-        for v in judge_all(trace, network(what.map_region.town), RULES)
-        if v.outcome is Outcome.VIOLATED and v.at_fault is not False
-    ]
-    assert not broken
+    assert_keeps(trace, RULES)
     return trace
 
 
-def passes(trace: Trace, actor: str, point: Waypoint) -> float:
-    """The time at which an actor is nearest to a place, seconds."""
-    way = track(trace, actor)
-    return float(trace.times[int(np.nanargmin(np.hypot(way[:, 0] - point.x, way[:, 1] - point.y)))])
-
-
 def test_it_stops_at_red_and_goes_at_green(agent: str) -> None:
-    what = scenario(
-        ego(place("grand_1_1", 30, on=GRID), place("grand_2_1", 60, on=GRID), initial_speed=8.0),
-        on=GRID, traffic_lights=TrafficLights(times=LightTimes(offset=31.0)), seconds=60.0,
-    )  # fmt: skip
-    trace = drive(what, agent)
-    assert trace.ego_ends == (TerminalEvent.ARRIVED,)
-    lights, distance = trace.ego_lights[:, 0], trace.ego_values[:, 0, EgoCol.LIGHT_DISTANCE]
-    stands = (speeds(trace, "ego") < 0.1) & (trace.times > 3.0)
-    assert (lights[stands] == Light.RED).sum() > 20
-    assert 0.0 < distance[stands].min() <= distance[stands].max() < 4.0
+    trace = drive(red_light_ahead(), agent)
+    assert_stops_at_red(trace)
 
 
 def test_it_yields_on_the_minor_road(agent: str) -> None:

@@ -20,10 +20,9 @@ from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT, show_others
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
-from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
-from drivora_service.scenario.model import LightTimes, TrafficLights
 from drivora_service.testing.agent_contract import AgentContract
-from tests.simulation.episodes import ego, place, run, scenario, speeds
+from tests.agents.driving import assert_stops_at_red, red_light_ahead
+from tests.simulation.episodes import run
 
 FloatArray = NDArray[np.float64]
 
@@ -108,17 +107,8 @@ def test_it_takes_no_parameters() -> None:
 
 
 def test_it_stops_at_red_and_goes_on() -> None:
-    grid = "signal-grid"
-    what = scenario(
-        ego(place("grand_1_1", 30, on=grid), place("grand_2_1", 60, on=grid), initial_speed=8.0),
-        on=grid, traffic_lights=TrafficLights(times=LightTimes(offset=31.0)), seconds=60.0,
-    )  # fmt: skip
-    trace = run(what, made())
-    assert trace.ego_ends == (TerminalEvent.ARRIVED,)
-    lights, distance = trace.ego_lights[:, 0], trace.ego_values[:, 0, EgoCol.LIGHT_DISTANCE]
-    stands = (speeds(trace, "ego") < 0.1) & (trace.times > 3.0)
-    assert (lights[stands] == Light.RED).sum() > 20
-    assert 0.0 < distance[stands].min() <= distance[stands].max() < 6.0
+    trace = run(red_light_ahead(), made())
+    assert_stops_at_red(trace, before_line=6.0)
 
 
 class TestPlantLite(AgentContract):

@@ -29,11 +29,10 @@ from drivora_service.agents.puffer_drive.weights import FILE_NAME, load_weights
 from drivora_service.errors import AgentError
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.routing import RoutePoint, plan_route
-from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
-from drivora_service.scenario.model import LightTimes, TrafficLights
 from drivora_service.testing.agent_contract import AgentContract
+from tests.agents.driving import assert_stops_at_red, red_light_ahead
 from tests.agents.fetched_weights import fetched_weights
-from tests.simulation.episodes import ego, network, place, run, scenario, speeds
+from tests.simulation.episodes import network, place, run
 
 Array = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
@@ -247,17 +246,8 @@ def test_its_entry_says_what_it_does_not_know() -> None:
 
 
 def test_its_adapter_stops_it_at_red(weights: Path) -> None:
-    grid = "signal-grid"
-    what = scenario(
-        ego(place("grand_1_1", 30, on=grid), place("grand_2_1", 60, on=grid), initial_speed=8.0),
-        on=grid, traffic_lights=TrafficLights(times=LightTimes(offset=31.0)), seconds=60.0,
-    )  # fmt: skip
-    trace = run(what, create({}, weights))
-    assert trace.ego_ends == (TerminalEvent.ARRIVED,)
-    lights, distance = trace.ego_lights[:, 0], trace.ego_values[:, 0, EgoCol.LIGHT_DISTANCE]
-    stands = (speeds(trace, "ego") < 0.1) & (trace.times > 3.0)
-    assert (lights[stands] == Light.RED).sum() > 20
-    assert 0.0 < distance[stands].min() <= distance[stands].max() < 4.0
+    trace = run(red_light_ahead(), create({}, weights))
+    assert_stops_at_red(trace)
 
 
 class TestPufferDrive(AgentContract):
