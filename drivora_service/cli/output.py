@@ -40,7 +40,14 @@ def print_table(
     from rich.text import Text
 
     listed = [*rows]
-    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, expand=bool(cut))
+    table = Table(
+        title=title or None,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        collapse_padding=True,
+        pad_edge=False,
+        expand=bool(cut),
+    )
     for index, column in enumerate(columns):
         if column in cut:
             table.add_column(column, overflow="ellipsis", no_wrap=True, ratio=1)
