@@ -20,6 +20,8 @@ BEYOND_THE_SCHEMA = frozenset(
         "unknown mutation",
         "unknown selection",
         "unknown agent",
+        "agent's parameters",
+        "parameters of an agent in the scenario",
         "unknown oracle",
         "oracle twice",
         "scenario of another town",

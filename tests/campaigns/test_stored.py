@@ -14,12 +14,12 @@ from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
 from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.errors import CampaignError, Conflict, UnknownName
 from drivora_service.execution.executor import Limits
-from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -55,7 +55,7 @@ class Campaigns:
         def evaluator(_wanted: int | None) -> Iterator[Evaluator]:
             context = EvaluatorContext(
                 workers=workers,
-                setup=WorkerSetup(shipped_networks=shipped_networks()),
+                setup=WorkerSetup(shipped_networks=shipped_networks(), agents=self.root / "agents"),
                 limits=Limits(),
                 folder=self.root / "workers",
             )
@@ -138,16 +138,25 @@ def test_failures_are_confirmed_and_their_traces_kept(
 
 @pytest.mark.slow
 def test_a_campaign_that_cannot_go_on_says_why(
-    campaigns: Campaigns, content: dict[str, Any]
+    database: Database, content: dict[str, Any], tmp_path: Path
 ) -> None:
-    content["agent"] = {"name": "idm", "parameters": {"speed": 3}}
+    manifest = tmp_path / "agents" / "mute" / "agent.yaml"
+    manifest.parent.mkdir(parents=True)
+    manifest.write_text(
+        "{name: mute, kind: baseline, description: ends at once, source: here, licence: MIT, "
+        'command: ["{python}", -c, pass]}'
+    )
+    networks = NetworkCatalogue(shipped_networks())
+    catalogues = installed_catalogues(networks, manifest.parents[1])
+    campaigns = Campaigns(database, catalogues, tmp_path)
+    content["agent"] = {"name": "mute"}
     content["budget"]["simulations"] = 30
     campaign_id = campaigns.create(content)
-    with pytest.raises(CampaignError, match="no parameter 'speed'"):
+    with pytest.raises(CampaignError, match="agent 'mute'"):
         campaigns.run(campaign_id, 2)
     record = campaigns.record(campaign_id)
     assert record.state is CampaignState.FAILED
-    assert "no parameter 'speed'" in record.message
+    assert "agent 'mute'" in record.message
 
 
 def test_one_process_works_on_a_campaign(campaigns: Campaigns, content: dict[str, Any]) -> None:
