@@ -139,7 +139,7 @@ def test_agents(drivora: Drivora, service_url: str) -> None:
     there = drivora("agents", "list", "--server", service_url, "--json").json()
     assert [agent["name"] for agent in here] == [agent["name"] for agent in there]
     listed = drivora("agents", "list").out
-    assert all(f"  {agent['name']} " in listed for agent in here)
+    assert all(f"\n {agent['name']} " in listed for agent in here)
     assert "fop cannot be used yet: run `drivora agents install fop`" in listed
     shown = drivora("agents", "show", "idm")
     assert all(word in shown.out for word in ("speed_factor", "1.0", "from 0.1 to 2"))
