@@ -45,12 +45,15 @@ class Spinner(IdmAgent):
 
 
 class Eater(IdmAgent):
-    """Grows without end."""
+    """Grows with every call: a machine may be too slow to fill the limit within one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kept: list[object] = []
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        kept = []
-        while observation.time > AFTER_S:
-            kept.append(np.ones(2**22))
+        if observation.time > AFTER_S:
+            self._kept.append(np.ones(2**23))
         return super().run_step(observation)
 
 
