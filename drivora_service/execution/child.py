@@ -6,6 +6,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import time
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
@@ -19,6 +20,8 @@ from drivora_service.runs.report import RunReport, RunSpec
 _TAIL_BYTES = 16_384
 _TAIL_LINES = 40
 _LOG_BYTES = 4 << 20
+_GROUP_S = 1.0
+"""Seconds in which a killed group of processes is gone, if somebody asks how its members ended."""
 
 
 class WorkerDiedError(Exception):
@@ -158,13 +161,16 @@ class Child:
         self.restarts += 1
 
     def end(self) -> None:
-        """Ends the process with all that it started."""
+        """Ends the process with all that it started, and waits until they are gone."""
         if self._process is not None:
+            group = self._process.pid
             # The group may outlive the process that leads it; a young one leads none yet.
-            if self._process.pid is not None:
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    os.killpg(self._process.pid, signal.SIGKILL)
+            if group is not None:
+                _signal_group(group, signal.SIGKILL)
             kill_process(self._process)
+            until = time.monotonic() + _GROUP_S
+            while group is not None and _signal_group(group, 0) and time.monotonic() < until:
+                time.sleep(0.002)
         if self._channel is not None:
             self._channel.close()
         self._process = self._channel = self._seen = None
@@ -185,3 +191,12 @@ class Child:
         self._channel = ours
         with contextlib.suppress(psutil.NoSuchProcess):
             self._seen = psutil.Process(self._process.pid)
+
+
+def _signal_group(group: int, number: int) -> bool:
+    """Sends a signal to a group of processes, or looks for it with 0; tells if there is one."""
+    try:
+        os.killpg(group, number)
+    except (ProcessLookupError, PermissionError):
+        return False
+    return True
