@@ -37,6 +37,8 @@ from drivora_service.scenario.model import (
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.plan import plan_episode
 
+ROAD = "harbour_1_0"
+"""126 m of tee-town, nearly straight, 50 km/h."""
 CAR = "vehicle.lincoln.mkz_2017"
 WALKER = "walker.pedestrian.0001"
 
@@ -61,6 +63,11 @@ def place(
 
 def ego(*route: Waypoint, name: str = "ego", agent: str = "idm", **more: Any) -> EgoVehicle:
     return EgoVehicle(id=name, model=CAR, route=route, agent=AgentChoice(name=agent), **more)
+
+
+def parked(name: str = "ego") -> EgoVehicle:
+    """An ego far from the roads that tests use."""
+    return ego(place("-north_2_0", 20), place("-north_2_0", 100), name=name)
 
 
 def car(*route: Waypoint, name: str = "npc", behavior: str = "reactive", **more: Any) -> NpcVehicle:

@@ -13,6 +13,7 @@ from drivora_service.observations.trace import Light, TerminalEvent
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import AgentChoice, EgoVehicle, LightTimes, TrafficLights
 from tests.simulation.episodes import (
+    ROAD,
     Blind,
     car,
     closest,
@@ -29,8 +30,6 @@ from tests.simulation.episodes import (
     track,
     walker,
 )
-
-ROAD = "harbour_1_0"
 
 
 @pytest.mark.parametrize("agent", ["idm", "sumo-krauss"])

@@ -18,6 +18,7 @@ from drivora_service.observations.trace import Role, TerminalEvent
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.look import ActorState
 from tests.simulation.episodes import (
+    ROAD,
     Blind,
     Scripted,
     car,
@@ -33,8 +34,6 @@ from tests.simulation.episodes import (
     travelled,
     walker,
 )
-
-ROAD = "harbour_1_0"
 
 
 def two_egos(seconds: float = 10.0) -> Episode:

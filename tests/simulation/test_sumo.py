@@ -10,9 +10,7 @@ import pytest
 from drivora_service.errors import SimulatorError
 from drivora_service.observations.trace import TerminalEvent
 from drivora_service.simulation.sumo import open_world
-from tests.simulation.episodes import ego, network, place, run, scenario
-
-ROAD = "harbour_1_0"
+from tests.simulation.episodes import ROAD, ego, network, place, run, scenario
 
 
 @pytest.mark.parametrize("text", ["", "<net"])

@@ -1,0 +1,68 @@
+"""The light timings of a document act in an episode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
+from drivora_service.scenario.model import LightTimes, TrafficLights
+from tests.simulation.episodes import (
+    ego,
+    place,
+    run,
+    scenario,
+    standing,
+    start,
+)
+
+AVENUE = "grand_1_1"
+"""112 m of signal-grid with a sidewalk beside it, straight east, 50 km/h."""
+
+
+def test_light_times_of_a_document_are_shown_recorded_and_obeyed() -> None:
+    lights = TrafficLights(times=LightTimes(green=6.0, yellow=2.0))
+    what = scenario(
+        ego(place(AVENUE, 60, on="signal-grid"), place("grand_2_1", 60, on="signal-grid")),
+        on="signal-grid", traffic_lights=lights, seconds=45.0,
+    )  # fmt: skip
+    episode = start(what)
+    shown = []
+    while not episode.done:
+        shown.append(episode._sumo.light_state("b2"))
+        episode.step()
+    trace = episode.finish()
+    column = trace.light_ids.index("b2")
+    recorded = [trace.light_state_names[i] for i in trace.light_states[:, column]]
+    differ = [k for k, state in enumerate(shown) if state != recorded[k]]
+    assert not differ, (differ[:3], len(differ))
+    changes = np.flatnonzero(np.diff(trace.light_states[:, column])) + 1
+    # Walkers have green for four fifths of the cars' six seconds; behind the yellow all is red.
+    assert set(np.diff(trace.times[changes]).round(2)) == {4.8, 1.2, 2.0}
+    assert trace.ego_ends[0] is TerminalEvent.ARRIVED
+    distance = trace.ego_values[:, 0, EgoCol.LIGHT_DISTANCE]
+    crossing = int(np.argmax(distance < 0.0))
+    assert distance[crossing] < 0.0
+    assert trace.ego_lights[crossing, 0] != Light.RED
+
+
+def test_a_junctions_own_times_and_offset_count_for_it_alone() -> None:
+    town = "signal-grid"
+    own = TrafficLights(junctions={"b2": LightTimes(green=4.0, yellow=2.0, offset=3.0)})
+    traces = [
+        run(
+            scenario(
+                ego(place("north_3_1", 20, on=town), place("north_3_1", 90, on=town)),
+                on=town, traffic_lights=lights, seconds=20.0,
+            ),
+            standing(),
+        )
+        for lights in (TrafficLights(), own)
+    ]  # fmt: skip
+    plain, changed = (
+        {
+            light: [trace.light_state_names[i] for i in trace.light_states[:, column]]
+            for column, light in enumerate(trace.light_ids)
+        }
+        for trace in traces
+    )
+    assert {light for light in plain if plain[light] != changed[light]} == {"b2"}
