@@ -21,8 +21,8 @@ from drivora_service.agents.interface import Agent
 from drivora_service.agents.manifest import AgentManifest, read_manifest
 from drivora_service.agents.manifest_files import operator_manifests, shipped_manifests
 from drivora_service.agents.manifest_parameters import parameters_type
-from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin
-from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, read_agent_parameters
+from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
 from drivora_service.errors import AgentError, Problem, UnknownName
 from drivora_service.parameters import (
     ParameterDescription,
@@ -151,6 +151,17 @@ class AgentCatalogue:
             return ()
         return parameter_problems(type_, parameters, of=f"agent {name!r}")
 
+    def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
+        """Gives the lane-change model that one of SUMO's drivers needs; "" of any other agent.
+
+        Raises:
+            UnknownName: If there is no such agent.
+            AgentError: If it does not take these parameters.
+        """
+        if self._parameters(name) is not SumoDriverParameters:
+            return ""
+        return read_agent_parameters(name, SumoDriverParameters, parameters).lane_change_model
+
     def create(self, name: str, parameters: Mapping[str, Any]) -> Agent | SumoDriver:
         """Makes an agent for one ego and one run.
 
@@ -261,6 +272,9 @@ class _Availability(AgentDirectory):
 
     def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
         return self._catalogue.parameter_problems(name, parameters)
+
+    def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
+        return self._catalogue.lane_change_model(name, parameters)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)

@@ -28,6 +28,10 @@ class AgentDirectory(Mapping[str, str]):
             With pointers that begin at the parameters.
         """
 
+    @abstractmethod
+    def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
+        """Gives the lane-change model that SUMO must have in a run of this agent; "": any."""
+
 
 def check_agents(
     document: ScenarioDocument, agents: Collection[str] | None, driven_by: str
@@ -43,12 +47,15 @@ def check_agents(
     """
     if agents is None:
         return []
-    return [
+    problems = [
         problem
         for index, ego in enumerate(document.ego_vehicles)
         if ego.agent_name is not None and driven_by in ("", ego.agent_name)
         for problem in _check_ego(index, ego, ego.agent_name, agents)
     ]
+    if not problems and isinstance(agents, AgentDirectory):
+        problems.extend(_check_team(document, agents, driven_by))
+    return problems
 
 
 def _check_ego(
@@ -76,3 +83,28 @@ def _check_ego(
         above = pointer(("ego_vehicles", index, "agent", "parameters"))
         for problem in agents.parameter_problems(name, ego.agent.parameters):
             yield replace(problem, pointer=f"{above}{problem.pointer}")
+
+
+def _check_team(
+    document: ScenarioDocument, agents: AgentDirectory, driven_by: str
+) -> Iterator[Problem]:
+    """Finds egos whose drivers cannot drive in one run."""
+    first: tuple[int, str] | None = None
+    for index, ego in enumerate(document.ego_vehicles):
+        name = driven_by or ego.agent_name
+        if name is None or name not in agents:
+            continue
+        own = ego.agent.parameters if ego.agent is not None and name == ego.agent_name else {}
+        wanted = agents.lane_change_model(name, own)
+        if not wanted:
+            continue
+        if first is None:
+            first = index, wanted
+        elif wanted != first[1]:
+            yield Problem(
+                pointer=pointer(("ego_vehicles", index)),
+                code="other_lane_change_model",
+                message=f"found an ego that SUMO drives by the lane-change model {wanted}, and "
+                f"ego number {first[0]} by {first[1]}; SUMO has one in a run: set "
+                "`lane_change_model` to the same for all",
+            )

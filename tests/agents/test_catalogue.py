@@ -113,6 +113,20 @@ def test_parameters_that_an_agent_does_not_take_are_refused(
     assert f"'{name}'" in str(failure.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "parameters", "model"),
+    [
+        ("idm", {}, ""),
+        ("sumo-krauss", {}, "LC2013"),
+        ("sumo-idm", {"lane_change_model": "SL2015"}, "SL2015"),
+    ],
+)
+def test_only_sumos_drivers_need_a_lane_change_model(
+    name: str, parameters: dict[str, object], model: str
+) -> None:
+    assert AgentCatalogue().availability().lane_change_model(name, parameters) == model
+
+
 @pytest.mark.parametrize("plugin", [*BUILT_IN, *FETCHED], ids=lambda plugin: plugin.name)
 def test_an_agent_that_drivora_brings_declares_its_parameters(
     plugin: AgentPlugin | FetchedAgentPlugin,

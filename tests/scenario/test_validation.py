@@ -129,6 +129,16 @@ class Drivers(AgentDirectory):
             if value < 0
         )
 
+    def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
+        return str(parameters.get("model", "")) if name == "slow" else ""
+
+
+class WithModels(Drivers):
+    """Takes any parameters."""
+
+    def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
+        return ()
+
 
 def two_drivers(good: dict[str, Any]) -> dict[str, Any]:
     first, second = good["ego_vehicles"][0], copy.deepcopy(good["ego_vehicles"][0])
@@ -165,6 +175,37 @@ def test_parameters_of_egos_that_somebody_else_will_drive_do_not_matter(
     content["ego_vehicles"][1]["agent"]["name"] = "gone"
     valid = validate_data(content, networks, Drivers(), driven_by="idm")
     assert len(valid.scenario.ego_vehicles) == 2
+
+
+@pytest.mark.parametrize(
+    ("models", "driven_by", "found"),
+    [
+        (("A", "A"), "", []),
+        (("A", "B"), "", ["/ego_vehicles/1"]),
+        (("A", None), "", []),
+        (("A", None), "slow", []),
+        (("A", "B"), "idm", []),
+    ],
+)
+def test_egos_whose_drivers_cannot_drive_in_one_run(
+    networks: NetworkCatalogue,
+    good: dict[str, Any],
+    models: tuple[str | None, ...],
+    driven_by: str,
+    found: list[str],
+) -> None:
+    content = two_drivers(good)
+    for ego, model in zip(content["ego_vehicles"], models, strict=True):
+        ego["agent"] = {"name": "idm"}
+        if model is not None:
+            ego["agent"] = {"name": "slow", "parameters": {"model": model}}
+    problems: list[Problem] = []
+    try:
+        validate_data(content, networks, WithModels(), driven_by=driven_by)
+    except InvalidDocument as error:
+        problems.extend(error.problems)
+    assert [problem.pointer for problem in problems] == found
+    assert {problem.code for problem in problems} <= {"other_lane_change_model"}
 
 
 def test_of_an_agent_that_cannot_be_used_only_that_is_told(
