@@ -158,7 +158,10 @@ def main() -> None:
                 line = {"scene": scene.name, "group": group, "runs": runs, "failed": failed}
                 out.write(json.dumps(line) + "\n")
                 share = failed / runs if runs else 0.0
-                print(f"{scene.name:20} {group:32} {failed:4} of {runs:4} ({share:.1%})")
+                print(
+                    f"{scene.name:20} {group:32} {failed:4} of {runs:4} ({share:.1%})",
+                    flush=True,
+                )
             out.flush()
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import with_background
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.training.leaders import with_leaders
 
 EXPERT = "idm"
 
@@ -41,7 +44,7 @@ COURSES = (
 
 
 def plans(
-    networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int
+    networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int, leaders: bool = False
 ) -> Iterator[EpisodePlan]:
     """Gives the runs of all courses.
 
@@ -50,10 +53,12 @@ def plans(
         runs: On each network.
         seed: Of the routes, and of everything in the runs that is drawn at random.
         crowding: How many times the usual background traffic there is; 0 for none.
+        leaders: Whether slow and standing cars are put on the ego's way.
 
     Raises:
         NetworkError: A network does not offer that many routes.
     """
+    random = np.random.default_rng(seed)
     for number, course in enumerate(COURSES):
         documents = generate_seeds(
             networks.get(course.network),
@@ -67,4 +72,5 @@ def plans(
             if crowding:
                 document = with_background(document, crowding * course.background)
             valid = validate_document(document, networks, None)
-            yield plan_episode(valid.scenario, valid.network)
+            plan = plan_episode(valid.scenario, valid.network)
+            yield with_leaders(plan, random) if leaders else plan

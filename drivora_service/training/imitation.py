@@ -53,18 +53,30 @@ HELD_OUT_SEED = 900_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Traffic:
+    """What the expert is recorded in.
+
+    Attributes:
+        crowding: Times the usual traffic; 0 for none.
+        leaders: Whether there are slow and standing cars on its way.
+    """
+
+    crowding: int = 1
+    leaders: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
     """A recording, and a fit to it and to those of the stages before.
 
     Attributes:
         runs: On each network.
-        crowding: Times the usual traffic; 0 for none.
         epochs: How often each sample is shown.
     """
 
     runs: int
-    crowding: int
     epochs: int
+    traffic: Traffic = Traffic()  # frozen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +91,7 @@ class Recipe:
         rate: Highest learning rate.
         stages: One after the other.
         held_out: Runs on each network to which nothing is fitted, driven by the expert alone, in
-            the traffic of the first stage.
+            the traffic of each stage.
     """
 
     view: Callable[[], View]
@@ -99,8 +111,9 @@ RECIPES = {
         batch=128,
         rate=2e-3,
         stages=(
-            Stage(runs=40, crowding=1, epochs=8),
-            Stage(runs=8, crowding=4, epochs=3),
+            Stage(runs=40, epochs=8),
+            Stage(runs=16, epochs=4, traffic=Traffic(leaders=True)),
+            Stage(runs=8, epochs=3, traffic=Traffic(crowding=4)),
         ),
         held_out=5,
     ),
@@ -110,26 +123,32 @@ RECIPES = {
         weights=AdMlpWeights,
         batch=256,
         rate=1e-3,
-        stages=(Stage(runs=20, crowding=0, epochs=30),),
+        stages=(Stage(runs=20, epochs=30, traffic=Traffic(crowding=0)),),
         held_out=5,
     ),
 }
 
 
 def record_runs(
-    recipe: Recipe, runs: int, crowding: int, seed: int, deviation: Callable[[], Deviation | None]
+    recipe: Recipe,
+    runs: int,
+    traffic: Traffic,
+    seed: int,
+    deviation: Callable[[], Deviation | None],
 ) -> Samples:
     """Records the expert on all networks.
 
     Args:
         recipe: Of the agent.
         runs: On each network.
-        crowding: Times the usual traffic.
+        traffic: What else is on the roads.
         seed: Of the routes and the runs.
         deviation: Makes who takes the wheel in between.
     """
     networks = NetworkCatalogue(shipped_networks())
-    every = plans(networks, runs=runs, seed=seed, crowding=crowding)
+    every = plans(
+        networks, runs=runs, seed=seed, crowding=traffic.crowding, leaders=traffic.leaders
+    )
     return join(
         [
             record(plan, Recorder(IdmAgent(), recipe.view(), deviation(), seed + number))
@@ -138,9 +157,17 @@ def record_runs(
     )
 
 
-def held_out_samples(recipe: Recipe, runs: int) -> Samples:
-    """Records the expert alone, in runs to which nothing is fitted; fewer are the first of more."""
-    return record_runs(recipe, runs, recipe.stages[0].crowding, HELD_OUT_SEED, lambda: None)
+def held_out_samples(recipe: Recipe, runs: int, traffic: Traffic | None = None) -> Samples:
+    """Records the expert alone, in runs to which nothing is fitted; fewer are the first of more.
+
+    Args:
+        recipe: Of the agent.
+        runs: On each network.
+        traffic: What else is on the roads; unless given, as in the first stage.
+    """
+    return record_runs(
+        recipe, runs, traffic or recipe.stages[0].traffic, HELD_OUT_SEED, lambda: None
+    )
 
 
 def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
@@ -148,19 +175,25 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     torch.set_num_threads(1)
     torch.manual_seed(0)
     torch.use_deterministic_algorithms(True)
-    held_out = held_out_samples(recipe, recipe.held_out)
-    print(f"held out: {len(held_out.seen)} samples", flush=True)
-    print(f"constant velocity: {errors_at_constant_velocity(held_out)}", flush=True)
+    held_out = [
+        (stage.traffic, held_out_samples(recipe, recipe.held_out, stage.traffic))
+        for stage in recipe.stages
+    ]
+    for traffic, samples in held_out:
+        print(f"held out, {traffic}: {len(samples.seen)} samples", flush=True)
+        print(f"  at constant velocity: {errors_at_constant_velocity(samples)}", flush=True)
     trainee = recipe.trainee()
     recorded = []
     for number, stage in enumerate(recipe.stages):
         seed = _SEED * (number + 1)
-        recorded.append(record_runs(recipe, stage.runs, stage.crowding, seed, Jerks))
+        recorded.append(record_runs(recipe, stage.runs, stage.traffic, seed, Jerks))
         samples = join(recorded)
         fit(
             trainee, samples, epochs=stage.epochs, batch=recipe.batch, rate=recipe.rate, seed=number
         )
-        print(f"{len(samples.seen)} samples: {errors_of(trainee, held_out)}", flush=True)
+        print(f"fitted to {len(samples.seen)} samples", flush=True)
+        for traffic, unseen in held_out:
+            print(f"  held out, {traffic}: {errors_of(trainee, unseen)}", flush=True)
     return weights_of(recipe.weights, trainee.parts())
 
 
