@@ -301,8 +301,9 @@ def test_an_answer_may_be_of_any_kind_of_numbers() -> None:
     assert pose_of((np.float32(1.0), 2, np.array(3.0), 0.1)) == (1.0, 2.0, 3.0)
 
 
-def test_real_roads_are_shown_along_the_whole_route() -> None:
-    """On a shipped network, as an adapter is told of it."""
+@pytest.fixture(scope="module")
+def real_view() -> ContextView:
+    """A way over two junctions of a shipped network, as an adapter is told of it."""
 
     class Told:
         def setup_env(self, context: AgentContext) -> None:
@@ -315,7 +316,11 @@ def test_real_roads_are_shown_along_the_whole_route() -> None:
     told = Told()
     way = (place("grand_1_1", 30, on=on), place("grand_2_1", 60, on=on))
     start(scenario(ego(*way), on=on), told)
-    view = told.view
+    return told.view
+
+
+def test_real_roads_are_shown_along_the_whole_route(real_view: ContextView) -> None:
+    view = real_view
     ways = RouteWays(view.lanes, view.route)
     stages = []
     for s, point in zip(view.route.arc[::5], view.route.line[::5], strict=True):
@@ -330,6 +335,24 @@ def test_real_roads_are_shown_along_the_whole_route() -> None:
     assert stages == sorted(stages)
     assert {stage % 2 for stage in stages} == {0, 1}
     assert len(ways.ways(0)) >= 1
+
+
+def test_no_way_ahead_begins_behind_the_vehicle(real_view: ContextView) -> None:
+    """A vehicle that stands would be sent back to where the way begins, and stand for good."""
+    route = real_view.route
+    ways = RouteWays(real_view.lanes, route)
+    for s in np.arange(0.0, route.arc[-1] - 2.0, 0.1):
+        here, ahead = (
+            np.array([np.interp(at, route.arc, route.line[:, k]) for k in (0, 1)])
+            for at in (s, s + 1.0)
+        )
+        behind = []
+        for way in ways.ways(ways.stage(float(s))):
+            first, aside = way.project(here)
+            begin = [np.interp(first, way.arc, way.line[:, k]) for k in (0, 1)]
+            if abs(aside) < 0.5:
+                behind.append(float(np.dot(here - begin, ahead - here)))
+        assert min(behind) < 0.1, s
 
 
 def test_their_manifests_say_that_no_licence_is_stated() -> None:

@@ -58,6 +58,21 @@ _ON_PLAN = (0.3, 0.1, 0.7)
 """Metres, radians and m/s between plan and vehicle, up to which a plan goes on from the last."""
 
 
+class WindingCoordinates(CoordinateSystem):  # type: ignore[misc] # the package has no types
+    """The package's coordinates along a reference that may turn by more than a full turn.
+
+    It refuses those, as a way round a roundabout is; yet it reads headings modulo a turn.
+    """
+
+    @staticmethod
+    def check_ref_path_validity(ref_path: FloatArray) -> None:
+        """Refuses a reference with corners, as the package does."""
+        steps = np.diff(ref_path, axis=0)
+        turns = np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))
+        if np.abs(turns).max() >= 0.5 * math.pi:
+            raise ValueError("the route has a corner of a right angle or more")
+
+
 class CommonRoadAdapter:
     """Plans now and then, and follows the plan."""
 
@@ -68,7 +83,7 @@ class CommonRoadAdapter:
         self._reference = find_reference(context.route, context.lanes)
         self._forecaster = LaneForecaster(context.lanes)
         self._times: FloatArray = np.arange(_STEPS + 1, dtype=np.float64) * _DT
-        self._coordinates = CoordinateSystem(self._reference.line, clcs_params=CLCSParams())
+        self._coordinates = WindingCoordinates(self._reference.line, clcs_params=CLCSParams())
         self._planner = ReactivePlanner(configuration(context, self._reference))
         self._planner.set_reference_path(coordinate_system=self._coordinates)
         self._plan: FloatArray | None = None

@@ -25,6 +25,10 @@ FloatArray = NDArray[np.float64]
 _BEYOND = 60.0
 """Metres that the last lane of a route is continued straight on."""
 
+_LATE = 1.0
+"""Metres by which a vehicle may be past a stage before the next one is taken: the points of a route
+are that far apart. A way must not begin behind the vehicle: who stands would never get past it."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Way:
@@ -47,7 +51,8 @@ class Way:
 
     def project(self, place: FloatArray) -> tuple[float, float]:
         """Gives how far along the way's first stage a place is, and how far to the left of it."""
-        count = max(int(np.searchsorted(self.arc, self.first_length + 1e-6)), 2)
+        last = self.first_length + _LATE
+        count = max(int(np.searchsorted(self.arc, last)) + 1, 2)
         line = self.line[:count]
         steps = np.diff(line, axis=0)
         lengths = np.hypot(*steps.T)
@@ -56,7 +61,8 @@ class Way:
         gaps = np.hypot(*(away - share[:, None] * steps).T)
         k = int(np.argmin(gaps))
         side = float(steps[k, 0] * away[k, 1] - steps[k, 1] * away[k, 0])
-        return float(self.arc[k] + share[k] * lengths[k]), float(np.copysign(gaps[k], side))
+        s = min(float(self.arc[k] + share[k] * lengths[k]), last)
+        return s, float(np.copysign(gaps[k], side))
 
     def lane_at(self, s: float) -> int:
         """Gives which of ``lanes`` is at a place along the way."""
