@@ -17,15 +17,16 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 
-from drivora_service.agents.ad_mlp.network import AdMlpWeights
+from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
 from drivora_service.agents.ad_mlp.view import AdMlpView
 from drivora_service.agents.idm.agent import IdmAgent
-from drivora_service.agents.imitation.agent import View
-from drivora_service.agents.plant_lite.network import PlantWeights
+from drivora_service.agents.imitation.agent import Network, View, WaypointAgent
+from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import PlantView
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.training.courses import plans
@@ -41,6 +42,7 @@ from drivora_service.training.plant_network import PlantTrainee
 from drivora_service.training.recording import (
     Deviation,
     Jerks,
+    Learner,
     Recorder,
     Samples,
     join,
@@ -72,11 +74,15 @@ class Stage:
     Attributes:
         runs: On each network.
         epochs: How often each sample is shown.
+        traffic: What the expert is recorded in.
+        with_learner: Whether the agent as fitted so far drives in between, instead of a hand that
+            jerks the wheel.
     """
 
     runs: int
     epochs: int
     traffic: Traffic = Traffic()  # frozen
+    with_learner: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +93,7 @@ class Recipe:
         view: Makes what its network sees.
         trainee: Makes the network to train.
         weights: What the agent has of it.
+        network: Makes the agent's network of them.
         batch: Samples a step.
         rate: Highest learning rate.
         stages: One after the other.
@@ -97,6 +104,7 @@ class Recipe:
     view: Callable[[], View]
     trainee: Callable[[], Trainee]
     weights: type[PlantWeights] | type[AdMlpWeights]
+    network: Callable[[Any], Network]
     batch: int
     rate: float
     stages: tuple[Stage, ...]
@@ -108,12 +116,14 @@ RECIPES = {
         view=PlantView,
         trainee=PlantTrainee,
         weights=PlantWeights,
+        network=PlantNetwork,
         batch=128,
         rate=2e-3,
         stages=(
             Stage(runs=40, epochs=8),
             Stage(runs=16, epochs=4, traffic=Traffic(leaders=True)),
             Stage(runs=8, epochs=3, traffic=Traffic(crowding=4)),
+            Stage(runs=12, epochs=4, traffic=Traffic(leaders=True), with_learner=True),
         ),
         held_out=5,
     ),
@@ -121,6 +131,7 @@ RECIPES = {
         view=AdMlpView,
         trainee=AdMlpTrainee,
         weights=AdMlpWeights,
+        network=AdMlpNetwork,
         batch=256,
         rate=1e-3,
         stages=(Stage(runs=20, epochs=30, traffic=Traffic(crowding=0)),),
@@ -178,6 +189,7 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     held_out = [
         (stage.traffic, held_out_samples(recipe, recipe.held_out, stage.traffic))
         for stage in recipe.stages
+        if not stage.with_learner
     ]
     for traffic, samples in held_out:
         print(f"held out, {traffic}: {len(samples.seen)} samples", flush=True)
@@ -186,7 +198,8 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     recorded = []
     for number, stage in enumerate(recipe.stages):
         seed = _SEED * (number + 1)
-        recorded.append(record_runs(recipe, stage.runs, stage.traffic, seed, Jerks))
+        deviation = _learner(recipe, trainee) if stage.with_learner else Jerks
+        recorded.append(record_runs(recipe, stage.runs, stage.traffic, seed, deviation))
         samples = join(recorded)
         fit(
             trainee, samples, epochs=stage.epochs, batch=recipe.batch, rate=recipe.rate, seed=number
@@ -195,6 +208,12 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
         for traffic, unseen in held_out:
             print(f"  held out, {traffic}: {errors_of(trainee, unseen)}", flush=True)
     return weights_of(recipe.weights, trainee.parts())
+
+
+def _learner(recipe: Recipe, trainee: Trainee) -> Callable[[], Deviation]:
+    """Gives what makes a driver with the present weights."""
+    network = recipe.network(weights_of(recipe.weights, trainee.parts()))
+    return lambda: Learner(WaypointAgent(recipe.view(), network))
 
 
 def main() -> None:

@@ -1,13 +1,14 @@
 """Recording what an expert does, also from where it would not have come by itself.
 
 A hand jerks the wheel and a pedal now and then, so that the expert shows how to get back (Laskey,
-Lee, Fox, Dragan, Goldberg 2017: *DART: Noise Injection for Robust Imitation Learning*).
+Lee, Fox, Dragan, Goldberg 2017: *DART: Noise Injection for Robust Imitation Learning*); or the
+agent that is trained drives for a while.
 Only what the expert does while it has the wheel is learned from.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -22,6 +23,7 @@ from drivora_service.agents.interface import (
     Control,
     Observation,
 )
+from drivora_service.agents.log import AgentLog
 from drivora_service.observations.trace import Col, TerminalEvent
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.plan import EpisodePlan
@@ -86,6 +88,31 @@ class Jerks:
         # At speed the same pull would throw the car off the road.
         steer = self._steer * min(1.0, 5.0 / max(observation.speed, 1.0))
         return AccelerationControl(expert.acceleration + self._acceleration, expert.steer + steer)
+
+
+class Learner:
+    """The agent that is to be trained, as far as it has come: it shows where it goes wrong.
+
+    Ross, Gordon, Bagnell: *A Reduction of Imitation Learning and Structured Prediction to No-Regret
+    Online Learning* (AISTATS 2011), with turns in place of a mixture.
+    """
+
+    def __init__(self, agent: Agent) -> None:
+        """Args: agent: Drives one run."""
+        self._agent = agent
+
+    def setup_env(self, context: AgentContext) -> None:
+        """Prepares for a run."""
+        # The log of the run is the expert's.
+        self._agent.setup_env(replace(context, log=AgentLog()))
+
+    def begin(self, random: np.random.Generator) -> float:
+        """Drives for long: what goes wrong may take its time."""
+        return float(random.uniform(4.0, 20.0))
+
+    def drive(self, observation: Observation, expert: AccelerationControl) -> Control:  # noqa: ARG002  # not followed
+        """Drives as it has learned to."""
+        return self._agent.run_step(observation)
 
 
 class Recorder:

@@ -11,7 +11,7 @@ from drivora_service.observations.trace import EgoCol, Light, TerminalEvent, Tra
 from drivora_service.oracles.catalogue import judge_all
 from drivora_service.oracles.verdict import Oracle, Outcome
 from drivora_service.scenario.model import LightTimes, Scenario, TrafficLights, Waypoint
-from tests.simulation.episodes import ego, network, place, scenario, speeds, track
+from tests.simulation.episodes import ROAD, car, ego, network, place, scenario, speeds, track
 
 GRID = "signal-grid"
 
@@ -22,6 +22,16 @@ def red_light_ahead() -> Scenario:
         ego(place("grand_1_1", 30, on=GRID), place("grand_2_1", 60, on=GRID), initial_speed=8.0),
         on=GRID, traffic_lights=TrafficLights(times=LightTimes(offset=31.0)), seconds=60.0,
     )  # fmt: skip
+
+
+def car_ahead(speed: float) -> Scenario:
+    """An ego that comes up behind a car which stands in its lane, or drives slowly."""
+    if speed == 0.0:
+        npc = car(place("harbour_0_0", 70))
+    else:
+        npc = car(place("harbour_0_0", 40, speed=speed), place(ROAD, 100, speed=speed))
+    start, end = place("harbour_0_0", 10), place(ROAD, 115)
+    return scenario(ego(start, end, initial_speed=8.0), npc_vehicles=(npc,), seconds=30.0)
 
 
 def assert_stops_at_red(trace: Trace, *, before_line: float = 4.0) -> NDArray[np.bool_]:

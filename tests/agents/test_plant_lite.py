@@ -21,8 +21,8 @@ from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
 from drivora_service.testing.agent_contract import AgentContract
-from tests.agents.driving import assert_stops_at_red, red_light_ahead
-from tests.simulation.episodes import run
+from tests.agents.driving import assert_stops_at_red, car_ahead, red_light_ahead
+from tests.simulation.episodes import closest, run
 
 FloatArray = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def test_its_weights_are_those_that_its_page_speaks_of() -> None:
     assert len(file) < 400_000
     assert (
         hashlib.sha256(file).hexdigest()
-        == "5b6f8a1f6cfda1ee29efc79886679981608e3754c2a34f36bdc0a880962472d2"
+        == "64007759722a67cbd30db35488962364979a9d41137a77a6d1a38a6276c85e27"
     )
 
 
@@ -109,6 +109,14 @@ def test_it_takes_no_parameters() -> None:
 def test_it_stops_at_red_and_goes_on() -> None:
     trace = run(red_light_ahead(), made())
     assert_stops_at_red(trace, before_line=6.0)
+
+
+@pytest.mark.parametrize("speed", [0.0, 2.0, 5.0])
+def test_it_stays_behind_a_car_that_stands_or_is_slow(speed: float) -> None:
+    trace = run(car_ahead(speed), made())
+    assert not trace.contacts
+    gap = closest(trace, "ego", "npc")
+    assert gap < 25.0, "it never came near"
 
 
 class TestPlantLite(AgentContract):

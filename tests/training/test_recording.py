@@ -7,11 +7,25 @@ import pytest
 
 from drivora_service.agents.ad_mlp.view import AdMlpView
 from drivora_service.agents.idm.agent import IdmAgent
-from drivora_service.agents.interface import AccelerationControl, Control, Observation, PedalControl
+from drivora_service.agents.interface import (
+    AccelerationControl,
+    AgentContext,
+    Control,
+    Observation,
+    PedalControl,
+)
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.simulation.plan import plan_episode
 from drivora_service.training.courses import COURSES, plans
-from drivora_service.training.recording import Deviation, Jerks, Recorder, Samples, join, record
+from drivora_service.training.recording import (
+    Deviation,
+    Jerks,
+    Learner,
+    Recorder,
+    Samples,
+    join,
+    record,
+)
 from tests.simulation.episodes import Scripted, accelerating, ego, network, place, scenario
 
 START, END = place("harbour_0_0", 20), place("harbour_0_0", 150)
@@ -51,6 +65,30 @@ def test_nothing_is_learned_of_who_drives_in_between() -> None:
     # It brakes by 8 m/s², the expert never: who is braked so is not learned from.
     speed = 15.0 * shared.seen[:, 0]
     assert (shared.waypoints[shared.known[:, 0], 0, 0] > 0.5 * speed - 0.7).all()
+
+
+def test_the_learner_drives_in_between_and_its_own_log_is_not_the_runs() -> None:
+    class Still(Scripted):
+        def setup_env(self, context: AgentContext) -> None:
+            super().setup_env(context)
+            context.log.declare("mood")
+            self.log = context.log
+
+        def run_step(self, observation: Observation) -> Control:
+            self.log.row[0] = 1.0
+            return AccelerationControl(-8.0, 0.0)
+
+    class Briefly(Learner):
+        def begin(self, random: np.random.Generator) -> float:
+            assert 4.0 <= super().begin(random) <= 20.0
+            return 3.0
+
+    learner = Briefly(Still(lambda _: AccelerationControl(0.0, 0.0)))
+    alone, shared = recorded(IdmAgent(), None), recorded(IdmAgent(), learner)
+    assert len(shared.seen) < 0.8 * len(alone.seen)
+    # Where the learner has stopped, the expert shows how to go on.
+    moves = shared.waypoints[shared.known[:, 1] & (shared.seen[:, 0] < 0.05), 1, 0]
+    assert (moves > 0.3).any()
 
 
 def test_nothing_is_learned_of_what_led_to_a_collision() -> None:
