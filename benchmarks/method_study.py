@@ -5,13 +5,14 @@ with the same budget; a repetition differs in its seed alone. DoppelTest, which 
 egos, has scenes of its own. Results are appended to a file, one line a campaign, so that a study
 can be interrupted and gone on with.
 
-    python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl
-    python -m benchmarks.method_study show benchmarks/results/methods.jsonl
+    python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl.gz
+    python -m benchmarks.method_study show benchmarks/results/methods.jsonl.gz
 """
 
 from __future__ import annotations
 
 import argparse
+import gzip
 import json
 import multiprocessing
 import tempfile
@@ -20,7 +21,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TextIO
 
 from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.comparison import compare_campaigns, measure
@@ -231,29 +232,36 @@ def run(options: argparse.Namespace) -> None:
         worker.start()
     left, done, begun = len(workers), 0, time.perf_counter()
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    with options.out.open("a") as file:
-        while left:
-            line = results.get()
-            if line is None:
-                left -= 1
-                continue
-            done += 1
+    while left:
+        line = results.get()
+        if line is None:
+            left -= 1
+            continue
+        done += 1
+        # Opened anew for each line: whoever is killed leaves a file that can be read.
+        with _open(options.out, "at") as file:
             file.write(json.dumps(line) + "\n")
-            file.flush()
-            figures = line["figures"]
-            print(
-                f"{done}/{len(wanted)} {time.perf_counter() - begun:.0f} s  {figures['campaign']}: "
-                f"{figures['failing']} failing, {figures['at_fault']} at fault, "
-                f"{figures['kinds']} kinds, {line['wall_s']} s",
-                flush=True,
-            )
+        figures = line["figures"]
+        print(
+            f"{done}/{len(wanted)} {time.perf_counter() - begun:.0f} s  {figures['campaign']}: "
+            f"{figures['failing']} failing, {figures['at_fault']} at fault, "
+            f"{figures['kinds']} kinds, {line['wall_s']} s",
+            flush=True,
+        )
 
 
 def read(path: Path) -> Iterator[dict[str, Any]]:
     """Reads the lines of results."""
-    with path.open() as file:
+    with _open(path, "rt") as file:
         for line in file:
             yield json.loads(line)
+
+
+def _open(path: Path, mode: Literal["rt", "at"]) -> TextIO:
+    """Opens results, compressed where their name says so."""
+    if path.suffix == ".gz":
+        return gzip.open(path, mode)
+    return path.open(mode)
 
 
 def with_clusters(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
