@@ -1,4 +1,4 @@
-"""A valid document and the shipped networks."""
+"""A valid document, the shipped networks, and validation on them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from typing import Any
 
 import pytest
 
+from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.scenario.documents import parse_document
+from drivora_service.scenario.validation import ValidScenario, validate_document
+
+AGENTS = ("idm", "sumo-krauss")
 
 GOOD: dict[str, Any] = {
     "version": "1.0",
@@ -35,3 +40,25 @@ def good() -> dict[str, Any]:
 def networks(repository: Path) -> NetworkCatalogue:
     """The shipped networks."""
     return NetworkCatalogue(repository / "sumo_nets")
+
+
+@pytest.fixture
+def valid(networks: NetworkCatalogue) -> Any:
+    """Validates a document."""
+
+    def validate(content: dict[str, Any]) -> ValidScenario:
+        return validate_document(parse_document(content), networks, AGENTS)
+
+    return validate
+
+
+@pytest.fixture
+def refused(networks: NetworkCatalogue) -> Any:
+    """Gives the problems of a document."""
+
+    def problems(content: dict[str, Any]) -> tuple[Problem, ...]:
+        with pytest.raises(InvalidDocument) as caught:
+            validate_document(parse_document(content), networks, AGENTS)
+        return caught.value.problems
+
+    return problems
