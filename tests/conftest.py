@@ -22,12 +22,6 @@ hypothesis.settings.load_profile("drivora")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Puts the slow tests first: at the end, processes share what is short."""
-    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
-
-
 ROOT = Path(__file__).resolve().parents[1]
 
 

@@ -73,8 +73,9 @@ class ParameterDocument(BaseModel):
             raise _misfit(f"minimum and maximum are for numbers; found type {self.type}")
         if self.choices and self.type != "text":
             raise _misfit(f"choices are texts; found type {self.type}")
-        if None not in (self.minimum, self.maximum) and self.minimum > self.maximum:  # type: ignore[operator]  # neither is None
-            raise _misfit(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
+        low, high = self.minimum, self.maximum
+        if low is not None and high is not None and low > high:
+            raise _misfit(f"minimum {low:g} is above maximum {high:g}")
         return self
 
     @model_validator(mode="after")

@@ -21,7 +21,7 @@ _LASTS_S = (6.0, 20.0)
 _BEYOND = (25.0, 90.0)
 """Metres from there to a car that stands."""
 _STANDING_SHARE = 0.6
-"""Share of the runs with a car that stands; where there is none ahead of it, the first stands."""
+"""Share of the runs with a car that stands, where the way is long enough for it."""
 _LONGEST_S = 35.0
 """Seconds of a run: whoever has stopped behind a car that stands, stays."""
 _END_MARGIN = 12.0
