@@ -27,7 +27,6 @@ from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
@@ -95,7 +94,6 @@ def create_app(settings: Settings) -> FastAPI:
     context = ApiContext(
         database=database,
         catalogues=catalogues,
-        oracles=default_oracles(),
         tokens=tokens,
         limits=Limits(
             body_bytes=int(settings.max_body_mb * (1 << 20)),

@@ -8,6 +8,7 @@ The tree::
     ├── NetworkError           a road network cannot be read, imported or driven as asked
     │   └── NoRoute            no drivable way between two places
     ├── AgentError             an ADS raised, answered garbage, hung or died
+    ├── OracleError            an oracle of a package cannot be loaded, raised or answered garbage
     ├── SimulatorError         libsumo refused a call that should have worked
     ├── SearchError            a gene space or a tester cannot be used as asked
     ├── CampaignError          a campaign cannot be started, resumed or compared
@@ -85,6 +86,19 @@ class AgentError(DrivoraError):
     """
 
     def __init__(self, message: str, *, cause: str = "agent_raised", log: str = "") -> None:
+        self.cause, self.log = cause, log
+        super().__init__(message)
+
+
+class OracleError(DrivoraError):
+    """An oracle of an installed package cannot be loaded, raised or answered garbage.
+
+    Attributes:
+        cause: Short stable name: ``oracle_plugin``, ``oracle_raised``, ``oracle_invalid_verdict``.
+        log: The end of its traceback.
+    """
+
+    def __init__(self, message: str, *, cause: str, log: str = "") -> None:
         self.cause, self.log = cause, log
         super().__init__(message)
 

@@ -15,7 +15,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.reading import Catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.oracles.verdict import Oracle
+from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.store.database import Database
 
 PREFIX = "/api/v1"
@@ -54,7 +54,6 @@ class ApiContext:
 
     database: Database
     catalogues: Catalogues
-    oracles: tuple[Oracle, ...]
     tokens: TokenFile | None
     limits: Limits
     trace_path: Callable[[str], Path]
@@ -74,6 +73,11 @@ class ApiContext:
     def agents(self) -> AgentCatalogue:
         """ADSs by name."""
         return self.catalogues.agents
+
+    @property
+    def oracles(self) -> OracleCatalogue:
+        """Rules by name."""
+        return self.catalogues.oracles
 
 
 def context_of(request: Request) -> ApiContext:

@@ -244,6 +244,9 @@ ORACLES = catalogues.OracleList(
             name="off_road",
             description="The ego leaves the drivable area.",
             thresholds={"tolerance": 0.3},
+            package="",
+            installed=True,
+            reason="",
         ),
     )
 )

@@ -15,7 +15,6 @@ from drivora_service.campaigns.campaign import (
     FeedbackMode,
     TesterChoice,
 )
-from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument, EntityDocument, FreeData
@@ -38,17 +37,6 @@ def _number(unit: str, low: float, high: float) -> Any:
     )
 
 
-def _known_oracle(name: str) -> str:
-    known = [oracle.name for oracle in default_oracles()]
-    if name not in known:
-        raise PydanticCustomError(
-            "unknown_oracle",
-            "found oracle {name}; known: {known}",
-            {"name": repr(name), "known": ", ".join(known)},
-        )
-    return name
-
-
 def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
     for index, name in enumerate(names):
         if name in names[:index]:
@@ -59,9 +47,6 @@ def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 PluginName = Annotated[str, Field(strict=True, pattern=fields.NAME_PATTERN)]
-OracleName = Annotated[
-    str, Field(strict=True, pattern=fields.NAME_PATTERN), AfterValidator(_known_oracle)
-]
 Actors = Annotated[int, _count(0, MAX_ACTORS)]
 Egos = Annotated[int, _count(1, fields.MAX_EGOS)]
 Slices = Annotated[int, _count(1, 50)]
@@ -162,7 +147,7 @@ class CampaignDocument(EntityDocument):
     )
     budget: BudgetDocument = Field(description="How much it may cost.")
     oracles: Annotated[
-        tuple[OracleName, ...], Field(min_length=1), AfterValidator(_no_repetition)
+        tuple[PluginName, ...], Field(min_length=1), AfterValidator(_no_repetition)
     ] = Field(DEFAULT_ORACLES, description="Rules whose violations are failures.")
     seed: fields.Seed = Field(0, description="Seeds every random draw of the search.")
     workers: Workers | None = Field(

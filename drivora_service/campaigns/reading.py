@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -13,13 +13,20 @@ from pydantic import BaseModel, ValidationError
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.campaign import Campaign
 from drivora_service.campaigns.documents import CampaignDocument, TesterDocument, to_campaign
-from drivora_service.errors import InvalidDocument, Problem, SearchError, UnknownName
+from drivora_service.errors import (
+    InvalidDocument,
+    OracleError,
+    Problem,
+    SearchError,
+    UnknownName,
+)
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.plain_data import plain_data
+from drivora_service.scenario.plain_data import MAX_PROBLEMS, plain_data
 from drivora_service.scenario.problems import in_document_order, structural_problems
 from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.search.catalogue import (
@@ -38,17 +45,21 @@ class Catalogues:
     networks: NetworkCatalogue
     agents: AgentCatalogue
     testers: TesterCatalogue
+    oracles: OracleCatalogue
 
 
 def installed_catalogues(networks: NetworkCatalogue, agents: Path | None = None) -> Catalogues:
-    """Gives what campaigns may name here: these networks, and all agents and testers there are.
+    """Gives what campaigns may name here: these networks, and whatever else is installed.
 
     Args:
         networks: The road networks.
         agents: Folder of installed agents and of the operator's manifests.
     """
     return Catalogues(
-        networks=networks, agents=AgentCatalogue(folder=agents), testers=TesterCatalogue()
+        networks=networks,
+        agents=AgentCatalogue(folder=agents),
+        testers=TesterCatalogue(),
+        oracles=OracleCatalogue(),
     )
 
 
@@ -101,6 +112,10 @@ def read_campaign(
         problems += _check_tester(tester, catalogues.testers)
     if agent is not None:
         problems += _check_agent(agent, catalogues.agents)
+    names = content.get("oracles")
+    if isinstance(names, list | tuple):
+        wrong = {problem.pointer for problem in problems}
+        problems += _check_oracles(names, catalogues.oracles, wrong)
     if problems or document is None or scenario is None:
         raise InvalidDocument(in_document_order(problems, content))
     campaign = to_campaign(document)
@@ -188,6 +203,22 @@ def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Pr
         return
     for problem in catalogue.parameter_problems(agent.name, agent.parameters):
         yield replace(problem, pointer=f"/agent/parameters{problem.pointer}")
+
+
+def _check_oracles(
+    names: Sequence[object], catalogue: OracleCatalogue, wrong: Collection[str]
+) -> Iterator[Problem]:
+    """Checks names in a document, but for those that are known to be wrong."""
+    for place, name in enumerate(names[:MAX_PROBLEMS]):
+        pointer = f"/oracles/{place}"
+        if pointer in wrong or not isinstance(name, str):
+            continue
+        try:
+            catalogue.oracle(name)
+        except UnknownName as error:
+            yield _unknown(pointer, error, "")
+        except OracleError as error:
+            yield Problem(pointer=pointer, code="plugin", message=str(error))
 
 
 def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:

@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from drivora_service.cli.output import number, print_table
-from drivora_service.runs.encoding import report_to_json, verdict_to_json
+from drivora_service.oracles.verdict_json import verdict_to_json
+from drivora_service.runs.encoding import report_to_json
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     EvaluationRecord,

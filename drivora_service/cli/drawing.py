@@ -10,7 +10,8 @@ from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.output import note
 from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
-from drivora_service.oracles.catalogue import default_oracles, judge_all
+from drivora_service.oracles.catalogue import judge_all
+from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.plotting.run_picture import draw_run
 from drivora_service.plotting.strip import draw_strip
 from drivora_service.settings import Settings
@@ -38,18 +39,20 @@ def draw_trace(
     Raises:
         StoreError: The file is no trace.
         UnknownName: Its network is not in the catalogue, or there is no such rule.
+        OracleError: A package's oracle that is to judge cannot.
     """
-    oracles = default_oracles()
-    known = tuple(oracle.name for oracle in oracles)
+    catalogue = OracleCatalogue()
+    known = catalogue.names()
     for name in rules:
         if name not in known:
             raise UnknownName("rule", name, known)
+    # Whoever names rules is not kept from a picture by others that are broken.
+    oracles = [catalogue.oracle(name) for name in known if not rules or name in rules]
     trace = read_trace(path)
     network = network_catalogue(settings).get(trace.network)
     if network.sha256 != trace.network_sha256:
         note(f"network {network.name} has changed since this run; the picture may not fit")
-    judged = judge_all(trace, network, oracles)
-    verdicts = [verdict for verdict in judged if not rules or verdict.oracle in rules]
+    verdicts = judge_all(trace, network, oracles)
     target.parent.mkdir(parents=True, exist_ok=True)
     if moments is None:
         draw_run(trace, network, verdicts, target, color_by=color_by)

@@ -2,7 +2,7 @@
 
 A worker is then ready in a fraction of the seconds that this takes, which counts where code under
 test keeps crashing, and on machines with many slots. Nothing of a user's run lies in here, and no
-agent but our own.
+agent and no oracle but our own.
 """
 
 from __future__ import annotations
@@ -23,4 +23,4 @@ with contextlib.suppress(Exception):
     from drivora_service.runs.warm_up import warm_up
     from drivora_service.runs.worker_setup import WorkerSetup
 
-    warm_up(WorkerSetup(shipped_networks=shipped_networks()))
+    warm_up(WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False))

@@ -2,8 +2,8 @@
 
 ::
 
-    queued ──start──▶ running ──end──▶ finished, invalid, agent_failed, timed_out   (final)
-      ▲                 │
+    queued ──start──▶ running ──end──▶ finished, invalid, agent_failed, oracle_failed, timed_out
+      ▲                 │              (final)
       │                 ├── simulator_crashed: repeated once; the second crash is final and
       │                 │   quarantines the scenario
       ├─── again ◀──────┤

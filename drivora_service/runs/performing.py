@@ -18,6 +18,7 @@ from drivora_service.errors import (
     AgentError,
     InvalidDocument,
     NetworkError,
+    OracleError,
     SearchError,
     UnknownName,
 )
@@ -29,6 +30,7 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.catalogue import default_oracles, judge_all
+from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -57,6 +59,11 @@ def _feedbacks() -> FeedbackCatalogue:
 
 
 @lru_cache(maxsize=1)
+def _oracles() -> OracleCatalogue:
+    return OracleCatalogue()
+
+
+@lru_cache(maxsize=1)
 def _versions() -> dict[str, str]:
     return {name: version(name) for name in ("drivora", "libsumo", "numpy", "numba")}
 
@@ -78,7 +85,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         board: Where to show progress.
 
     Returns:
-        The report: finished, agent failed, or invalid.
+        The report: finished, agent failed, oracle failed, or invalid.
 
     Raises:
         SimulatorError: If SUMO itself fails; the slot records it as a crash.
@@ -93,6 +100,8 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
         return _failed(spec, RunStatus.AGENT_FAILED, failure, clock)
+    except OracleError as error:
+        return _failed(spec, RunStatus.ORACLE_FAILED, _oracle_failure(error), clock)
     except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
         return _failed(spec, RunStatus.INVALID, failure, clock)
@@ -106,6 +115,8 @@ def _perform(
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     clock: _Clock,
 ) -> RunReport:
+    # An oracle that cannot be loaded is known before a simulation is spent on it.
+    installed = _oracles().installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
     network = _networks(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
@@ -132,7 +143,7 @@ def _perform(
     steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
     verdicts = judge_all(trace, network, default_oracles(), view=view)
-    return RunReport(
+    report = RunReport(
         run_id=spec.run_id,
         status=RunStatus.FINISHED,
         verdicts=verdicts,
@@ -147,6 +158,16 @@ def _perform(
         agent_cost_us={ego: 1e6 * spent / steps for ego, spent in episode.agent_seconds().items()},
         versions=_versions(),
     )
+    try:
+        # Last, so that code which is not ours cannot change what the others have seen.
+        own = judge_all(trace, network, installed, view=view)
+    except OracleError as error:
+        return _not_judged(report, error)
+    return replace(
+        report,
+        verdicts=(*verdicts, *own),
+        wall_time_s=time.perf_counter() - clock.started,
+    )
 
 
 def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
@@ -158,6 +179,23 @@ def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
         )
         scenario = replace(scenario, ego_vehicles=egos)
     return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
+
+
+def _not_judged(report: RunReport, error: OracleError) -> RunReport:
+    """Takes the judgement out of a report; what was recorded stays, to be looked into."""
+    return replace(
+        report,
+        status=RunStatus.ORACLE_FAILED,
+        verdicts=(),
+        metrics={},
+        scores={},
+        measurement=None,
+        failure=_oracle_failure(error),
+    )
+
+
+def _oracle_failure(error: OracleError) -> RunFailure:
+    return RunFailure(cause=error.cause, message=str(error), log=error.log)
 
 
 def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, clock: _Clock) -> RunReport:

@@ -19,6 +19,7 @@ class RunStatus(StrEnum):
     FINISHED = "finished"
     INVALID = "invalid"
     AGENT_FAILED = "agent_failed"
+    ORACLE_FAILED = "oracle_failed"
     SIMULATOR_CRASHED = "simulator_crashed"
     TIMED_OUT = "timed_out"
     INFRASTRUCTURE_FAILED = "infrastructure_failed"
@@ -57,8 +58,8 @@ class RunFailure:
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_hung``, ``agent_invalid_control``,
-            ``signal``, ``memory_limit``, ``wall_time_limit``, ``worker_lost``, ``invalid_document``
-            and their like.
+            ``oracle_raised``, ``signal``, ``memory_limit``, ``wall_time_limit``, ``worker_lost``,
+            ``invalid_document`` and their like.
         message: For people.
         log: The last lines of the worker's or agent's log.
     """
@@ -77,7 +78,7 @@ class RunReport:
         metrics: Measured values by name; ``None`` is "not measurable".
         scores: Feedback objectives by name, to be minimised; ``None`` is "not measurable".
         measurement: Of the feedback that the spec asked for; ``None`` unless finished.
-        trace_sha256: Hash of the trace, hexadecimal; "" unless finished.
+        trace_sha256: Hash of the trace, hexadecimal; "" unless the run was simulated to its end.
         steps: Rows of the trace.
         sim_time_s: Simulated seconds.
         wall_time_s: Seconds from the start of the run to its report, in the worker.

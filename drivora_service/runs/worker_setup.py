@@ -17,9 +17,11 @@ class WorkerSetup:
         agents: Folder of installed agents and of the operator's manifests.
         agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; an
             ADS in a process of its own must be found to hang before.
+        installed_oracles: Whether oracles of installed packages judge as well.
     """
 
     shipped_networks: Path
     imported_networks: Path | None = None
     agents: Path | None = None
     agent_deadline_s: float = 10.0
+    installed_oracles: bool = True

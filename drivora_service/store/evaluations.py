@@ -13,12 +13,8 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.runs.encoding import (
-    report_from_json,
-    report_to_json,
-    verdict_from_json,
-    verdict_to_json,
-)
+from drivora_service.oracles.verdict_json import verdict_from_json, verdict_to_json
+from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow

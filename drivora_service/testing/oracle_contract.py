@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Light, TerminalEvent, Trace
+from drivora_service.observations.trace import Light, Role, TerminalEvent, Trace
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
 from drivora_service.testing.networks import EAST, straight_road
 from drivora_service.testing.traces import (
@@ -116,7 +116,15 @@ class OracleContract(ABC):
 
 def example_runs() -> tuple[Trace, ...]:
     """Gives runs on ``straight_road`` that oracles must be able to judge."""
-    return (_orderly(), _wild(), _cut_short(), _single_row(), _off_everything(), _never_started())
+    return (
+        _orderly(),
+        _wild(),
+        _past_a_walker(),
+        _cut_short(),
+        _single_row(),
+        _off_everything(),
+        _never_started(),
+    )
 
 
 def _orderly() -> Trace:
@@ -160,6 +168,33 @@ def _wild() -> Trace:
     )
     trace = make_trace([backwards, standing])
     return with_contact(trace, step=1300, ego=0, other=1)
+
+
+def _past_a_walker() -> Trace:
+    """An ego that brushes past somebody who crosses, and past an obstacle at the kerb."""
+    ego = SyntheticEgo(
+        motion=Motion.steady(0.0, 0.0, steps=200, speed=8.0),
+        lane=EAST,
+        lane_lateral=0.0,
+        lane_heading=0.0,
+        speed_limit=10.0,
+    )
+    walker = SyntheticActor(
+        motion=Motion.steady(40.0, -5.5, steps=200, speed=1.0, yaw=0.5 * np.pi),
+        id="walker",
+        role=Role.NPC_WALKER,
+        length=0.6,
+        width=0.6,
+        present=np.arange(200) >= 20,
+    )
+    obstacle = SyntheticActor(
+        motion=Motion.steady(60.0, -2.5, steps=200),
+        id="obstacle",
+        role=Role.NPC_OBSTACLE,
+        length=1.0,
+        width=1.0,
+    )
+    return make_trace([ego], [walker, obstacle])
 
 
 def _cut_short() -> Trace:

@@ -24,7 +24,6 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 
@@ -96,7 +95,6 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
         context = ApiContext(
             database=database,
             catalogues=catalogues,
-            oracles=default_oracles(),
             tokens=tokens,
             limits=Limits(body_bytes=BODY_LIMIT, batch_items=50, queued_runs=queued_runs),
             trace_path=TraceFolder(tmp_path / "traces").path,

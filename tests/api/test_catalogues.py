@@ -1,10 +1,13 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import httpx
+import pytest
 
-from tests.api.conftest import Offline
+from tests.api.conftest import MakeOffline, Offline
+from tests.oracles.installing import install_oracles
 
 
 def test_networks_and_their_geometry(offline: Offline) -> None:
@@ -28,6 +31,19 @@ def test_agents_and_oracles(offline: Offline) -> None:
     assert {"collision", "red_light", "off_road"} <= set(oracles)
     assert all(oracle["description"] for oracle in oracles.values())
     assert oracles["speeding"]["thresholds"]
+    assert all(oracle["installed"] and not oracle["package"] for oracle in oracles.values())
+
+
+def test_oracles_of_packages_are_listed_with_what_is_wrong_with_them(
+    make_offline: MakeOffline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install_oracles(tmp_path / "site", monkeypatch, "top_speed", "unmade")
+    listed = make_offline().client.get("/api/v1/oracles").json()["items"]
+    good, bad = listed[-2:]
+    assert (good["name"], good["package"]) == ("top_speed", "foreign-oracles")
+    assert (good["thresholds"], good["installed"]) == ({"limit": 5.0}, True)
+    assert (bad["name"], bad["installed"]) == ("unmade", False)
+    assert "no such file" in bad["reason"]
 
 
 def test_health_and_readiness(offline: Offline, http: httpx.Client) -> None:

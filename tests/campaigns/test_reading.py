@@ -3,7 +3,8 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,7 +15,9 @@ from drivora_service.campaigns.documents import SpaceDocument, campaign_text
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import Catalogues, read_campaign
 from drivora_service.errors import InvalidDocument
+from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.search.space.options import SpaceOptions
+from tests.oracles.installing import install_oracles
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -71,8 +74,10 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     "unknown oracle": (
         put("oracles", value=["collision", "crash"]),
         "/oracles/1",
-        "'crash'; known: collision",
+        "'crash', which there is not; known: collision",
     ),
+    "misspelt oracle": (put("oracles", value=["red_lihgt"]), "/oracles/0", "mean 'red_light'"),
+    "oracle as number": (put("oracles", value=["collision", 3]), "/oracles/1", "text"),
     "no oracle": (put("oracles", value=[]), "/oracles", "at least 1"),
     "oracle twice": (put("oracles", value=["blocked", "blocked"]), "/oracles", "more than once"),
     "no simulations": (put("budget", "simulations", value=0), "/budget/simulations", "found 0"),
@@ -130,6 +135,25 @@ def test_all_mistakes_are_named_at_once_and_in_order(
         "/oracles",
         "/seed",
     ]
+
+
+def test_a_campaign_may_name_an_installed_oracle_that_can_judge(
+    content: dict[str, Any],
+    catalogues: Catalogues,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    install_oracles(tmp_path, monkeypatch, "top_speed", "unmade")
+    here = replace(catalogues, oracles=OracleCatalogue())
+    content["oracles"] = ["collision", "top_speed"]
+    assert read_campaign(content, here).campaign.oracles == ("collision", "top_speed")
+    content["oracles"] = ["top_sped", "unmade"]
+    with pytest.raises(InvalidDocument) as caught:
+        read_campaign(content, here)
+    unknown, broken = caught.value.problems
+    assert (unknown.pointer, broken.pointer) == ("/oracles/0", "/oracles/1")
+    assert "did you mean 'top_speed'? Known: collision" in unknown.message
+    assert "of the package 'foreign-oracles' raised RuntimeError" in broken.message
 
 
 @pytest.mark.parametrize(

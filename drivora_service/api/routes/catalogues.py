@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-
 from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.agents.catalogue import AgentCatalogue
@@ -23,7 +21,7 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.oracles import verdict
+from drivora_service.oracles.plugins import OracleEntry
 from drivora_service.parameters import describe_parameters
 from drivora_service.search.catalogue import TesterCatalogue
 
@@ -48,9 +46,8 @@ def list_testers(request: Request, context: Context) -> Response:
 @router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
 def list_oracles(request: Request, context: Context) -> Response:
     """Lists the rules that every run is judged by, with their thresholds."""
-    return json_answer(
-        request, OracleList(items=tuple(_oracle(oracle) for oracle in context.oracles))
-    )
+    items = tuple(_oracle(context.oracles.entry(name)) for name in context.oracles.names())
+    return json_answer(request, OracleList(items=items))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
@@ -113,9 +110,12 @@ def _tester(catalogue: TesterCatalogue, name: str) -> Tester:
     )
 
 
-def _oracle(oracle: verdict.Oracle) -> Oracle:
-    summary = (inspect.getdoc(type(oracle)) or "").partition("\n\n")[0].replace("\n", " ")
-    thresholds = {
-        name: getattr(oracle, name) for name in getattr(oracle, "__dataclass_fields__", {})
-    }
-    return Oracle(name=oracle.name, description=summary, thresholds=thresholds)
+def _oracle(entry: OracleEntry) -> Oracle:
+    return Oracle(
+        name=entry.name,
+        description=entry.description,
+        thresholds=dict(entry.thresholds),
+        package=entry.package,
+        installed=not entry.reason,
+        reason=entry.reason,
+    )

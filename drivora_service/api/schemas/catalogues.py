@@ -128,6 +128,9 @@ class Oracle(Schema):
     name: str
     description: str
     thresholds: dict[str, Any] = Field(description="Its parameters; SI units.")
+    package: str = Field(description="That brings it; empty for a built-in rule.")
+    installed: bool
+    reason: str = Field(description="Why it cannot judge, nor any run be judged; empty if it can.")
 
 
 class OracleList(Schema):

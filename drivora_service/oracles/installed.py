@@ -1,0 +1,111 @@
+"""An oracle that a package brings, which is not trusted to answer as it should."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from drivora_service.errors import OracleError
+from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
+from drivora_service.oracles.verdict_json import plain_verdict
+
+if TYPE_CHECKING:
+    from drivora_service.observations.run_view import RunView
+
+_LOG = 4000
+"""Characters of a traceback that are kept."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InstalledOracle:
+    """Judges as the oracle of a package does, and names it where that goes wrong.
+
+    Attributes:
+        name: Of the oracle.
+        package: That brings it.
+        oracle: What judges.
+    """
+
+    name: str
+    package: str
+    oracle: Oracle
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Judges a run.
+
+        Returns:
+            Verdicts that hold nothing but Python's own types.
+
+        Raises:
+            OracleError: The oracle raised, or its answer breaks the rules for oracles.
+        """
+        try:
+            answer: Any = self.oracle.judge(run)
+        except (Exception, SystemExit) as error:
+            raise OracleError(
+                f"oracle {self.name!r} of the package {self.package!r} raised "
+                f"{type(error).__name__}: {error}",
+                cause="oracle_raised",
+                log=traceback_of(error),
+            ) from error
+        verdicts = self._plain(answer)
+        problem = next(self._problems(verdicts, run), "")
+        if problem:
+            raise self._refusal(problem)
+        return verdicts
+
+    def _plain(self, answer: Any) -> tuple[Verdict, ...]:
+        """Gives an answer as it comes back from storage, if it is one."""
+        if not isinstance(answer, tuple):
+            raise self._refusal(f"a {type(answer).__name__}; allowed: a tuple of Verdict")
+        for part in answer:
+            if not isinstance(part, Verdict):
+                raise self._refusal(f"with a {type(part).__name__}; allowed: a tuple of Verdict")
+        try:
+            return tuple(plain_verdict(verdict) for verdict in answer)
+        except ValueError as error:
+            raise self._refusal(f"a verdict that cannot be stored: {error}") from error
+
+    def _problems(self, verdicts: tuple[Verdict, ...], run: RunView) -> Iterator[str]:
+        """Finds what is wrong with verdicts, as ends of a sentence that begins with "answered"."""
+        outcomes: dict[str, list[Outcome]] = {ego.id: [] for ego in run.egos}
+        for verdict in verdicts:
+            if verdict.oracle != self.name:
+                yield f"in the name of {verdict.oracle!r}; allowed: its own"
+            if verdict.ego not in outcomes:
+                yield f"for ego {verdict.ego!r}; there are: {', '.join(outcomes)}"
+                continue
+            if not verdict.message:
+                yield "without a message"
+            yield from _violation_problems(verdict, run.trace.step_count)
+            outcomes[verdict.ego].append(verdict.outcome)
+        for ego, own in outcomes.items():
+            if not own:
+                yield f"nothing for ego {ego!r}; each gets a verdict"
+            elif len(own) > 1 and own.count(Outcome.VIOLATED) < len(own):
+                yield (
+                    f"{len(own)} verdicts for ego {ego!r}; allowed: several if all are violations, "
+                    "else one"
+                )
+
+    def _refusal(self, problem: str) -> OracleError:
+        return OracleError(
+            f"oracle {self.name!r} of the package {self.package!r} answered {problem}",
+            cause="oracle_invalid_verdict",
+        )
+
+
+def traceback_of(error: BaseException) -> str:
+    """Gives the end of an error's traceback."""
+    return "".join(traceback.format_exception(error))[-_LOG:]
+
+
+def _violation_problems(verdict: Verdict, steps: int) -> Iterator[str]:
+    if verdict.outcome is not Outcome.VIOLATED:
+        return
+    if verdict.time is None or verdict.step is None or verdict.location is None:
+        yield "a violation without time, step or location"
+    elif not 0 <= verdict.step < steps:
+        yield f"a violation at step {verdict.step}; the run has steps 0 to {steps - 1}"
