@@ -12,6 +12,7 @@ OWN_ENDS = (
     RunStatus.FINISHED,
     RunStatus.INVALID,
     RunStatus.AGENT_FAILED,
+    RunStatus.ORACLE_FAILED,
     RunStatus.TIMED_OUT,
     RunStatus.CANCELLED,
 )
