@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import gzip
+import itertools
 import json
 import multiprocessing
 import tempfile
@@ -26,7 +27,7 @@ from typing import Any, Literal, TextIO
 from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.comparison import compare_campaigns, measure
 from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
+from drivora_service.campaigns.figures import CampaignFigures, Subject, cost_s, figures_of
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
@@ -179,8 +180,11 @@ def run_campaign(
         "simulations": simulations,
         "wall_s": round(wall, 2),
         "figures": asdict(figures),
+        "costs_s": [round(cost_s(record), 4) for record in journal.evaluations()],
         "failures": [
             {
+                "evaluation": failure.number,
+                "key": failure.key,
                 "oracle": failure.verdict.oracle,
                 "at_fault": failure.verdict.at_fault,
                 "time": failure.verdict.time,
@@ -295,6 +299,36 @@ def with_clusters(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
     ]
 
 
+def at_equal_time(lines: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Leaves out what campaigns evaluated after the seconds that the shortest of them took.
+
+    Seconds are those of one worker, the method's own included. Campaigns whose evaluations were
+    not timed one by one are left out.
+    """
+    timed = [line for line in lines if "costs_s" in line]
+    limit = min((sum(line["costs_s"]) for line in timed), default=0.0)
+    return [_until(line, limit) for line in timed]
+
+
+def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
+    ends = itertools.accumulate(line["costs_s"])
+    # Sums in another order may differ in the last digit.
+    count = sum(end <= limit + 1e-6 for end in ends)
+    failures = [found for found in line["failures"] if found["evaluation"] < count]
+    figures = {
+        **line["figures"],
+        "simulations": count,
+        "failing": len({found["evaluation"] for found in failures}),
+        "at_fault": len({found["evaluation"] for found in failures if found["at_fault"]}),
+        "kinds": len({found["key"] for found in failures}),
+        "rules": len(
+            {(found["oracle"], found["evidence"].get("counterpart_role")) for found in failures}
+        ),
+        "time_limit_s": limit,
+    }
+    return {**line, "figures": figures, "failures": failures}
+
+
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
     lines = list(read(options.results))
@@ -302,6 +336,8 @@ def show(options: argparse.Namespace) -> None:
         figures: list[CampaignFigures] = []
         for scene in SCENES:
             here = [line for line in lines if line["figures"]["scenario"] == scene.name]
+            if options.equal_time:
+                here = at_equal_time(here)
             if here and scene.egos == egos:
                 figures += with_clusters(here)
         if len({f.group for f in figures}) < 2:
@@ -339,6 +375,7 @@ def main() -> None:
         nargs="+",
         default=["at_fault", "clusters", "kinds", "rules", "first_failure"],
     )
+    showing.add_argument("--equal-time", action="store_true", help="not at equal simulations")
     showing.set_defaults(do=show)
     options = parser.parse_args()
     options.do(options)

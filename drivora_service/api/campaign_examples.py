@@ -201,6 +201,7 @@ _FIGURES = comparisons.Figures(
     scenario="tee-town",
     seed=1,
     simulations=200,
+    budget=200,
     invalid_share=0.01,
     failed_share=0.0,
     failing=11,

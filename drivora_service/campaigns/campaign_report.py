@@ -17,7 +17,12 @@ from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
 from drivora_service.campaigns.reading import Catalogues
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
-from drivora_service.store.campaign_records import CampaignRecord, Confirmation, FailureRecord
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    CampaignState,
+    Confirmation,
+    FailureRecord,
+)
 from drivora_service.store.database import Database
 
 
@@ -113,10 +118,17 @@ def _figures(
     clusters = {
         (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
     }
+    are_grouped = record.state is CampaignState.FINISHED
     subject = Subject(
         campaign=record.id, group=record.tester, scenario=record.town, seed=document.seed
     )
-    figures = figures_of(subject, records, ground.space, clusters=len(clusters) or None)
+    figures = figures_of(
+        subject,
+        records,
+        ground.space,
+        clusters=len(clusters) if are_grouped else None,
+        budget=record.budget,
+    )
     if not figures.simulations:
         return figures
     covered = network_coverage(database, record.id, ground.network)

@@ -215,6 +215,7 @@ def _figures(
                 until=records[-1].number if records else -1,
             ),
             time_limit_s=limit,
+            budget=campaign.record.budget,
         )
         for campaign, records, groups in zip(campaigns, counted, clusters, strict=True)
     ]

@@ -32,15 +32,17 @@ class Measure:
 
 
 def _until_first(figures: CampaignFigures) -> float | None:
-    """Gives the simulations up to the first failure; one more than all where there was none.
+    """Gives the simulations up to the first failure; one more than allowed where there was none.
 
-    At equal time campaigns have made different numbers of them, so that one that made few would
-    seem to be early: then it is not known.
+    A tester may have ended before its budget: with one more than it made, who gave up soonest would
+    seem to have found soonest. At equal time campaigns have made different numbers of simulations
+    as well, and none was allowed: then it is not known.
     """
     if figures.time_limit_s is not None:
         return None
-    found = figures.first_failure
-    return float(figures.simulations + 1 if found is None else found)
+    if figures.first_failure is not None:
+        return float(figures.first_failure)
+    return float(max(figures.simulations, figures.budget or 0) + 1)
 
 
 def _seconds_until_first(figures: CampaignFigures) -> float | None:

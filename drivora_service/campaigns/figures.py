@@ -31,7 +31,8 @@ class CampaignFigures:
         failing: Simulations with at least one failure.
         at_fault: Simulations in which an ego is known to be responsible for one.
         kinds: Different failures by key (``campaigns.failures``).
-        rules: Different rules broken, collisions with vehicles, walkers and obstacles apart.
+        rules: Different rules broken, collisions apart by what the other was: an ego, an NPC
+            vehicle, background traffic, a walker or an obstacle.
         clusters: Groups of similar failures; ``None`` if they were not grouped.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
         found: For each different failure, simulations up to it, ascending.
@@ -44,6 +45,7 @@ class CampaignFigures:
             ``None``: none found.
         time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
             ``None``: none were.
+        budget: Simulations that it could make; ``None``: those that it made.
     """
 
     campaign: str
@@ -66,6 +68,7 @@ class CampaignFigures:
     network_coverage: float | None = None
     first_failure_s: float | None = None
     time_limit_s: float | None = None
+    budget: int | None = None
 
     @property
     def own_share(self) -> float:
@@ -91,6 +94,7 @@ def figures_of(
     clusters: int | None = None,
     network_coverage: float | None = None,
     time_limit_s: float | None = None,
+    budget: int | None = None,
 ) -> CampaignFigures:
     """Counts what a campaign came to.
 
@@ -102,6 +106,7 @@ def figures_of(
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
             ``None``: all count.
+        budget: Simulations that it could make.
     """
     if time_limit_s is not None:
         records = within_time(records, time_limit_s)
@@ -123,7 +128,8 @@ def figures_of(
             first, first_s = count, elapsed_s
         for key, verdict in zip(record.failure_keys, record.violations, strict=True):
             found.setdefault(key, count)
-            rules.add((verdict.oracle, _kind_of(verdict.counterpart)))
+            # By its part: an actor of the seed scenario may be called anything.
+            rules.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
     failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
     values = np.array([r.proposal.values for r in simulated]).reshape(len(simulated), len(space))
     return CampaignFigures(
@@ -147,6 +153,7 @@ def figures_of(
         network_coverage=network_coverage,
         first_failure_s=first_s,
         time_limit_s=time_limit_s,
+        budget=budget,
     )
 
 
@@ -201,8 +208,3 @@ def pairwise_coverage(values: FloatArray, space: GeneSpace) -> float:
 
 def _share(part: int, whole: int) -> float:
     return part / whole if whole else 0.0
-
-
-def _kind_of(counterpart: str) -> str:
-    """Gives the kind of actor that an id of the gene space or the background names."""
-    return counterpart.partition("_")[0].partition(":")[0]

@@ -27,14 +27,18 @@ class GeneSpaces:
             catalogues: Where the names in a campaign are looked up.
         """
         self._catalogues = catalogues
-        self._known: OrderedDict[str, GeneSpace | None] = OrderedDict()
+        self._known: OrderedDict[str, GeneSpace] = OrderedDict()
         self._lock = threading.Lock()
 
     def of(self, record: CampaignRecord) -> GeneSpace | None:
         """Gives the genes of a campaign; ``None`` if what it was made on is not there any more."""
         with self._lock:
             if record.id not in self._known:
-                self._known[record.id] = self._build(record)
+                built = self._build(record)
+                if built is None:
+                    # What is missing may come back, such as a road network.
+                    return None
+                self._known[record.id] = built
                 if len(self._known) > _MOST:
                     self._known.popitem(last=False)
             self._known.move_to_end(record.id)

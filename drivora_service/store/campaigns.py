@@ -28,6 +28,9 @@ from drivora_service.store.tables import BatchRow
 
 _TO_RUN = (CampaignState.QUEUED, CampaignState.RUNNING)
 
+_MOST_NAMED = 5
+"""Campaigns that a refusal names, the newest first."""
+
 
 class CampaignRepository:
     """Reads and writes campaigns; their evaluations have a repository of their own."""
@@ -202,7 +205,7 @@ class CampaignRepository:
             select(CampaignRow.request).where(CampaignRow.id == campaign_id)
         )
         if found is None:
-            raise UnknownName("campaign", campaign_id, ())
+            raise _unknown(self._session, campaign_id)
         return CampaignRequest(found)
 
     def _end_runs(self, row: CampaignRow) -> None:
@@ -223,8 +226,18 @@ def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
     """
     row = session.scalar(select(CampaignRow).where(CampaignRow.id == campaign_id))
     if row is None:
-        raise UnknownName("campaign", campaign_id, ())
+        raise _unknown(session, campaign_id)
     return row
+
+
+def _unknown(session: Session, wanted: str) -> UnknownName:
+    """Gives the refusal of what is no campaign's id, with the ids that may have been meant."""
+    ids = select(CampaignRow.id).order_by(CampaignRow.seq.desc()).limit(_MOST_NAMED + 1)
+    found = session.scalars(ids.where(CampaignRow.name == wanted)).all()
+    hint = "That is a name, and here an id is needed" if found else ""
+    found = found or session.scalars(ids).all()
+    more = ("…",) if len(found) > _MOST_NAMED else ()
+    return UnknownName("campaign", wanted, (*found[:_MOST_NAMED], *more), hint)
 
 
 def _refuse_if_over(row: CampaignRow) -> None:

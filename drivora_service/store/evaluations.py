@@ -162,6 +162,7 @@ class EvaluationRepository:
             .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number == number)
         )
         if body is None:
+            evaluation_row(self._session, campaign, number)
             raise UnknownName(
                 "scenario of evaluation", str(number), (), hint="invalid candidates have none"
             )

@@ -7,7 +7,6 @@ folder of agents.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -55,10 +54,10 @@ from drivora_service.agents.remote.views import (
     RouteView,
     VehicleView,
 )
-from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.observations.trace import Light, TerminalEvent
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.testing.agent_contract import AgentContract
+from tests.agents.installed_agents import fresh_agent, installed_agents
 from tests.agents.smarts_scenario import smarts_scenario
 from tests.simulation.episodes import ego, place, run, scenario, standing, start
 
@@ -381,15 +380,8 @@ def test_their_manifests_say_that_no_licence_is_stated() -> None:
 
 @pytest.fixture(scope="module")
 def installed() -> Iterator[AgentCatalogue]:
-    folder = os.environ.get("DRIVORA_TEST_AGENTS", "")
-    catalogue = AgentCatalogue(folder=Path(folder) if folder else None)
-    if not all(catalogue.entry(name).installed for name in NAMES):
-        pytest.skip(
-            "the SMARTS policies are not installed: `drivora agents install smarts-iamp`, and "
-            "DRIVORA_TEST_AGENTS names the folder of agents"
-        )
-    yield catalogue
-    catalogue.close()
+    with installed_agents(*NAMES) as catalogue:
+        yield catalogue
 
 
 @pytest.mark.slow
@@ -401,9 +393,8 @@ def test_they_answer_as_they_do_to_observations_of_smarts(
 
     stored = np.load(DATA)
     wanted: FloatArray = stored[name.removeprefix("smarts-")]
-    installed.begin_run()
-    agent = installed.create(name, {})
-    start(smarts_scenario(seconds=14.0), agent)  # type: ignore[arg-type] # no SumoDriver
+    agent = fresh_agent(installed, name)
+    start(smarts_scenario(seconds=14.0), agent)
     for k, pose in enumerate(wanted):
         count = int(stored["count"][k])
         numbers = dict(zip(COLUMNS, stored["numbers"][k].tolist(), strict=True))
@@ -416,7 +407,7 @@ def test_they_answer_as_they_do_to_observations_of_smarts(
             object_sizes=stored["sizes"][k][:count], object_ids=stored["ids"][k][:count],
             object_kinds=np.zeros(count, dtype=np.int64),
         )  # fmt: skip
-        answer = agent.run_step(observation)  # type: ignore[union-attr] # no SumoDriver
+        answer = agent.run_step(observation)
         assert isinstance(answer, PoseControl)
         assert answer[:3] == pytest.approx(pose.tolist(), abs=1e-5)
 
@@ -425,10 +416,7 @@ def test_they_answer_as_they_do_to_observations_of_smarts(
 @pytest.mark.parametrize("name", NAMES)
 def test_they_drive_the_same_way_twice(installed: AgentCatalogue, name: str) -> None:
     what = smarts_scenario(seconds=60.0, agent=name)
-    traces = []
-    for _ in range(2):
-        installed.begin_run()
-        traces.append(run(what, installed.create(name, {})))  # type: ignore[arg-type] # as above
+    traces = [run(what, fresh_agent(installed, name)) for _ in range(2)]
     assert [trace.ego_ends for trace in traces] == [(TerminalEvent.ARRIVED,)] * 2
     assert trace_sha256(traces[0]) == trace_sha256(traces[1])
 
@@ -440,7 +428,4 @@ class TestSmartsIamp(AgentContract):
         self.catalogue = installed
 
     def make_agent(self) -> Agent:
-        self.catalogue.begin_run()
-        agent = self.catalogue.create("smarts-iamp", {})
-        assert not isinstance(agent, SumoDriver)
-        return agent
+        return fresh_agent(self.catalogue, "smarts-iamp")

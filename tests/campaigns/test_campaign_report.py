@@ -78,6 +78,15 @@ def test_the_report_tells_counts_groups_and_commands(study: Study) -> None:
     assert {f.number for one in told.groups for f in one.failures} == numbers
 
 
+def test_a_campaign_that_found_nothing_has_no_group_of_failures(study: Study) -> None:
+    record = study.run(campaign_content(), oracles=["deadlock"])
+    told = read_report(study.database, record.id, study.catalogues)
+    assert told.groups == ()
+    assert told.figures is not None
+    assert (told.figures.clusters, told.figures.budget) == (0, 12)
+    assert "| different failures, by cluster | 0 |" in report_markdown(told)
+
+
 def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
     campaign_id = study.create(campaign_content())
     told = read_report(study.database, campaign_id, study.catalogues)
@@ -86,6 +95,7 @@ def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
     assert "None were found." in text
     assert told.figures is not None
     assert told.figures.network_coverage is None
+    assert told.figures.clusters is None
 
 
 def test_what_cannot_be_known_any_more_is_said(study: Study) -> None:

@@ -76,6 +76,7 @@ def test_campaigns_are_counted_and_compared(
     # Two groups against the baseline; seconds to the first failure as well: all found one.
     assert len(comparison.rows) == 2 * len(MEASURES)
     assert comparison.budgets == {"tee-town": 14}
+    assert {figures.budget for figures in comparison.figures} == {14}
     assert comparison.time_limits == {}
     assert comparison.notes == ()
 

@@ -70,6 +70,18 @@ def test_fewer_simulations_to_the_first_failure_are_better() -> None:
     assert row.baseline_median == 101.0
 
 
+def test_who_ends_early_without_a_failure_was_not_early_to_find_one() -> None:
+    found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    ended = [
+        replace(f, simulations=30, budget=100, first_failure=None)
+        for f in study(6)
+        if f.group == "avfuzzer"
+    ]
+    (row,) = compare_campaigns(found + ended, "random", [measure("first_failure")])
+    assert row.median == 101.0
+    assert row.judgement == "worse, large"
+
+
 def test_p_is_corrected_for_all_rows_of_a_measure() -> None:
     one = compare_campaigns(study(2), "random", [measure("at_fault")])
     three = compare_campaigns(study(2, ("s", "t", "u")), "random", [measure("at_fault")])

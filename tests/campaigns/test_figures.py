@@ -41,6 +41,7 @@ def record(
     *keys: str,
     status: EvaluationStatus = EvaluationStatus.JUDGED,
     counterpart: str = "vehicle_0",
+    role: str = "npc_vehicle",
     at_fault: bool | None = True,
 ) -> EvaluationRecord:
     violations = tuple(
@@ -51,6 +52,7 @@ def record(
             message="",
             at_fault=at_fault,
             counterpart=counterpart,
+            evidence={"counterpart_role": role} if key.startswith("collision") else {},
         )
         for key in keys
     )
@@ -72,7 +74,7 @@ def test_everything_is_counted_once() -> None:
         record(0),
         record(1, status=EvaluationStatus.INVALID),
         record(2, "collision:a"),
-        record(3, "collision:a", "red_light:b", counterpart="walker_1"),
+        record(3, "collision:a", "red_light:b", counterpart="walker_1", role="npc_walker"),
         record(4, status=EvaluationStatus.FAILED),
         record(5, "collision:a", at_fault=None),
     ]
@@ -89,6 +91,14 @@ def test_everything_is_counted_once() -> None:
     assert figures.found == (2, 3)
     assert figures.simulation_s == pytest.approx(0.5)
     assert figures.own_share == pytest.approx(0.12 / 0.5)
+
+
+def test_collisions_are_told_apart_by_what_the_other_was_and_not_by_its_name() -> None:
+    names = ("vehicle_0", "van", "lead", "bus_0")
+    records = [record(n, "collision:a", counterpart=name) for n, name in enumerate(names)]
+    assert figures_of(SUBJECT, records, SPACE).rules == 1
+    stood = record(4, "collision:a", counterpart="parked_van", role="npc_obstacle")
+    assert figures_of(SUBJECT, [*records, stood], SPACE).rules == 2
 
 
 def test_a_campaign_without_failures_has_no_first_one() -> None:

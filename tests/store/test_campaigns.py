@@ -337,3 +337,25 @@ def test_pruning_runs_leaves_the_scenarios_of_evaluations(
     assert prune(database, TraceFolder(tmp_path / "traces"), ended_before=soon).runs == 1
     with database.read() as transaction:
         assert transaction.evaluations.document(campaign_id, 0) == "0"
+
+
+def test_what_is_no_id_is_refused_with_those_that_may_have_been_meant(database: Database) -> None:
+    refused = pytest.raises(UnknownName, match=r"unknown campaign 'a'; known: none$")
+    with database.read() as transaction, refused:
+        transaction.campaigns.get("a")
+    ids = [create(database, name) for name in ("a", "b", "b", "c", "d", "e", "f")]
+    with database.read() as transaction:
+        with pytest.raises(UnknownName, match=f"known: {ids[2]}, {ids[1]}. That is a name"):
+            transaction.campaigns.get("b")
+        newest = ", ".join(reversed(ids[2:]))
+        with pytest.raises(UnknownName, match=f"known: {newest}, …$"):
+            transaction.evaluations.failures("x")
+        with pytest.raises(UnknownName, match=f"known: {newest}, …$"):
+            transaction.campaigns.request_of("x")
+
+
+def test_the_scenario_of_no_evaluation_is_refused_as_the_evaluation_is(database: Database) -> None:
+    campaign_id = create(database)
+    refused = pytest.raises(UnknownName, match="unknown evaluation '9'")
+    with database.read() as transaction, refused:
+        transaction.evaluations.document(campaign_id, 9)

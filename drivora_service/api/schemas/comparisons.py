@@ -21,6 +21,7 @@ class Figures(Schema):
     scenario: str = Field(description="Name of the seed scenario in this comparison.")
     seed: int
     simulations: int
+    budget: int | None = Field(description="Simulations that it could make.")
     invalid_share: float = Field(description="Of all candidates, those that were no scenario.")
     failed_share: float = Field(description="Of the simulations, those without a result.")
     failing: int = Field(description="Simulations with a failure.")

@@ -53,6 +53,9 @@ _ROOM = (0.5, 0.25)
 _BRAKING, _MARGIN = 2.0, 1.0
 """m/s², with which a light's stop line is approached, and metres that are kept before it."""
 
+_SOON = 1.0
+"""Seconds from now at which that speed is wanted: a plan ends where it wants to be, not begins."""
+
 _STANDING = 0.2
 _ON_PLAN = (0.3, 0.1, 0.7)
 """Metres, radians and m/s between plan and vehicle, up to which a plan goes on from the last."""
@@ -180,7 +183,7 @@ class CommonRoadAdapter:
         planner.set_d_sampling_parameters(-min(max(right, 0.2), 3.0), min(max(left, 0.2), 3.0))
         soon = np.linspace(s, s + 1.5 * speed, 4)
         wanted = float(np.interp(soon, reference.arc, reference.speeds).min())
-        wanted = min(wanted, math.sqrt(2.0 * _BRAKING * stop))
+        wanted = min(wanted, max(math.sqrt(2.0 * _BRAKING * stop) - _BRAKING * _SOON, 0.0))
         planner.set_desired_velocity(wanted, max(speed, 0.1))
         found = planner.plan()
         if found is None:
