@@ -89,6 +89,7 @@ def test_it_goes_on_when_braking_has_just_ended(installed: AgentCatalogue, speed
         )
     )  # fmt: skip
     assert isinstance(answer, PoseControl)
+    assert answer.speed is not None
     assert answer.speed > speed
 
 
