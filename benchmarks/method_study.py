@@ -32,6 +32,7 @@ from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
+from drivora_service.campaigns.situations import count_situations
 from drivora_service.cli.campaign_files import shipped_campaigns
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.parent_death import die_with_parent
@@ -268,35 +269,38 @@ def _open(path: Path, mode: Literal["rt", "at"]) -> TextIO:
     return path.open(mode)
 
 
-def with_clusters(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
+def with_groups(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
     """Groups the failures of all campaigns on a scene at once, and counts each campaign's groups.
 
     Groups made campaign by campaign could not be compared: their scales would differ.
     """
-    places: list[tuple[int, Verdict]] = []
-    for index, line in enumerate(lines):
-        for found in line["failures"]:
-            verdict = Verdict(
-                oracle=found["oracle"],
-                ego="",
-                outcome=Outcome.VIOLATED,
-                message="",
-                at_fault=found["at_fault"],
-                time=found["time"],
-                location=None if found["location"] is None else tuple(found["location"]),
-                evidence=found["evidence"],
-            )
-            places.append((index, verdict))
-    labels = Clustering().label([verdict for _, verdict in places])
-    groups: list[set[tuple[str, int]]] = [set() for _ in lines]
-    for (index, verdict), label in zip(places, labels, strict=True):
-        groups[index].add((verdict.oracle, label))
+    violations = [[_verdict(found) for found in line["failures"]] for line in lines]
+    clusters = Clustering().count_each(violations)
+    situations = count_situations(violations)
     return [
         CampaignFigures(
-            **{**line["figures"], "found": tuple(line["figures"]["found"]), "clusters": len(group)}
+            **{
+                **line["figures"],
+                "found": tuple(line["figures"]["found"]),
+                "clusters": groups,
+                "situations": places,
+            }
         )
-        for line, group in zip(lines, groups, strict=True)
+        for line, groups, places in zip(lines, clusters, situations, strict=True)
     ]
+
+
+def _verdict(found: dict[str, Any]) -> Verdict:
+    return Verdict(
+        oracle=found["oracle"],
+        ego="",
+        outcome=Outcome.VIOLATED,
+        message="",
+        at_fault=found["at_fault"],
+        time=found["time"],
+        location=None if found["location"] is None else tuple(found["location"]),
+        evidence=found["evidence"],
+    )
 
 
 def at_equal_time(lines: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -339,7 +343,7 @@ def show(options: argparse.Namespace) -> None:
             if options.equal_time:
                 here = at_equal_time(here)
             if here and scene.egos == egos:
-                figures += with_clusters(here)
+                figures += with_groups(here)
         if len({f.group for f in figures}) < 2:
             continue
         print(f"\n### {egos}\n")
@@ -373,7 +377,7 @@ def main() -> None:
     showing.add_argument(
         "--measure",
         nargs="+",
-        default=["at_fault", "clusters", "kinds", "rules", "first_failure"],
+        default=["at_fault", "clusters", "situations", "kinds", "rules", "first_failure"],
     )
     showing.add_argument("--equal-time", action="store_true", help="not at equal simulations")
     showing.set_defaults(do=show)

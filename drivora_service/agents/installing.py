@@ -39,7 +39,7 @@ def environment_python(manifest: AgentManifest, agents: Path | None) -> Path | N
     if agents is None:
         return None
     environment = _environment(manifest, agents)
-    return _python(environment) if _has(environment, _identity(requirements)) else None
+    return _python(environment) if _is_whole(environment, _identity(requirements)) else None
 
 
 def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = False) -> bool:
@@ -62,7 +62,7 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
     environment = _environment(manifest, agents)
     identity = _identity(requirements)
     with _alone(environment.parent):
-        if _has(environment, identity) and not again:
+        if _is_whole(environment, identity) and not again:
             return False
         _remove(environment)
         _run([sys.executable, "-m", "venv", "--without-pip", str(environment)])
@@ -110,6 +110,11 @@ def _environment(manifest: AgentManifest, agents: Path) -> Path:
 
 def _python(environment: Path) -> Path:
     return environment / "bin" / "python"
+
+
+def _is_whole(environment: Path, identity: str) -> bool:
+    # Its interpreter is a link to the one that made it, which may have been moved or removed.
+    return _has(environment, identity) and _python(environment).exists()
 
 
 def _identity(requirements: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ _SETTING = r"^DRIVORA_[A-Z0-9_]+$"
 _ADDRESS = r"^(unix:/.+|\[?[A-Za-z0-9_.:-]+\]?:[0-9]{1,5})$"
 
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=2000)]
+_Variable = Annotated[str, Field(strict=True, pattern=r"^[^=]+$", max_length=2000)]
 _ParameterName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z][A-Za-z0-9_]{0,63}$")]
 _Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
@@ -97,7 +99,7 @@ class _Manifest(BaseModel):
     source: _Text
     licence: _Text
     command: tuple[_Text, ...] = ()
-    variables: dict[_Text, Annotated[str, Field(strict=True)]] = {}
+    variables: dict[_Variable, Annotated[str, Field(strict=True)]] = {}
     settings: tuple[Annotated[str, Field(strict=True, pattern=_SETTING)], ...] = ()
     address: Annotated[str, Field(strict=True, pattern=_ADDRESS)] | None = None
     environment: Annotated[str, Field(strict=True, pattern=NAME_PATTERN)] | None = None
@@ -189,6 +191,15 @@ def _problems(document: _Manifest, name: str) -> list[Problem]:
         )
         for variable in document.variables
         if variable.startswith("DRIVORA_")
+    ]
+    problems += [
+        Problem(
+            pointer=f"/parameters/{parameter}",
+            code="parameter_name",
+            message=f"found {parameter!r}, a word of Python's; allowed: any other name",
+        )
+        for parameter in document.parameters or ()
+        if keyword.iskeyword(parameter)
     ]
     return problems
 

@@ -25,6 +25,8 @@ _TYPES: dict[ParameterKind, type[ParameterValue]] = {
     "text": str,
 }
 _Limit = Annotated[float, Field(allow_inf_nan=False)]
+_WHOLE = 2.0**63
+"""Beyond which a limit of an integer is none that can be checked."""
 _Text = Annotated[str, Field(strict=True, max_length=2000)]
 _Value = (
     Annotated[bool, Field(strict=True)]
@@ -73,6 +75,12 @@ class ParameterDocument(BaseModel):
             raise _misfit(f"minimum and maximum are for numbers; found type {self.type}")
         if self.choices and self.type != "text":
             raise _misfit(f"choices are texts; found type {self.type}")
+        for limit in (self.minimum, self.maximum):
+            if self.type == "integer" and limit is not None and not _is_whole(limit):
+                raise _misfit(
+                    f"the limits of an integer are whole numbers between -2^63 and 2^63; found "
+                    f"{limit:g}"
+                )
         low, high = self.minimum, self.maximum
         if low is not None and high is not None and low > high:
             raise _misfit(f"minimum {low:g} is above maximum {high:g}")
@@ -119,6 +127,10 @@ def _annotation(parameter: ManifestParameter) -> Any:
             ge=parameter.minimum, le=parameter.maximum, description=parameter.description or None
         ),
     ]
+
+
+def _is_whole(limit: float) -> bool:
+    return limit.is_integer() and abs(limit) < _WHOLE
 
 
 def _misfit(message: str) -> PydanticCustomError:

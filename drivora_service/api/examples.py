@@ -102,6 +102,7 @@ RUN = runs.Run(
     scores={"minimum_gap": 0.0, "time_to_collision": None},
     step_cost_us=118.0,
     agent_cost_us={"ego_0": 31.0},
+    privileged=(),
     versions={"drivora": "0.1.0", "sumo": "1.28.0"},
     tries=(
         runs.Attempt(number=1, worker="slot-0", outcome="finished", cause="", signal="", log=""),
@@ -211,6 +212,7 @@ AGENTS = catalogues.AgentList(
                     description="Share of the speed limit that it drives where the road is free.",
                 ),
             ),
+            privileged=False,
             installed=True,
             reason="",
         ),

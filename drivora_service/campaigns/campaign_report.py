@@ -16,6 +16,7 @@ from drivora_service.campaigns.comparing import (
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_of
 from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.situations import count_situations
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.store.campaign_records import (
     CampaignRecord,
@@ -118,6 +119,7 @@ def _figures(
     clusters = {
         (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
     }
+    (situations,) = count_situations([[v for record in records for v in record.violations]])
     are_grouped = record.state is CampaignState.FINISHED
     subject = Subject(
         campaign=record.id, group=record.tester, scenario=record.town, seed=document.seed
@@ -127,6 +129,7 @@ def _figures(
         records,
         ground.space,
         clusters=len(clusters) if are_grouped else None,
+        situations=situations,
         budget=record.budget,
     )
     if not figures.simulations:

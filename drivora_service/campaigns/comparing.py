@@ -22,6 +22,7 @@ from drivora_service.campaigns.figures import (
 )
 from drivora_service.campaigns.reading import Catalogues, read_campaign
 from drivora_service.campaigns.road_coverage import RoadCoverage
+from drivora_service.campaigns.situations import count_situations
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.campaigns.subjects import Compared, compared_campaigns
 from drivora_service.errors import CampaignError
@@ -199,15 +200,16 @@ def _figures(
     limit: float | None,
 ) -> list[CampaignFigures]:
     counted = [one if limit is None else within_time(one, limit) for one in evaluations]
-    clusters = Clustering().count_each(
-        [[verdict for record in one for verdict in record.violations] for one in counted]
-    )
+    violations = [[verdict for record in one for verdict in record.violations] for one in counted]
+    clusters = Clustering().count_each(violations)
+    situations = count_situations(violations)
     return [
         figures_of(
             campaign.subject,
             check_genes(records, ground, campaign.record),
             ground.space,
             clusters=groups,
+            situations=places,
             network_coverage=network_coverage(
                 database,
                 campaign.record.id,
@@ -217,7 +219,9 @@ def _figures(
             time_limit_s=limit,
             budget=campaign.record.budget,
         )
-        for campaign, records, groups in zip(campaigns, counted, clusters, strict=True)
+        for campaign, records, groups, places in zip(
+            campaigns, counted, clusters, situations, strict=True
+        )
     ]
 
 

@@ -77,6 +77,12 @@ MEASURES = (
         value=lambda f: None if f.clusters is None else float(f.clusters),
     ),
     Measure(
+        name="situations",
+        title="different failures (by situation)",
+        larger_is_better=True,
+        value=lambda f: None if f.situations is None else float(f.situations),
+    ),
+    Measure(
         name="rules",
         title="rules broken",
         larger_is_better=True,

@@ -143,7 +143,7 @@ class Engine:
         room = min(search.lookahead - len(self._waiting), search.budget - self._valid)
         if room < 1:
             return
-        for proposal in self._timed(lambda: search.tester.ask(room)):
+        for proposal in self._proposals(room):
             begun = time.perf_counter()
             candidate = search.candidates.prepare(proposal.values)
             waiting = _Waiting(
@@ -156,6 +156,28 @@ class Engine:
             self._next += 1
             self._take(waiting)
             self._waiting.append(waiting)
+
+    def _proposals(self, room: int) -> tuple[Proposal, ...]:
+        """Asks the tester, and refuses what could be run only as something else.
+
+        Raises:
+            CampaignError: It proposes more than there is room for, or values that are no numbers.
+        """
+        proposals = self._timed(lambda: self._search.tester.ask(room))
+        if len(proposals) > room:
+            raise CampaignError(
+                f"the tester was asked for at most {room} candidates and proposed {len(proposals)}"
+            )
+        genes = self._search.candidates.genes
+        for proposal in proposals:
+            values = proposal.values
+            if values.shape != (len(genes),) or not np.isfinite(values).all():
+                raise CampaignError(
+                    f"the tester proposed values of shape {values.shape}, "
+                    f"{np.count_nonzero(~np.isfinite(values))} of them not finite; needed are "
+                    f"{len(genes)} numbers, one a gene"
+                )
+        return proposals
 
     def _take(self, waiting: _Waiting) -> None:
         """Counts a new candidate, and has it evaluated if that is still to be done."""
@@ -196,7 +218,8 @@ class Engine:
         if record is None:
             record = self._record(waiting)
             self._journal.append(record, waiting.candidate.document)
-            self._search_s = 0.0
+        # Also where it is known already: its time was counted before the campaign was resumed.
+        self._search_s = 0.0
         self._timed(lambda: self._search.tester.tell(evaluation_of(record)))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED

@@ -34,6 +34,8 @@ class CampaignFigures:
         rules: Different rules broken, collisions apart by what the other was: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
         clusters: Groups of similar failures; ``None`` if they were not grouped.
+        situations: Situations that failures occurred in (``campaigns.situations``); ``None`` if
+            they were not counted.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
         found: For each different failure, simulations up to it, ascending.
         gene_coverage: Share of all combinations of two genes' levels that were tried.
@@ -60,6 +62,7 @@ class CampaignFigures:
     kinds: int
     rules: int
     clusters: int | None
+    situations: int | None
     first_failure: int | None
     found: tuple[int, ...]
     gene_coverage: float
@@ -92,6 +95,7 @@ def figures_of(
     space: GeneSpace,
     *,
     clusters: int | None = None,
+    situations: int | None = None,
     network_coverage: float | None = None,
     time_limit_s: float | None = None,
     budget: int | None = None,
@@ -103,6 +107,7 @@ def figures_of(
         records: Its evaluations in order.
         space: Its genes.
         clusters: Groups of similar failures, where they are known.
+        situations: Situations that they occurred in, where those are known.
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
             ``None``: all count.
@@ -145,6 +150,7 @@ def figures_of(
         kinds=len(found),
         rules=len(rules),
         clusters=clusters,
+        situations=situations,
         first_failure=first,
         found=tuple(sorted(found.values())),
         gene_coverage=pairwise_coverage(values, space),

@@ -89,6 +89,10 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
             "different failures, by cluster",
             "not grouped" if figures.clusters is None else str(figures.clusters),
         ),
+        (
+            "different failures, by situation",
+            "not counted" if figures.situations is None else str(figures.situations),
+        ),
         ("first failure", "none" if first is None else f"in simulation {first}"),
         ("coverage of the gene space", f"{figures.gene_coverage:.1%} of all pairs of levels"),
         (

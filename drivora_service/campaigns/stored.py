@@ -73,6 +73,7 @@ def run_stored(
         try:
             valid = read_campaign(record.document, catalogues)
             _refuse_other_network(record, valid)
+            _refuse_other_versions(record)
             search = prepare_search(valid, catalogues, run_prefix=campaign_id)
             with evaluator(valid.campaign.workers) as evaluating:
                 state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
@@ -111,6 +112,21 @@ def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
         raise CampaignError(
             f"the road network {record.town!r} has changed since campaign {record.id} was made; "
             "bring the old one back, or begin a new campaign"
+        )
+
+
+def _refuse_other_versions(record: CampaignRecord) -> None:
+    """Refuses to go on with a campaign that would have gone another way from its begin."""
+    now = search_versions()
+    changed = [
+        f"{name} was {then} and is {now.get(name, 'not there')}"
+        for name, then in sorted(record.versions.items())
+        if now.get(name) != then
+    ]
+    if changed and record.counts.evaluations:
+        raise CampaignError(
+            f"campaign {record.id} was made with other versions: {', '.join(changed)}. It would "
+            "not go on as it began; install those, or begin a new campaign. What it found stays"
         )
 
 

@@ -30,6 +30,7 @@ def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str])
         "wall_time_s": content["wall_time_s"],
         "step_cost_us": content["step_cost_us"],
         "agent_cost_us": content["agent_cost_us"],
+        "privileged": content["privileged"],
         "versions": content["versions"],
         "trace": trace,
         "notes": list(notes),
@@ -52,6 +53,7 @@ def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, An
         "wall_time_s": run["wall_time_s"] or 0.0,
         "step_cost_us": run["step_cost_us"] or 0.0,
         "agent_cost_us": run["agent_cost_us"],
+        "privileged": run["privileged"],
         "versions": run["versions"],
         "trace": trace,
         "notes": [],
@@ -79,6 +81,7 @@ def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
         "wall_time_s": 0.0,
         "step_cost_us": 0.0,
         "agent_cost_us": {},
+        "privileged": [],
         "versions": {},
         "trace": "",
         "notes": [],
@@ -98,6 +101,11 @@ def print_results(results: Sequence[dict[str, Any]]) -> None:
         (_row(result) for result in results),
     )
     for result in results:
+        for ego in result["privileged"]:
+            print(
+                f"{result['scenario']}: {ego} sees everything, not only what the perception model "
+                "lets through"
+            )
         error = result["error"]
         if error is None:
             continue

@@ -125,7 +125,7 @@ def _candidates(
     point = points[number]
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise NoRoute(f"{_named(points, number)} is not a place: coordinates must be finite")
-    near = lane_positions_near(network, point.x, point.y, max_distance=MAX_DISTANCE)
+    near = _positions_near(network, point.x, point.y)
     if not near:
         raise NoRoute(
             f"{_named(points, number)} is more than {MAX_DISTANCE:g} m from every drivable lane "
@@ -148,6 +148,12 @@ def _candidates(
         candidates.append(Candidate(lane=position.lane, s=position.s, cost=cost))
     limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
     return tuple(candidate for candidate in candidates if candidate.cost <= limit)
+
+
+@lru_cache(maxsize=4096)
+def _positions_near(network: RoadNetwork, x: float, y: float) -> tuple[LanePosition, ...]:
+    """Gives the lane positions near a place: it ends one leg of a route and begins the next."""
+    return lane_positions_near(network, x, y, max_distance=MAX_DISTANCE)
 
 
 def _is_on(network: RoadNetwork, position: LanePosition) -> bool:

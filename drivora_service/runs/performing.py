@@ -156,6 +156,11 @@ def _perform(
         wall_time_s=time.perf_counter() - clock.started,
         step_cost_us=1e6 * clock.stepping / steps,
         agent_cost_us={ego: 1e6 * spent / steps for ego, spent in episode.agent_seconds().items()},
+        privileged=tuple(
+            ego.id
+            for ego, sees_all in zip(scenario.ego_vehicles, trace.privileged, strict=True)
+            if sees_all
+        ),
         versions=_versions(),
     )
     try:

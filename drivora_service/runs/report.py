@@ -86,6 +86,7 @@ class RunReport:
         agent_cost_us: What the calls of each ego's agent took of that, by the ego's id; a mean over
             the same steps, so that the rest is the simulation's. Egos that SUMO drives are left
             out.
+        privileged: Ids of the egos that saw more than the perception model lets through.
         versions: Versions of what took part, by name.
     """
 
@@ -101,5 +102,6 @@ class RunReport:
     wall_time_s: float = 0.0
     step_cost_us: float = 0.0
     agent_cost_us: Mapping[str, float] = field(default_factory=dict)
+    privileged: tuple[str, ...] = ()
     failure: RunFailure | None = None
     versions: Mapping[str, Any] = field(default_factory=dict)

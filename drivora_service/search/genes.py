@@ -73,15 +73,18 @@ class Block:
     """The genes of one actor, of the weather or of the lights.
 
     Attributes:
-        name: Such as ``vehicle_0``; the id of the actor.
+        name: Such as ``vehicle_0``.
         start: Index of the first of its genes in the vector.
         genes: Its genes, in order. An actor that may be absent has ``present`` (0 or 1) first.
+        actor: Id of the actor in scenarios, which is not its name where the seed scenario has an
+            ego of its own for it, or another actor of that name; "" of weather and lights.
     """
 
     name: str
     part: Part
     start: int
     genes: tuple[Gene, ...]
+    actor: str = ""
 
     @property
     def stop(self) -> int:

@@ -14,7 +14,8 @@ def small_space(
 
     def add(name: str, part: Part, genes: list[Gene]) -> None:
         nonlocal start
-        blocks.append(Block(name=name, part=part, start=start, genes=tuple(genes)))
+        actor = "" if part in (Part.WEATHER, Part.LIGHTS) else name
+        blocks.append(Block(name=name, part=part, start=start, genes=tuple(genes), actor=actor))
         start += len(genes)
 
     for i in range(egos):

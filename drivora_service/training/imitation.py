@@ -15,17 +15,17 @@ from __future__ import annotations
 import argparse
 import hashlib
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 
 from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
 from drivora_service.agents.ad_mlp.view import AdMlpView
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.imitation.agent import Network, View, WaypointAgent
+from drivora_service.agents.imitation.weights import save_weights
 from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import PlantView
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -222,7 +222,9 @@ def main() -> None:
     parser.add_argument("agent", choices=sorted(RECIPES))
     parser.add_argument("weights", type=Path, help="file to write")
     options = parser.parse_args()
-    np.savez(options.weights, **asdict(train(RECIPES[options.agent])))
+    if not options.weights.parent.is_dir():
+        parser.error(f"there is no folder {options.weights.parent} to write in: make it first")
+    save_weights(train(RECIPES[options.agent]), options.weights)
     print(f"{options.weights}: sha256 {hashlib.sha256(options.weights.read_bytes()).hexdigest()}")
 
 

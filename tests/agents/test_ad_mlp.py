@@ -13,7 +13,7 @@ import pytest
 from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
 from drivora_service.agents.ad_mlp.view import FRAME_SIZE, FRAMES, show_past
 from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.agents.imitation.weights import FILE_NAME, load_weights
+from drivora_service.agents.imitation.weights import FILE_NAME, load_weights, save_weights
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
@@ -35,6 +35,14 @@ def test_its_weights_are_those_that_its_page_speaks_of() -> None:
         hashlib.sha256(file).hexdigest()
         == "7e87fbfdcbc2bdb7248587ca2bfd66c85f064a153b594768fe8d2d7f03121736"
     )
+
+
+def test_weights_are_written_as_they_are_read_under_the_name_that_was_asked_for(
+    tmp_path: Path,
+) -> None:
+    save_weights(load_weights(AdMlpWeights), tmp_path / "trained")
+    file = resources.files("drivora_service.agents.ad_mlp").joinpath(FILE_NAME).read_bytes()
+    assert (tmp_path / "trained").read_bytes() == file
 
 
 def test_its_waypoints_are_those_of_pytorch() -> None:

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.agents.interface import Agent
+from drivora_service.agents.interface import Agent, Observation, PoseControl
 from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import Scenario
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, car_ahead, red_light_ahead
 from tests.agents.installed_agents import fresh_agent, installed_agents
-from tests.simulation.episodes import closest, contacts, ego, place, run, scenario
+from tests.simulation.episodes import (
+    ROAD,
+    closest,
+    contacts,
+    ego,
+    network,
+    place,
+    run,
+    scenario,
+    start,
+)
 
 NAME = "commonroad-rp"
 RING = "roundabout"
@@ -62,6 +73,24 @@ def test_it_does_not_touch_a_car_that_stands_or_is_slow(
     assert not contacts(trace)
     # It came up to it: centres of cars of 4.9 m.
     assert closest(trace, "ego", "npc") < 20.0
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.04])
+def test_it_goes_on_when_braking_has_just_ended(installed: AgentCatalogue, speed: float) -> None:
+    agent = fresh_agent(installed, NAME)
+    start(scenario(ego(place(ROAD, 40.0), place(ROAD, 115.0))), agent)
+    x, y, yaw = network().lane(ROAD).position_at(40.0)
+    state = np.array([x, y, yaw, speed * math.cos(yaw), speed * math.sin(yaw), 0, 0, 0, 0])
+    nobody = np.empty(0, dtype=np.int64)
+    answer = agent.run_step(
+        Observation(
+            ego=state, speed=speed, acceleration=-6.0, objects=np.empty((0, 9)),
+            object_sizes=np.empty((0, 2)), object_kinds=nobody, object_ids=nobody, speed_limit=13.9,
+        )
+    )  # fmt: skip
+    assert isinstance(answer, PoseControl)
+    assert answer.speed is not None
+    assert answer.speed > speed
 
 
 def test_it_drives_the_same_way_twice(installed: AgentCatalogue) -> None:

@@ -79,6 +79,18 @@ def test_an_address_stands_in_for_a_command(tmp_path: Path, address: str) -> Non
         ({"deadlines": {"step": 0}}, "/deadlines/step", ""),
         ({"deadlines": {"step": "fast"}}, "/deadlines/step", ""),
         ({"deadlines": {"think": 1}}, "/deadlines/think", ""),
+        ({"variables": {"A=B": "c"}}, "/variables/A=B", ""),
+        ({"parameters": {"lambda": {"type": "number"}}}, "/parameters/lambda", "word of Python"),
+        (
+            {"parameters": {"speed": {"type": "integer", "minimum": 0.5}}},
+            "/parameters/speed",
+            "whole numbers",
+        ),
+        (
+            {"parameters": {"speed": {"type": "integer", "maximum": 1e30}}},
+            "/parameters/speed",
+            "whole numbers",
+        ),
         ({"parameters": ["speed"]}, "/parameters", ""),
         ({"parameters": {"my speed": {"type": "number"}}}, "/parameters/my speed", ""),
         ({"parameters": {"speed": {"type": "float"}}}, "/parameters/speed/type", "'number'"),

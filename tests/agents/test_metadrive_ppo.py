@@ -207,7 +207,7 @@ def test_the_road_it_is_shown_is_the_lanes_that_lead_on() -> None:
 
 
 def test_files_that_are_not_its_weights_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(AgentError, match="drivora agents install metadrive-ppo"):
+    with pytest.raises(AgentError, match="drivora agents install metadrive-ppo --again"):
         load_weights(tmp_path / "nowhere")
     (tmp_path / FILE_NAME).write_bytes(b"PK broken")
     with pytest.raises(AgentError, match="cannot be used"):

@@ -220,7 +220,7 @@ def test_only_the_road_near_the_route_is_kept() -> None:
 
 
 def test_files_that_are_not_its_weights_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(AgentError, match="drivora agents install puffer-drive"):
+    with pytest.raises(AgentError, match="drivora agents install puffer-drive --again"):
         load_weights(tmp_path / "nowhere")
     (tmp_path / FILE_NAME).write_bytes(bytes(400))
     with pytest.raises(AgentError, match="100 numbers"):

@@ -21,10 +21,10 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.environments.lights import light_speed
 from drivora_service.agents.environments.reference import find_reference
 from drivora_service.agents.environments.smarts_agents.acting import (
-    Target,
     allowed_speed,
     pose_of,
     step_towards,
+    target_of,
 )
 from drivora_service.agents.environments.smarts_agents.facing import facing
 from drivora_service.agents.environments.smarts_agents.lane_places import LanePlaces, lane_index
@@ -249,15 +249,27 @@ def test_a_pose_comes_back_into_the_plane(yaw: float, dx: float, dy: float) -> N
 
 
 def test_a_target_is_reached_in_two_steps_of_half_its_time() -> None:
-    target = Target(x=41.0, y=3.2, yaw=0.1, time=5.0)
+    target = target_of(seen(40.0, 3.0, time=5.0), 41.0, 3.2, 0.1)
     first = step_towards(target, seen(40.0, 3.0, time=5.0), 0.05, math.inf)
     assert first[:3] == pytest.approx((40.5, 3.1, 0.05))
     second = step_towards(target, seen(40.5, 3.1, yaw=0.05, time=5.05), 0.05, math.inf)
     assert second[:3] == pytest.approx((41.0, 3.2, 0.1))
 
 
+@pytest.mark.parametrize("step", [0.01, 0.04, 0.05, 0.1, 0.15, 0.2])
+def test_steps_of_any_length_go_at_the_pace_of_the_target(step: float) -> None:
+    target = target_of(seen(40.0, 3.0, yaw=3.1, time=5.0), 41.0, 3.2, -3.1)
+    x, y, yaw, time = 40.0, 3.0, 3.1, 5.0
+    while time < target.time + 0.1 - 1e-6:
+        x, y, yaw, _ = step_towards(target, seen(x, y, yaw=yaw, time=time), step, math.inf)
+        time += step
+        assert x == pytest.approx(40.0 + 10.0 * (time - 5.0))
+        assert y == pytest.approx(3.0 + 2.0 * (time - 5.0))
+        assert yaw == pytest.approx(3.1 + 10.0 * (math.tau - 6.2) * (time - 5.0))
+
+
 def test_nobody_goes_faster_than_is_allowed() -> None:
-    target = Target(x=42.0, y=3.0, yaw=0.4, time=5.0)
+    target = target_of(seen(40.0, 3.0, time=5.0), 42.0, 3.0, 0.4)
     pose = step_towards(target, seen(40.0, 3.0, time=5.0), 0.1, 5.0)
     assert pose[:3] == pytest.approx((40.5, 3.0, 0.1))
     assert step_towards(target, seen(40.0, 3.0, time=5.0), 0.1, 0.0)[:3] == (40.0, 3.0, 0.0)

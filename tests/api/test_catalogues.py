@@ -23,6 +23,7 @@ def test_networks_and_their_geometry(offline: Offline) -> None:
 def test_agents_and_oracles(offline: Offline) -> None:
     agents = {item["name"]: item for item in offline.client.get("/api/v1/agents").json()["items"]}
     assert agents["idm"]["installed"] is True
+    assert (agents["idm"]["privileged"], agents["sumo-idm"]["privileged"]) == (False, True)
     (parameter,) = agents["idm"]["parameters"]
     assert (parameter["name"], parameter["default"]) == ("speed_factor", 1.0)
     assert parameter["values"] == {"type": "number", "minimum": 0.1, "maximum": 2.0}

@@ -31,6 +31,7 @@ def test_a_run_carries_its_verdicts_and_measures(finished_run: dict[str, Any]) -
     assert len(finished_run["trace_sha256"]) == 64
     (ego,) = finished_run["agent_cost_us"]
     assert 0.0 < finished_run["agent_cost_us"][ego] < finished_run["step_cost_us"]
+    assert finished_run["privileged"] == []
     assert finished_run["tries"][0]["outcome"] == "finished"
     assert finished_run["label"] == "first"
 

@@ -26,6 +26,7 @@ def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> Campai
         kinds=min(at_fault, 3),
         rules=1,
         clusters=None,
+        situations=None,
         first_failure=10 if at_fault else None,
         found=(),
         gene_coverage=0.5,
@@ -97,7 +98,9 @@ def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
 
 def test_every_measure_can_be_compared() -> None:
     known = [
-        replace(f, clusters=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0)
+        replace(
+            f, clusters=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
+        )
         for f in study(2)
     ]
     assert len(compare_campaigns(known, "random")) == len(MEASURES)

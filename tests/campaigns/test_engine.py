@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,22 @@ from drivora_service.campaigns.engine import Told
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.errors import CampaignError
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.search.tester import EvaluationStatus
+from drivora_service.search.genes import FloatArray
+from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
-from tests.campaigns.analytic import NO_REQUEST, Computed, Values, climber, perform, run, sequence
+from drivora_service.testing.gene_spaces import small_space
+from tests.campaigns.analytic import (
+    NO_REQUEST,
+    Climber,
+    Computed,
+    Values,
+    climber,
+    perform,
+    run,
+    sequence,
+)
+
+GENES = len(small_space())
 
 
 @pytest.fixture(scope="module")
@@ -132,6 +146,54 @@ def test_observers_see_what_was_replayed(whole: list[EvaluationRecord]) -> None:
     told: list[Told] = []
     run(MemoryJournal(whole[:20]), on_told=told.append)
     assert [t.replayed for t in told] == [True] * 20 + [False] * (len(whole) - 20)
+
+
+class Broken:
+    """A tester whose first proposals are none that can be run."""
+
+    def __init__(self, *values: FloatArray) -> None:
+        self._proposals = tuple(Proposal(values=each, origin="initial") for each in values)
+
+    def ask(self, room: int) -> tuple[Proposal, ...]:
+        return self._proposals
+
+    def tell(self, evaluation: Evaluation) -> None:
+        raise AssertionError("nothing was run")
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ((np.zeros(GENES),) * 9, "at most 8 candidates and proposed 9"),
+        ((np.full(GENES, np.nan),), f"{GENES} of them not finite"),
+        ((np.zeros(GENES - 1),), f"needed are {GENES} numbers"),
+    ],
+)
+def test_what_a_tester_may_not_propose_ends_the_campaign(
+    values: tuple[FloatArray, ...], says: str
+) -> None:
+    with pytest.raises(CampaignError, match=says):
+        run(MemoryJournal(), tester=Broken(*values))
+
+
+def test_the_testers_time_is_counted_once(
+    whole: list[EvaluationRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it takes to tell it again what is known is no part of the next evaluation."""
+    now = 0.0
+
+    class Slow(Climber):
+        def tell(self, evaluation: Evaluation) -> None:
+            nonlocal now
+            now += 1.0
+            super().tell(evaluation)
+
+    monkeypatch.setattr(time, "perf_counter", lambda: now)
+    for known in (0, len(whole) - 10):
+        journal = MemoryJournal(whole[:known])
+        run(journal, tester=Slow(space=small_space(), random=np.random.default_rng(5)))
+        new = list(journal.evaluations())[max(known, 1) :]
+        assert [record.search_s for record in new] == [1.0] * len(new)
 
 
 def test_a_campaign_ends_with_its_tester() -> None:

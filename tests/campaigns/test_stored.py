@@ -199,6 +199,22 @@ def test_a_campaign_on_a_changed_network_is_refused(
     assert campaigns.record(campaign_id).state is CampaignState.FAILED
 
 
+def test_a_campaign_begun_with_other_versions_does_not_go_on(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    new = new_campaign(read_campaign(content, campaigns.catalogues))
+    older = replace(new, versions={**new.versions, "libsumo": "1.2.3"})
+    with campaigns.database.write() as transaction:
+        campaign_id = transaction.campaigns.create(older).id
+    # Nothing is evaluated yet: no version has left a mark.
+    assert campaigns.run(campaign_id, 1, after(3)[0]).state is CampaignState.PAUSED
+    before = campaigns.record(campaign_id).counts
+    with pytest.raises(CampaignError, match=r"libsumo was 1\.2\.3 and is") as refusal:
+        campaigns.run(campaign_id, 1)
+    assert "What it found stays" in str(refusal.value)
+    assert campaigns.record(campaign_id).counts == before
+
+
 def test_what_is_over_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:
     campaign_id = campaigns.create(content)
     ask_for(campaigns.database, campaign_id, campaigns.folder(campaign_id), CampaignRequest.CANCEL)

@@ -22,6 +22,7 @@ PROMISED = {
     "wall_time_s",
     "step_cost_us",
     "agent_cost_us",
+    "privileged",
 }
 
 
@@ -36,6 +37,8 @@ def test_one_scenario_prints_one_object_and_leaves_its_trace(
     result = ended.json()
     assert set(result) >= PROMISED
     assert result["status"] == "finished"
+    # It is SUMO that drives, which sees everything.
+    assert result["privileged"] == [verdict["ego"] for verdict in result["verdicts"][:1]]
     trace = read_trace(out / "crossing.trace.parquet")
     assert trace_sha256(trace) == result["trace_sha256"]
     assert trace.step_count == result["steps"]

@@ -31,6 +31,7 @@ def test_a_report_comes_back_as_it_went() -> None:
         metrics={"speed": 1.5, "gap": None},
         step_cost_us=120.0,
         agent_cost_us={"ego": 30.5},
+        privileged=("ego",),
         failure=RunFailure(cause="none", message="übel", log="a\nb"),
         versions={"libsumo": "1.28.0"},
     )
@@ -39,8 +40,9 @@ def test_a_report_comes_back_as_it_went() -> None:
 
 def test_a_report_of_before_agents_were_timed_is_read() -> None:
     stored = json.loads(report_to_json(RunReport(run_id="run", status=RunStatus.FINISHED)))
-    del stored["agent_cost_us"]
-    assert report_from_json(json.dumps(stored)).agent_cost_us == {}
+    del stored["agent_cost_us"], stored["privileged"]
+    read = report_from_json(json.dumps(stored))
+    assert (read.agent_cost_us, read.privileged) == ({}, ())
 
 
 def test_numpy_values_and_nan_become_plain_json() -> None:

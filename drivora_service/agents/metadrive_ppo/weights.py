@@ -62,6 +62,6 @@ def load_weights(folder: Path) -> ExpertWeights:
 def _unusable(why: str) -> AgentError:
     return AgentError(
         f"agent 'metadrive-ppo': {FILE_NAME} cannot be used ({why}); fetch it again with "
-        "`drivora agents install metadrive-ppo`",
+        "`drivora agents install metadrive-ppo --again`",
         cause="agent_install",
     )

@@ -94,6 +94,6 @@ def load_weights(folder: Path) -> DriveWeights:
 def _unusable(why: str) -> AgentError:
     return AgentError(
         f"agent 'puffer-drive': {FILE_NAME} cannot be used ({why}); fetch it again with "
-        "`drivora agents install puffer-drive`",
+        "`drivora agents install puffer-drive --again`",
         cause="agent_install",
     )

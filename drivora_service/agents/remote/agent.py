@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import uuid
+from collections.abc import Sequence
 
 import grpc
 import numpy as np
@@ -12,10 +13,15 @@ from drivora_service.agents.log import AgentLog
 from drivora_service.agents.manifest import AgentDeadlines
 from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.hosts import Host
-from drivora_service.agents.remote.messages import control_of, setup_request, step_request
+from drivora_service.agents.remote.messages import control_of, invalid, setup_request, step_request
 from drivora_service.errors import AgentError
 
 _DETAILS = 8000
+_MOST_NAMES, _LONGEST_NAME = 1000, 200
+_LOG_CHARACTERS = 16 << 20
+"""Characters of text that a run's log takes from an ADS."""
+_LINE = 64
+"""Characters as which a line counts besides its own."""
 
 
 class RemoteAgent:
@@ -28,6 +34,7 @@ class RemoteAgent:
         self._ego = ""
         self._log = AgentLog()
         self._columns: dict[str, int] = {}
+        self._room = _LOG_CHARACTERS
 
     def setup_env(self, context: AgentContext) -> None:
         """Begins a run.
@@ -39,9 +46,9 @@ class RemoteAgent:
         request, timeout = setup_request(context, self._run), self._deadlines.setup
         try:
             reply = self._host.connection.setup(request, timeout)
+            self._columns = _columns(reply.log_names)
         except (grpc.RpcError, AgentError) as error:
             raise self._failed("SetupEnv", timeout, error) from error
-        self._columns = {name: column for column, name in enumerate(reply.log_names)}
         self._log.declare(*self._columns)
         self._write(reply.text)
 
@@ -71,9 +78,14 @@ class RemoteAgent:
         self._write(reply.text)
 
     def _write(self, text: str) -> None:
-        if text:
-            for line in text.splitlines():
-                self._log.event(line)
+        if self._room <= 0:
+            return
+        for line in text.splitlines():
+            self._room -= len(line) + _LINE
+            if self._room <= 0:
+                self._log.event("[the log is full]")
+                return
+            self._log.event(line)
 
     def _failed(self, where: str, timeout: float, error: grpc.RpcError | AgentError) -> AgentError:
         """Says what became of the ADS; one that hangs or cannot be reached is ended."""
@@ -104,3 +116,22 @@ class RemoteAgent:
                 )
         self._host.end()
         return AgentError(message, cause=cause, log=self._host.tail())
+
+
+def _columns(names: Sequence[str]) -> dict[str, int]:
+    """Gives the columns of the log by name.
+
+    Raises:
+        AgentError: A name comes twice, is too long, or there are too many.
+    """
+    columns = {name: column for column, name in enumerate(names)}
+    if len(columns) < len(names):
+        found = next(name for column, name in enumerate(names) if columns[name] != column)
+        raise invalid(f"the ADS declares {found[:_LONGEST_NAME]!r} for its log twice")
+    longest = max(map(len, names), default=0)
+    if len(names) > _MOST_NAMES or longest > _LONGEST_NAME:
+        raise invalid(
+            f"the ADS declares {len(names)} values for its log, with names of up to {longest} "
+            f"characters; allowed: {_MOST_NAMES} values, {_LONGEST_NAME} characters"
+        )
+    return columns

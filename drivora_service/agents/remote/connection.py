@@ -22,6 +22,9 @@ _OPTIONS = [
     ("grpc.min_reconnect_backoff_ms", 50),
     ("grpc.max_reconnect_backoff_ms", 500),
     ("grpc.enable_http_proxy", 0),
+    # What an ADS says of an error travels as a header, in which a character may take twelve bytes.
+    ("grpc.max_metadata_size", 128 << 10),
+    ("grpc.absolute_max_metadata_size", 256 << 10),
     # Channels to one address would else share a connection, and what is known of its failures.
     ("grpc.use_local_subchannel_pool", 1),
 ]

@@ -1,5 +1,7 @@
 """Runs a command, ends it with all that it started, and keeps a bounded log of what it prints.
 
+On Linux that is all of its descendants; elsewhere, those that stay in its group of processes.
+
 Started as ``python -I -S guard.py PARENT FOLDER LOG COMMAND…``; needs nothing but the standard
 library. It ends when the command does, when it is told to (SIGTERM), and when the process PARENT
 dies, however that one dies. In the last two cases it removes FOLDER.
@@ -21,7 +23,7 @@ from types import FrameType
 LOG_BYTES = 1 << 20
 """Size at which the older half of the log is dropped."""
 
-_PR_SET_PDEATHSIG = 1
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _CHUNK = 1 << 16
 _WATCH_S = 1.0
 _DRAINED_S = 0.2
@@ -52,7 +54,10 @@ class BoundedLog:
 def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
     """Does what the module says; gives the exit code, of a signal 128 and its number."""
     signal.signal(signal.SIGTERM, _stop)
+    # Told to end while the command is being started, it would know of nothing to end: not before.
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM])
     _die_with_parent(signal.SIGTERM)
+    _adopt_orphans()
     output, inlet = os.pipe()
     try:
         child = subprocess.Popen(
@@ -63,11 +68,13 @@ def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
         return 127
     os.close(inlet)
     try:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
         while os.getppid() == parent:
             # The end of the command is seen by its output's end, or, where something that it
             # started has that too, by looking once a second.
             if _copy(output, log, _WATCH_S) and child.poll() is None:
                 continue
+            _bury_orphans(child.pid)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 child.wait(_DRAINED_S)
             if child.returncode is not None:
@@ -80,9 +87,11 @@ def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
         shutil.rmtree(folder, ignore_errors=True)
         raise
     finally:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(child.pid, signal.SIGKILL)
         child.wait()
+        _end_orphans()
 
 
 def _copy(output: int, log: BoundedLog, patience: float) -> bool | None:
@@ -113,6 +122,43 @@ def _stop(_number: int, _frame: FrameType | None) -> None:
 def _begin_child() -> None:
     os.setpgid(0, 0)
     _die_with_parent(signal.SIGKILL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
+
+
+def _adopt_orphans() -> None:
+    """Becomes the parent of whatever the command leaves behind, in whichever group it is."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def _children() -> list[int]:
+    own = os.getpid()
+    try:
+        return [int(pid) for pid in Path(f"/proc/self/task/{own}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def _bury_orphans(command: int) -> None:
+    """Takes note of the end of adopted processes, which would else stay as zombies."""
+    for pid in _children():
+        if pid != command:
+            with contextlib.suppress(ChildProcessError):
+                os.waitpid(pid, os.WNOHANG)
+
+
+def _end_orphans() -> None:
+    """Ends what the command has left behind, and what that leaves behind in turn."""
+    beyond_us: set[int] = set()
+    while children := set(_children()) - beyond_us:
+        for pid in children:
+            try:
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
+            except PermissionError:
+                beyond_us.add(pid)
+            except (ProcessLookupError, ChildProcessError):
+                pass
 
 
 def _die_with_parent(number: signal.Signals) -> None:

@@ -71,6 +71,12 @@ def _socket_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
 
 
+def _not_started(manifest: AgentManifest, error: OSError) -> AgentError:
+    return AgentError(
+        f"the process of agent {manifest.name!r} cannot be started: {error}", cause="agent_died"
+    )
+
+
 class ProcessHost:
     """An ADS in a process that is started here, on a socket in a folder of its own."""
 
@@ -81,12 +87,30 @@ class ProcessHost:
             AgentError: It ends before, does not answer in time, or speaks another protocol.
         """
         self._name = manifest.name
-        self._folder = _socket_folder()
+        try:
+            self._folder = _socket_folder()
+        except OSError as error:
+            raise _not_started(manifest, error) from error
         self._log = self._folder / "log"
         self._last_words = ""
         socket = self._folder / "socket"
         address = f"unix:{socket}"
-        self._process = subprocess.Popen(
+        try:
+            self._process = self._start(manifest, python, address)
+        except OSError as error:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise _not_started(manifest, error) from error
+        self.connection = Connection(address)
+        try:
+            self._wait(socket, manifest.deadlines.start)
+        except BaseException:
+            self.end()
+            raise
+
+    def _start(
+        self, manifest: AgentManifest, python: Path, address: str
+    ) -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
             [
                 sys.executable, "-I", "-S", guard.__file__, str(os.getpid()), str(self._folder),
                 str(self._log), *command_line(manifest, python),
@@ -94,12 +118,6 @@ class ProcessHost:
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             cwd=manifest.folder, env=self._environment(manifest, address), start_new_session=True,
         )  # fmt: skip
-        self.connection = Connection(address)
-        try:
-            self._wait(socket, manifest.deadlines.start)
-        except BaseException:
-            self.end()
-            raise
 
     def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
         """Gives the variables for the ADS: Drivora's own, which may be secret, are not for it.
@@ -229,10 +247,18 @@ def check_protocol(host: Host, name: str, timeout: float) -> None:
 
     Raises:
         grpc.RpcError: It does not answer.
-        AgentError: It speaks another protocol.
+        AgentError: It speaks another protocol, or none.
     """
     try:
         spoken = host.connection.describe(timeout).protocol
+    except grpc.RpcError as error:
+        if error.code() is not grpc.StatusCode.UNIMPLEMENTED:
+            raise
+        raise AgentError(
+            f"agent {name!r} does not offer Describe: {error.details()}",
+            cause="agent_protocol",
+            log=host.tail(),
+        ) from error
     except AgentError as error:
         raise AgentError(
             f"agent {name!r}: {error}", cause="agent_protocol", log=host.tail()

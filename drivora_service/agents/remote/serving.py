@@ -115,4 +115,6 @@ def _abort(context: grpc.ServicerContext, error: Exception) -> NoReturn:
     text = "".join(traceback.format_exception(error))
     print(text, file=sys.stderr, flush=True)
     message = " ".join(f"{type(error).__name__}: {error}".split())
-    context.abort(grpc.StatusCode.UNKNOWN, f"{message[:_DETAILS]}\n{text[-_DETAILS:]}")
+    details = f"{message[:_DETAILS]}\n{text[-_DETAILS:]}"
+    # Names of files may hold what is no text.
+    context.abort(grpc.StatusCode.UNKNOWN, details.encode(errors="backslashreplace").decode())

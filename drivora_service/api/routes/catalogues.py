@@ -69,6 +69,7 @@ def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
             )
             for parameter in parameters
         ),
+        privileged=entry.privileged,
         installed=entry.installed,
         reason=entry.reason,
     )

@@ -77,6 +77,9 @@ class Agent(Schema):
     parameters: tuple[AgentParameter, ...] | None = Field(
         description="Documents are checked against them; null where it does not declare them."
     )
+    privileged: bool = Field(
+        description="Whether it sees more than the perception model lets through."
+    )
     installed: bool
     reason: str = Field(description="Why it cannot be used here; empty if it can.")
 

@@ -29,6 +29,7 @@ class Figures(Schema):
     kinds: int = Field(description="Different failures by key.")
     rules: int = Field(description="Different rules broken.")
     clusters: int | None = Field(description="Different failures by cluster.")
+    situations: int | None = Field(description="Different failures by situation.")
     first_failure: int | None = Field(description="Simulations up to the first failure.")
     found: tuple[int, ...] = Field(description="Simulations up to each different failure.")
     gene_coverage: float = Field(description="Share of two-way combinations of genes tried.")

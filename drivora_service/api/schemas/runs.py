@@ -51,6 +51,9 @@ class Run(JobSummary):
         description="What each ego's agent took of that, by the ego's id; the rest is the "
         "simulation's. Egos that SUMO drives are left out."
     )
+    privileged: tuple[str, ...] = Field(
+        description="Ids of the egos that saw more than the perception model lets through."
+    )
     versions: dict[str, Any]
     tries: tuple[Attempt, ...]
     observations_url: str = Field(description="Empty where nothing was recorded.")
@@ -85,6 +88,7 @@ def run_of(
         scores=dict(report.scores) if report else {},
         step_cost_us=report.step_cost_us if report and report.steps else None,
         agent_cost_us=dict(report.agent_cost_us) if report else {},
+        privileged=report.privileged if report else (),
         versions=dict(report.versions) if report else {},
         tries=tuple(
             Attempt(

@@ -64,6 +64,8 @@ def show(
         return
     print(f"{agent['name']} ({agent['kind']}): {agent['description']}")
     print(f"From: {agent['source']}. Licence: {agent['licence'] or 'none stated'}")
+    if agent["privileged"]:
+        print("It sees everything, not only what the perception model lets through")
     if not agent["installed"]:
         print(f"It cannot be used yet: {agent['reason']}")
     if agent["parameters"] is None:

@@ -13,10 +13,10 @@ class Layout:
     def __init__(self) -> None:
         self._blocks: list[Block] = []
 
-    def add(self, name: str, part: Part, genes: Sequence[Gene]) -> Block:
-        """Gives the next block."""
+    def add(self, name: str, part: Part, genes: Sequence[Gene], actor: str = "") -> Block:
+        """Gives the next block; see :class:`Block`."""
         start = self._blocks[-1].stop if self._blocks else 0
-        block = Block(name=name, part=part, start=start, genes=tuple(genes))
+        block = Block(name=name, part=part, start=start, genes=tuple(genes), actor=actor)
         self._blocks.append(block)
         return block
 

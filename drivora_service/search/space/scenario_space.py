@@ -136,8 +136,8 @@ class ScenarioSpace:
         for i in range(self._options.egos):
             name = f"ego_{i}"
             genes = ego_genes(self._options, i, len(self.routes))
-            block = self._layout.add(name, Part.EGO, genes)
             like = own[i] if i < len(own) else replace(own[0], id=self._names.free(name))
+            block = self._layout.add(name, Part.EGO, genes, like.id)
             egos.append(GeneEgo(block, like, self.routes))
         return (), tuple(egos)
 
@@ -145,18 +145,18 @@ class ScenarioSpace:
         made = []
         for i in range(self._options.vehicles):
             name = f"vehicle_{i}"
-            block = self._layout.add(name, Part.VEHICLE, vehicle_genes(self._options, self.paths))
-            made.append(VehicleDecoder(block, self._names.free(name), self.paths, self._options))
+            genes = vehicle_genes(self._options, self.paths)
+            block = self._layout.add(name, Part.VEHICLE, genes, self._names.free(name))
+            made.append(VehicleDecoder(block, block.actor, self.paths, self._options))
         return tuple(made)
 
     def _make_walkers(self) -> tuple[WalkerDecoder, ...]:
         made = []
         for i in range(self._options.walkers):
             name = f"walker_{i}"
-            block = self._layout.add(
-                name, Part.WALKER, walker_genes(self._options, self._ego_count)
-            )
-            made.append(WalkerDecoder(block, self._names.free(name)))
+            genes = walker_genes(self._options, self._ego_count)
+            block = self._layout.add(name, Part.WALKER, genes, self._names.free(name))
+            made.append(WalkerDecoder(block, block.actor))
         return tuple(made)
 
     def _make_obstacles(self) -> tuple[ObstacleDecoder, ...]:
@@ -164,8 +164,8 @@ class ScenarioSpace:
         for i in range(self._options.obstacles):
             name = f"obstacle_{i}"
             genes = obstacle_genes(self._options, self._ego_count)
-            block = self._layout.add(name, Part.OBSTACLE, genes)
-            made.append(ObstacleDecoder(block, self._names.free(name)))
+            block = self._layout.add(name, Part.OBSTACLE, genes, self._names.free(name))
+            made.append(ObstacleDecoder(block, block.actor))
         return tuple(made)
 
     @property

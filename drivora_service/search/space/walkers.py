@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -92,21 +93,26 @@ class WalkerDecoder:
         ego = self._ego(egos, values)
         path = ego.route.path
         middle = path.at(place_at(self._places(ego), float(values[self.shift_gene])))
-        leftwards = middle.yaw + 0.5 * math.pi
-        angles = leftwards + float(values[self._angle]) * np.array(_SLANTS)
-        left, right = _edges(path.network, middle, angles)
+        angles, left, right = _edges(path.network, middle, float(values[self._angle]))
         straight = left[-1] + right[-1]
         nth = int(np.argmax(left + right <= _LONGEST * straight))
         ends = (_ahead(middle, angles[nth], left[nth]), _ahead(middle, angles[nth], -right[nth]))
         return ends if values[self._side] > 0.5 else (ends[1], ends[0])
 
 
-def _edges(network: RoadNetwork, middle: Pose, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Gives how far it is to the edges of the carriageway, ahead and behind, for each direction."""
+@lru_cache(maxsize=256)
+def _edges(
+    network: RoadNetwork, middle: Pose, angle: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gives directions across a road, and how far its edges are ahead and behind in each.
+
+    A walker is asked for where it appears, again and again while others are moved, and for its way.
+    """
+    angles = middle.yaw + 0.5 * math.pi + angle * np.array(_SLANTS)
     count = len(angles)
     xy = np.full((2 * count, 2), (middle.x, middle.y))
     found = edge_distances(network, xy, np.concatenate((angles, angles + math.pi)))
-    return found[:count], found[count:]
+    return angles, found[:count], found[count:]
 
 
 def _ahead(pose: Pose, direction: float, distance: float) -> Pose:

@@ -67,6 +67,8 @@ class Ads:
                 time.sleep(3600)
             case "raises":
                 raise KeyError("lost the way")
+            case "raises-in-chinese":
+                raise ValueError("路" * 2000 + os.fsdecode(b"\xff"))
             case "answers-nothing":
                 return None  # type: ignore[return-value] # what authors do
             case "answers-nan":
@@ -130,6 +132,20 @@ def main(what: str) -> None:
             serve_answers(
                 {"Describe": described, "SetupEnv": b"", "RunStep": reply.SerializeToString()}
             )
+        case "declares-twice":
+            answer = pb.SetupReply(log_names=["speed", "speed"]).SerializeToString()
+            serve_answers({"Describe": described, "SetupEnv": answer})
+        case "declares-too-much":
+            answer = pb.SetupReply(log_names=map(str, range(1001))).SerializeToString()
+            serve_answers({"Describe": described, "SetupEnv": answer})
+        case "talks-too-much":
+            talk = pb.StepReply(text="x\n" * 1_000_000)
+            talk.acceleration.acceleration = 1.0
+            serve_answers(
+                {"Describe": described, "SetupEnv": b"", "RunStep": talk.SerializeToString()}
+            )
+        case "offers-nothing":
+            serve_answers({})
         case "offers-no-step":
             serve_answers({"Describe": described, "SetupEnv": b""})
         case _:

@@ -89,6 +89,56 @@ def test_being_told_to_end_again_and_again_disturbs_nothing(tmp_path: Path) -> N
     assert not (tmp_path / "folder").exists()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="adopting orphans is Linux's")
+@pytest.mark.parametrize("told", [True, False], ids=["told to end", "the command ends"])
+def test_what_left_the_group_of_the_command_is_ended_too(tmp_path: Path, told: bool) -> None:
+    # As launchers and daemons do: a session of its own, and no parent left.
+    code = (
+        "import subprocess, sys, time\n"
+        "sleep = [sys.executable, '-c', 'import time; time.sleep(3600)']\n"
+        "start = 'subprocess.Popen({}, start_new_session=True)'.format(sleep)\n"
+        "start = 'import subprocess; print({}.pid)'.format(start)\n"
+        "subprocess.run([sys.executable, '-c', start])\n"
+        f"print('ready', flush=True); time.sleep({3600 if told else 1})"
+    )
+    guarded = start(tmp_path, code)
+    wait_for(tmp_path, "ready")
+    daemon = psutil.Process(int(log(tmp_path).split()[0]))
+    assert daemon.is_running()
+    if told:
+        guarded.send_signal(signal.SIGTERM)
+    assert guarded.wait(60) == 0
+    assert not daemon.is_running()
+
+
+_TOLD_WHILE_STARTING = """
+import os, signal, sys, time
+from pathlib import Path
+from drivora_service.agents.remote import guard
+
+begin_child = guard._begin_child
+
+def begin():
+    os.kill(os.getppid(), signal.SIGTERM)
+    time.sleep(0.2)
+    begin_child()
+
+guard._begin_child = begin
+folder, log = Path(sys.argv[2]), guard.BoundedLog(Path(sys.argv[3]))
+sleep = [sys.executable, "-c", "import os, time; print(os.getpid(), flush=True); time.sleep(3600)"]
+sys.exit(guard.main(int(sys.argv[1]), folder, log, sleep))
+"""
+
+
+def test_being_told_to_end_while_the_command_starts_leaves_nothing(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    script = [sys.executable, "-c", _TOLD_WHILE_STARTING, str(os.getpid()), str(folder)]
+    done = subprocess.run([*script, str(tmp_path / "log")], timeout=60, check=False)
+    assert done.returncode == 0
+    assert not folder.exists()
+
+
 def test_an_orphan_that_holds_the_output_does_not_keep_the_guard(tmp_path: Path) -> None:
     code = (
         "import subprocess, sys\n"

@@ -152,6 +152,10 @@ FAILING = {
     "answers-nan": ("agent_invalid_control", "not finite", "ready to do"),
     "garbled-step": ("agent_invalid_control", "no StepReply", ""),
     "garbled-description": ("agent_protocol", "no Description", ""),
+    "raises-in-chinese": ("agent_raised", "ValueError: 路路", "\\udcff"),
+    "declares-twice": ("agent_invalid_control", "'speed' for its log twice", ""),
+    "declares-too-much": ("agent_invalid_control", "declares 1001 values", ""),
+    "offers-nothing": ("agent_protocol", "does not offer Describe", ""),
     "undeclared-value": ("agent_invalid_control", "'surprise'", ""),
     "offers-no-step": ("agent_protocol", "does not offer RunStep", ""),
     "old-protocol": ("agent_protocol", "version 2", ""),
@@ -211,6 +215,24 @@ def test_an_ads_that_never_answers_is_ended(agents: Path, perform: Perform) -> N
     assert "did not answer Describe within 6 s" in failure.message
     assert "dreaming" in failure.log
     assert left_behind(agents) == []
+
+
+def test_a_process_that_cannot_be_started_is_told_of(agents: Path, perform: Perform) -> None:
+    add_agent(agents, "drives", variables={"LONGER_THAN_THE_SYSTEM_TAKES": "x" * 200_000})
+    failure = failure_of(perform(one_ego("drives")))
+    assert failure.cause == "agent_died"
+    assert "'drives' cannot be started: " in failure.message
+    assert left_behind(agents) == []
+
+
+def test_the_log_takes_no_more_text_than_it_has_room_for(
+    agents: Path, catalogue: AgentCatalogue
+) -> None:
+    add_agent(agents, "talks-too-much")
+    trace = drive(catalogue, "talks-too-much")
+    assert trace.step_count == 41
+    assert trace.log_events[-1].message == "[the log is full]"
+    assert len(trace.log_events) < 300_000
 
 
 def test_a_command_that_cannot_be_started_is_told_of(agents: Path, perform: Perform) -> None:

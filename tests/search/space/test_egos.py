@@ -78,6 +78,8 @@ def test_egos_of_the_seed_keep_their_ids() -> None:
     ids = [ego.id for ego in space.scenario(values).ego_vehicles]
     # The third would be ego_2, which is taken.
     assert ids == ["mine", "ego_2", "ego_2.1"]
+    # Who looks a violation's actors up among the genes finds the right ones.
+    assert [block.actor for block in space.genes.of(Part.EGO)] == ids
 
 
 @settings(max_examples=25)

@@ -340,6 +340,16 @@ def test_a_deadlock_is_one_violation_of_all_its_egos() -> None:
     assert log.count_new(evaluated(0, proposal, (0.0, 0.0, 0.0), verdicts)) == 1
 
 
+def test_routes_are_told_apart_of_egos_that_are_called_otherwise() -> None:
+    renamed = {f"ego_{i}": name for i, name in enumerate(("mine", "ego_2", "ego_2.1"))}
+    blocks = tuple(replace(b, actor=renamed.get(b.name, b.actor)) for b in SPACE.blocks)
+    log = ViolationLog(Chromosome(GeneSpace(blocks), None))
+    first, other = at_paths(1, 2, 3), at_paths(1, 2, 4)
+    for ego, new in (("mine", False), ("ego_2", False), ("ego_2.1", True)):
+        keys = {log.key(violated("red_light", ego), values) for values in (first, other)}
+        assert (len(keys) == 2) == new
+
+
 def test_actors_that_no_gene_stands_for_are_alike() -> None:
     assert news(
         (at_paths(1), violated("collision", "ego_0", "background_7")),

@@ -130,13 +130,16 @@ class CommonRoadAdapter:
         """Gives x, y, yaw, speed, acceleration, wheel angle, yaw rate of the rear axle."""
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         speed = max(observation.speed, 0.0)
+        # Who has just come to a stand brakes still: whatever is planned from there drives backwards
+        # at first, and is refused.
+        braking = -6.0 if speed > _STANDING else 0.0
         now = np.array(
             [
                 x - self._half_base * math.cos(yaw),
                 y - self._half_base * math.sin(yaw),
                 yaw,
                 speed,
-                min(max(observation.acceleration, -6.0), 3.0),
+                min(max(observation.acceleration, braking), 3.0),
                 observation.steer,
                 speed * math.tan(observation.steer) / self._context.vehicle.wheelbase,
             ]

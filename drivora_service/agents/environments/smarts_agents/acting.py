@@ -23,12 +23,25 @@ PERIOD = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """Where a policy wants to be ``PERIOD`` after ``time``."""
+    """Where a policy wants to be ``PERIOD`` after ``time``.
+
+    Attributes:
+        pace: x, y and yaw a second, on the way there.
+    """
 
     x: float
     y: float
     yaw: float
     time: float
+    pace: tuple[float, float, float]
+
+
+def target_of(observation: Observation, x: float, y: float, yaw: float) -> Target:
+    """Gives the target of a policy that wants to go to a pose from where it is."""
+    from_x, from_y, from_yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
+    turn = math.remainder(yaw - from_yaw, math.tau)
+    way = (x - from_x) / PERIOD, (y - from_y) / PERIOD, turn / PERIOD
+    return Target(x=x, y=y, yaw=yaw, time=observation.time, pace=way)
 
 
 def pose_of(answer: Iterable[SupportsFloat]) -> tuple[float, float, float]:
@@ -53,6 +66,8 @@ def step_towards(
 ) -> PoseControl:
     """Gives where to be after this step: on the way to the target, and no faster than allowed.
 
+    A step that ends later than the target was to be reached goes on beyond it at the same pace.
+
     Args:
         target: Of the policy.
         observation: Of this step.
@@ -60,10 +75,15 @@ def step_towards(
         allowed: m/s.
     """
     x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
-    left = max(target.time + PERIOD - observation.time, step_length)
-    share = step_length / left
+    left = max(target.time + PERIOD - observation.time, 0.0)
+    beyond = max(step_length - left, 0.0)
+    share = step_length / max(left, step_length)
     dx, dy = share * (target.x - x), share * (target.y - y)
     turn = share * math.remainder(target.yaw - yaw, math.tau)
+    if beyond > 1e-9:
+        dx, dy, turn = (
+            part + beyond * pace for part, pace in zip((dx, dy, turn), target.pace, strict=True)
+        )
     wanted, most = math.hypot(dx, dy), allowed * step_length
     if wanted > most:
         dx, dy, turn = (part * most / wanted for part in (dx, dy, turn))

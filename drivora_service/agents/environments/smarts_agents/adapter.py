@@ -14,6 +14,7 @@ from drivora_service.agents.environments.smarts_agents.acting import (
     allowed_speed,
     pose_of,
     step_towards,
+    target_of,
 )
 from drivora_service.agents.environments.smarts_agents.facing import facing
 from drivora_service.agents.environments.smarts_agents.observing import Observer
@@ -74,7 +75,7 @@ class SmartsAdapter:
         away = np.hypot(x - observation.ego[Col.X], y - observation.ego[Col.Y])
         self._log.row[0] = away / PERIOD
         self._log.row[2] = len(scene.waypoint_paths)
-        return Target(x=x, y=y, yaw=to_yaw(heading), time=observation.time)
+        return target_of(observation, x, y, to_yaw(heading))
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ class ViolationLog:
 
     def __init__(self, chromosome: Chromosome) -> None:
         self._chromosome = chromosome
-        self._blocks = {block.name: block for block in chromosome.space.blocks}
+        self._blocks = {block.actor: block for block in chromosome.space.blocks}
         self._seen: set[Key] = set()
 
     def count_new(self, evaluation: Evaluation) -> int:
