@@ -23,6 +23,7 @@ BEYOND_THE_SCHEMA = frozenset(
         "agent's parameters",
         "parameters of an agent in the scenario",
         "unknown oracle",
+        "misspelt oracle",
         "oracle twice",
         "scenario of another town",
         "unknown model",
