@@ -98,7 +98,7 @@ class OracleError(DrivoraError):
         log: The end of its traceback.
     """
 
-    def __init__(self, message: str, *, cause: str, log: str = "") -> None:
+    def __init__(self, message: str, *, cause: str = "oracle_raised", log: str = "") -> None:
         self.cause, self.log = cause, log
         super().__init__(message)
 

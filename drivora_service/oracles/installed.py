@@ -65,7 +65,8 @@ class InstalledOracle:
                 raise self._refusal(f"with a {type(part).__name__}; allowed: a tuple of Verdict")
         try:
             return tuple(plain_verdict(verdict) for verdict in answer)
-        except ValueError as error:
+        except Exception as error:
+            # Evidence may hold objects of the package, which do what they like when they are read.
             raise self._refusal(f"a verdict that cannot be stored: {error}") from error
 
     def _problems(self, verdicts: tuple[Verdict, ...], run: RunView) -> Iterator[str]:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from functools import partial
 from typing import Any
 
+from pydantic_core import to_jsonable_python
+
 from drivora_service.errors import OracleError, UnknownName
 from drivora_service.oracles.catalogue import default_oracles
 from drivora_service.oracles.installed import InstalledOracle, traceback_of
@@ -27,7 +29,7 @@ class OracleEntry:
 
     Attributes:
         description: One sentence for people.
-        thresholds: By name; SI units.
+        thresholds: By name, as JSON has them; SI units.
         package: That brings it; "" for a built-in one.
         reason: Why it cannot judge, which then no run can be; "" if it can.
     """
@@ -158,7 +160,10 @@ def _plugin(oracle: Oracle) -> OraclePlugin:
 
 
 def _thresholds(oracle: object) -> dict[str, Any]:
-    """Gives the fields of an oracle that is a dataclass."""
+    """Gives the fields of an oracle that is a dataclass; as text what JSON has not."""
     if not is_dataclass(oracle):
         return {}
-    return {threshold.name: getattr(oracle, threshold.name) for threshold in fields(oracle)}
+    return {
+        threshold.name: to_jsonable_python(getattr(oracle, threshold.name, None), fallback=repr)
+        for threshold in fields(oracle)
+    }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -95,6 +95,18 @@ MOODS: dict[str, Callable[[RunView, tuple[Verdict, ...]], Any]] = {
 }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Peculiar(TopSpeed):
+    """Has thresholds that JSON has not."""
+
+    table: Any = np.int64
+    never: float = field(init=False)
+
+    @property
+    def name(self) -> str:
+        return "peculiar"
+
+
 def broken() -> Oracle:
     raise RuntimeError("no such file")
 
@@ -105,6 +117,7 @@ def _named(name: str, create: Callable[[], Any]) -> OraclePlugin:
 
 top_speed = _named("top_speed", TopSpeed)
 moody = _named("moody", Moody)
+peculiar = _named("peculiar", Peculiar)
 collision = _named("collision", TopSpeed)
 not_a_plugin = TopSpeed()
 misnamed = _named("other", TopSpeed)

@@ -96,6 +96,14 @@ def test_installed_oracles_judge_after_the_others_by_their_names(
     assert dict(entry.thresholds) == {"limit": 5.0}
 
 
+def test_thresholds_are_listed_as_json_has_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install_oracles(tmp_path, monkeypatch, "peculiar")
+    thresholds = dict(OracleCatalogue().entry("peculiar").thresholds)
+    assert thresholds == {"limit": 5.0, "table": "<class 'numpy.int64'>", "never": None}
+
+
 @pytest.mark.parametrize(
     ("point", "message"),
     [
