@@ -92,15 +92,15 @@ class _UsedStamp:
         return stamp, self._used
 
 
-class GivenFolder(_UsedStamp, UserProvidedCacheLocator):  # type: ignore[misc] # numba has no types
+class GivenFolder(_UsedStamp, UserProvidedCacheLocator):
     """Keeps machine code where ``NUMBA_CACHE_DIR`` says."""
 
 
-class BesideSource(_UsedStamp, InTreeCacheLocator):  # type: ignore[misc] # numba has no types
+class BesideSource(_UsedStamp, InTreeCacheLocator):
     """Keeps machine code beside the module."""
 
 
-class UsersFolder(_UsedStamp, UserWideCacheLocator):  # type: ignore[misc] # numba has no types
+class UsersFolder(_UsedStamp, UserWideCacheLocator):
     """Keeps machine code in the user's cache, where the module's folder cannot be written."""
 
 
