@@ -1,15 +1,33 @@
-"""Compiling the numeric kernels of the step loop to machine code."""
+"""Compiling the numeric kernels of the step loop to machine code, and keeping it on disk.
+
+A kernel is compiled together with the kernels and constants of other modules that it uses. What is
+kept of it must not outlive a change of those, be it by an upgrade or by an edit: the compiler's own
+cache looks at the file of the kernel alone.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import sys
 from collections.abc import Callable
-from typing import TypeVar, cast
+from enum import Enum
+from functools import lru_cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any, TypeVar, cast
 
 from numba import config, njit
+from numba.core.caching import (
+    InTreeCacheLocator,
+    UserProvidedCacheLocator,
+    UserWideCacheLocator,
+)
+from numba.core.dispatcher import Dispatcher
 
-# Before anything is compiled: results do not depend on what a machine's processor can do, and what
-# one process has compiled all others find on the disk.
-vars(config).update(CPU_NAME="generic", CPU_FEATURES="")
+_MARK = "drivora_kernel"
+"""Attribute of functions that are compiled here; those of other packages are not our business."""
+
+_CONSTANTS = (bool, int, float, str, tuple)
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -20,4 +38,78 @@ def compiled(function: Function) -> Function:
     No fast-math: results must not depend on the order in which the compiler likes to add. Division
     by zero gives an infinity, as in NumPy.
     """
+    setattr(function, _MARK, True)
     return cast("Function", njit(cache=True, error_model="numpy")(function))
+
+
+def used_by(function: FunctionType) -> str:
+    """Gives a digest of what a kernel may use: the files of kernels, and the values of constants.
+
+    Kernels and constants of other modules are imported before the function that uses them is made;
+    those of its own module are in its file.
+    """
+    digest = hashlib.sha256()
+    for part in sorted(_parts(function.__globals__, frozenset({function.__module__}))):
+        digest.update(part.encode())
+    return digest.hexdigest()
+
+
+def _parts(names: dict[str, Any], known: frozenset[str]) -> set[str]:
+    parts = {_file_digest(str(names["__file__"]))}
+    for name, value in names.items():
+        if isinstance(value, Dispatcher):
+            module = str(value.py_func.__module__)
+            if module not in known:
+                parts |= _parts(vars(sys.modules[module]), known | {module})
+        elif isinstance(value, type) and issubclass(value, Enum):
+            parts.add(f"{name}: {[(member.name, member.value) for member in value]}")
+        elif isinstance(value, _CONSTANTS) and not name.startswith("__"):
+            parts.add(f"{name}: {value!r}")
+    return parts
+
+
+@lru_cache(maxsize=256)
+def _file_digest(path: str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+class _UsedStamp:
+    """Has what is kept of a kernel hang on all that it was compiled from."""
+
+    _used: str = ""
+
+    @classmethod
+    def from_function(cls, function: Any, path: str) -> Any:
+        """Gives where a function is kept; ``None`` if not here."""
+        found = super().from_function(function, path)  # type: ignore[misc] # of the other base
+        if found is not None and hasattr(function, _MARK):
+            found._used = used_by(function)
+        return found
+
+    def get_source_stamp(self) -> object:
+        """Gives what must be the same for a kept function to be used."""
+        stamp: object = super().get_source_stamp()  # type: ignore[misc] # of the other base
+        return stamp, self._used
+
+
+class GivenFolder(_UsedStamp, UserProvidedCacheLocator):
+    """Keeps machine code where ``NUMBA_CACHE_DIR`` says."""
+
+
+class BesideSource(_UsedStamp, InTreeCacheLocator):
+    """Keeps machine code beside the module."""
+
+
+class UsersFolder(_UsedStamp, UserWideCacheLocator):
+    """Keeps machine code in the user's cache, where the module's folder cannot be written."""
+
+
+# Before anything is compiled: results do not depend on what a machine's processor can do, and what
+# one process has compiled all others find on the disk.
+vars(config).update(
+    CPU_NAME="generic",
+    CPU_FEATURES="",
+    CACHE_LOCATOR_CLASSES=", ".join(
+        f"{__name__}.{locator.__name__}" for locator in (GivenFolder, BesideSource, UsersFolder)
+    ),
+)

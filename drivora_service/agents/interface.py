@@ -127,7 +127,8 @@ class TrajectoryControl(NamedTuple):
     """A trajectory to track.
 
     Attributes:
-        points: (n, 4) time from now (s), x, y (m), speed (m/s); times ascend.
+        points: (n, 4) time from now (s), x, y (m), speed (m/s); times ascend. The heading is that
+            of the way; where all places are one, it stays as it is.
     """
 
     points: FloatArray

@@ -1,4 +1,4 @@
-"""Runs SUMO's netconvert, which only the extra ``drivora[networks]`` brings."""
+"""Runs SUMO's netconvert, which only the extra ``networks`` brings."""
 
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ def _sumo_home() -> Path:
 
 def _missing() -> NetworkError:
     return NetworkError(
-        "netconvert is not installed; it comes with the extra: pip install 'drivora[networks]'"
+        "netconvert is not installed; it comes with an extra: pip install '.[networks]' in the "
+        "checkout"
     )
 
 

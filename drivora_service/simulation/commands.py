@@ -21,6 +21,8 @@ from drivora_service.simulation.dynamics import CommandMode
 FloatArray = NDArray[np.float64]
 
 _DRIVE = int(CommandMode.DRIVE)
+_NOWHERE = 1e-6
+"""Metres below which two places of a trajectory are one."""
 
 
 def write_command(control: Control, model: ActorModel, dt: float, command: FloatArray) -> int:
@@ -63,7 +65,7 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
         mode = CommandMode.POSE
     elif isinstance(control, TrajectoryControl):
         _write_trajectory(control, dt, command)
-        mode = CommandMode.POSE
+        return int(CommandMode.POSE)
     else:
         raise _invalid(
             f"the agent answered {type(control).__name__}; allowed: PedalControl, "
@@ -88,9 +90,11 @@ def _write_trajectory(control: TrajectoryControl, dt: float, command: FloatArray
     x, y, speed = (float(np.interp(0.0, here, points[:, k])) for k in (1, 2, 3))
     ahead_x, ahead_y = (float(np.interp(soon, here, points[:, k])) for k in (1, 2))
     dx, dy = ahead_x - x, ahead_y - y
-    if math.hypot(dx, dy) < 1e-6:
+    if math.hypot(dx, dy) < _NOWHERE:
         dx, dy = points[-1, 1] - points[0, 1], points[-1, 2] - points[0, 2]
-    command[:] = (x, y, math.atan2(dy, dx), speed)
+    # Who stops has no direction to go in, and keeps the one that it has.
+    yaw = math.atan2(dy, dx) if math.hypot(dx, dy) >= _NOWHERE else math.nan
+    command[:] = (x, y, yaw, speed)
 
 
 def _invalid(message: str) -> AgentError:

@@ -70,7 +70,7 @@ class CommandMode(IntEnum):
     DRIVE = 1
     """(acceleration m/s², front-wheel angle)."""
     POSE = 2
-    """(x, y, yaw, speed or NaN)."""
+    """(x, y, yaw or NaN, speed or NaN); NaN keeps the heading, or goes with the way."""
     EXTERNAL = 3
     """The row is moved by someone else."""
 
@@ -143,7 +143,7 @@ def _drive_to_pose(
     scale = speed / wanted if wanted > speed else 1.0
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
-    turn = _wrap(command[2] - body[2])
+    turn = 0.0 if math.isnan(command[2]) else _wrap(command[2] - body[2])
     most = (grip / speed if speed > 1.0 else grip) * dt
     turn = min(max(turn, -most), most)
     if speed < 0.05:
