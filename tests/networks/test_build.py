@@ -87,5 +87,5 @@ def test_a_missing_netconvert_names_the_extra(
 ) -> None:
     # None in sys.modules is how Python marks a package that cannot be imported.
     monkeypatch.setitem(sys.modules, "sumo", None)
-    with pytest.raises(NetworkError, match=r"drivora\[networks\]"):
+    with pytest.raises(NetworkError, match=r"pip install '\.\[networks\]'"):
         differing(copied)

@@ -234,7 +234,7 @@ def test_only_conversions_need_netconvert(
     monkeypatch.setitem(sys.modules, "sumo", None)
     osm = tmp_path / "quarter.osm"
     osm.write_text(OSM, encoding="utf-8")
-    with pytest.raises(NetworkError, match=r"drivora\[networks\]"):
+    with pytest.raises(NetworkError, match=r"pip install '\.\[networks\]'"):
         import_network(osm, "quarter", tmp_path / "networks")
     source = repository / "sumo_nets" / "tee-town" / "tee-town.net.xml"
     import_network(source, "town", tmp_path / "networks")
