@@ -335,7 +335,12 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
 
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
-    lines = list(read(options.results))
+    twins = {twin.name for twin in TWINS}
+    lines = [
+        line
+        for line in read(options.results)
+        if options.twins or line["figures"]["group"] not in twins
+    ]
     for egos in dict.fromkeys(scene.egos for scene in SCENES):
         figures: list[CampaignFigures] = []
         for scene in SCENES:
@@ -379,6 +384,7 @@ def main() -> None:
         nargs="+",
         default=["at_fault", "clusters", "situations", "kinds", "rules", "first_failure"],
     )
+    showing.add_argument("--twins", action="store_true", help="also without feedback")
     showing.add_argument("--equal-time", action="store_true", help="not at equal simulations")
     showing.set_defaults(do=show)
     options = parser.parse_args()
