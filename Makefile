@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-fast lint types contracts schema protocol networks lock clean
+.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks lock clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -33,12 +33,12 @@ $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
 demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failures
 	$(BIN)/drivora demo
 
-test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, all tests
+test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, tests
 	$(BIN)/drivora schema --check
-	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal
-
-test-fast: $(DEV_STAMP) ## The tests without the slow ones
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow"
+
+test-slow: $(DEV_STAMP) ## The slow tests, which CI runs as well
+	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
 
 lint: $(DEV_STAMP)
 	$(BIN)/ruff check .
