@@ -80,6 +80,21 @@ class ValidCampaign:
     network: RoadNetwork
     notes: tuple[str, ...]
 
+    def notes_for(self, workers: int | None) -> tuple[str, ...]:
+        """Gives the notes, and one more if the search cannot keep so many workers busy.
+
+        Args:
+            workers: That will run it; ``None``: not known.
+        """
+        most = self.campaign.lookahead
+        if workers is None or workers <= most:
+            return self.notes
+        return (
+            *self.notes,
+            f"a lookahead of {most} keeps at most {most} of {workers} workers busy; a greater one, "
+            "which changes the search, keeps more",
+        )
+
 
 def read_campaign(
     data: str | bytes | Mapping[str, Any],

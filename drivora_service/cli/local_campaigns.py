@@ -24,9 +24,14 @@ from drivora_service.worker_settings import run_limits, worker_setup
 
 
 def create_campaign(
-    campaigns: StoredCampaigns, path: Path
+    campaigns: StoredCampaigns, path: Path, *, workers: int | None
 ) -> tuple[CampaignRecord, tuple[str, ...]]:
     """Reads a campaign file and stores its campaign; gives notes for people as well.
+
+    Args:
+        campaigns: The data folder.
+        path: The file.
+        workers: In place of the campaign's own number.
 
     Raises:
         ConfigurationError: The file cannot be read.
@@ -38,8 +43,9 @@ def create_campaign(
     valid = read_campaign(read_campaign_file(path), catalogues)
     # What the space and the tester refuse, they shall refuse before anything is stored.
     prepare_search(valid, catalogues, run_prefix="")
+    notes = valid.notes_for(workers or valid.campaign.workers or campaigns.settings.workers)
     with campaigns.database.write() as transaction:
-        return transaction.campaigns.create(new_campaign(valid)), valid.notes
+        return transaction.campaigns.create(new_campaign(valid)), notes
 
 
 def run_campaign(

@@ -14,6 +14,7 @@ from drivora_service.cli.commands import (
     campaign,
     demo,
     networks,
+    oracles,
     plot,
     run,
     schema,
@@ -64,6 +65,7 @@ app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)
 app.add_typer(agents.app, name="agents", epilog=EPILOG)
 app.add_typer(testers.app, name="testers", epilog=EPILOG)
+app.add_typer(oracles.app, name="oracles", epilog=EPILOG)
 app.add_typer(store.app, name="store", epilog=EPILOG)
 app.add_typer(tokens.app, name="tokens", epilog=EPILOG)
 

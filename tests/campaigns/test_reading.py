@@ -197,6 +197,16 @@ def test_little_has_to_be_said(content: dict[str, Any], catalogues: Catalogues) 
     assert (campaign.lookahead, campaign.workers, campaign.agent) == (8, None, None)
 
 
+def test_workers_that_would_be_idle_are_told_of(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["lookahead"] = 4
+    valid = read_campaign(content, catalogues)
+    assert valid.notes_for(None) == valid.notes_for(4) == valid.notes
+    (*_, note) = valid.notes_for(5)
+    assert "at most 4 of 5 workers" in note
+
+
 def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalogues) -> None:
     content["agent"] = {"name": "idm", "parameters": {"speed_factor": 0.5}}
     second = copy.deepcopy(content["scenario"]["ego_vehicles"][0])

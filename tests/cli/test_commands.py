@@ -180,6 +180,20 @@ def test_testers(drivora: Drivora, service_url: str) -> None:
     assert drivora("testers", "show", "nobody").code == 2
 
 
+def test_oracles(drivora: Drivora, service_url: str) -> None:
+    here = drivora("oracles", "list", "--json").json()
+    assert here == drivora("oracles", "list", "--server", service_url, "--json").json()
+    listed = drivora("oracles", "list").out
+    assert [line.split()[0] for line in listed.splitlines() if " built in " in line] == [
+        oracle["name"] for oracle in here
+    ]
+    shown = drivora("oracles", "show", "speeding")
+    (speeding,) = [oracle for oracle in here if oracle["name"] == "speeding"]
+    assert all(f" {key} " in shown.out for key in speeding["thresholds"])
+    assert drivora("oracles", "show", "speeding", "--json").json() == speeding
+    assert drivora("oracles", "show", "nothing").code == 2
+
+
 def test_the_schemas_are_printed_and_checked(drivora: Drivora) -> None:
     assert drivora("schema").json()["title"].startswith("OpenScenario")
     assert drivora("schema", "campaign").json()["title"].startswith("Campaign")

@@ -92,7 +92,7 @@ def validate_campaign(
         tester=valid.campaign.tester.name,
         town=valid.network.name,
         genes=len(search.candidates.genes),
-        notes=valid.notes,
+        notes=valid.notes_for(valid.campaign.workers),
     )
 
 
@@ -193,4 +193,5 @@ def _campaign(
 ) -> Campaign:
     record = transaction.campaigns.get(campaign_id)
     kinds = transaction.campaign_views.kinds(campaign_id)
-    return campaign_view(record, kinds, PREFIX, notes=() if valid is None else valid.notes)
+    notes = () if valid is None else valid.notes_for(valid.campaign.workers)
+    return campaign_view(record, kinds, PREFIX, notes=notes)

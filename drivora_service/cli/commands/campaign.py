@@ -78,7 +78,7 @@ def run(
 
     with StoredCampaigns(data_dir) as campaigns:
         with _problems_of(file):
-            record, notes = create_campaign(campaigns, file)
+            record, notes = create_campaign(campaigns, file, workers=workers)
         _announce(record, notes)
         _work(
             campaigns,

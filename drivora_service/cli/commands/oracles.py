@@ -1,0 +1,83 @@
+"""``drivora oracles``."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any
+
+import typer
+
+from drivora_service.cli.options import ServerOption
+from drivora_service.cli.output import JsonOption, print_json, print_table
+from drivora_service.errors import UnknownName
+
+app = typer.Typer(help="The rules that runs are judged by.", no_args_is_help=True)
+
+
+@app.command("list")
+def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None:
+    """Lists the oracles in the order of judging."""
+    oracles = _oracles(server)
+    if as_json:
+        print_json(oracles)
+        return
+    print_table(
+        "",
+        ("name", "package", "usable", "description"),
+        (
+            (
+                oracle["name"],
+                oracle["package"] or "built in",
+                "yes" if oracle["installed"] else f"no: {oracle['reason']}",
+                oracle["description"],
+            )
+            for oracle in oracles
+        ),
+    )
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an oracle.")],
+    server: ServerOption = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Shows an oracle with its thresholds."""
+    oracles = {oracle["name"]: oracle for oracle in _oracles(server)}
+    if name not in oracles:
+        raise UnknownName("oracle", name, tuple(oracles))
+    oracle = oracles[name]
+    if as_json:
+        print_json(oracle)
+        return
+    print(f"{oracle['name']}: {oracle['description'] or oracle['reason']}")
+    if oracle["thresholds"]:
+        print_table(
+            "",
+            ("threshold", "value (SI units)"),
+            ((key, json.dumps(value)) for key, value in oracle["thresholds"].items()),
+        )
+
+
+def _oracles(server: str) -> list[dict[str, Any]]:
+    if server:
+        from drivora_service.cli.client import ServiceClient
+
+        with ServiceClient(server) as client:
+            listed: list[dict[str, Any]] = client.get("/oracles")["items"]
+            return listed
+    from drivora_service.oracles.plugins import OracleCatalogue
+
+    catalogue = OracleCatalogue()
+    # The printed form is that of the HTTP API.
+    return [
+        {
+            "name": entry.name,
+            "description": entry.description,
+            "thresholds": dict(entry.thresholds),
+            "package": entry.package,
+            "installed": not entry.reason,
+            "reason": entry.reason,
+        }
+        for entry in map(catalogue.entry, catalogue.names())
+    ]
