@@ -63,6 +63,11 @@ class PluginTable(Generic[P]):
         point = self._found.get(name)
         return "" if point is None or point.dist is None else point.dist.name
 
+    def versions(self, name: str) -> dict[str, str]:
+        """Gives the package that brings a plug-in, with its version; nothing if none does."""
+        point = self._found.get(name)
+        return {} if point is None or point.dist is None else {point.dist.name: point.dist.version}
+
     def plugin(self, name: str) -> P:
         """Gives a plug-in.
 

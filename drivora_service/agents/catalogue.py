@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -102,13 +103,17 @@ class AgentCatalogue:
             fetched = self._fetched.get(name)
             if fetched is not None:
                 files = installed_files(name, fetched.files, self._folder)
-                return fetched.entry if files is not None else _not_installed(fetched.entry)
+                entry = replace(fetched.entry, version=version("drivora"))
+                return entry if files is not None else _not_installed(entry)
             manifest = self._manifest(name)
             if manifest is not None:
                 python = environment_python(manifest, self._folder)
                 entry = _manifest_entry(manifest)
+                if name in self._shipped:
+                    entry = replace(entry, version=version("drivora"))
                 return entry if python is not None else _not_installed(entry)
-            return self._plugin(name).entry
+            (told,) = self._table.versions(name).values() or (version("drivora"),)
+            return replace(self._plugin(name).entry, version=told)
         except AgentError as error:
             return AgentEntry(
                 name=name,
@@ -123,6 +128,20 @@ class AgentCatalogue:
     def entries(self) -> tuple[AgentEntry, ...]:
         """Gives all entries, by name."""
         return tuple(self.entry(name) for name in self.names())
+
+    def versions(self, name: str) -> dict[str, str]:
+        """Gives the version of an agent by the name of its package, or by its own.
+
+        Returns:
+            Nothing for those that Drivora brings, nor where the manifest tells none.
+
+        Raises:
+            AgentError: If its manifest cannot be used.
+        """
+        manifest = None if name in self._shipped else self._manifest(name)
+        if manifest is None:
+            return self._table.versions(name)
+        return {name: manifest.version} if manifest.version else {}
 
     def availability(self) -> AgentDirectory:
         """Gives what documents are checked against; looked up when asked."""
@@ -290,6 +309,7 @@ def _manifest_entry(manifest: AgentManifest) -> AgentEntry:
         description=manifest.description,
         source=manifest.source,
         licence=manifest.licence,
+        version=manifest.version,
     )
 
 

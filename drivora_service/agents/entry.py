@@ -21,6 +21,7 @@ class AgentEntry:
 
     Attributes:
         source: Where it comes from: paper, package.
+        version: Of the package that brings it, or what its manifest says; "" if that says nothing.
         installed: Whether it can be run here.
         reason: Why not, or "".
         privileged: Whether it sees more than the perception model lets through.
@@ -31,6 +32,7 @@ class AgentEntry:
     description: str
     source: str
     licence: str
+    version: str = ""
     installed: bool = True
     reason: str = ""
     privileged: bool = False

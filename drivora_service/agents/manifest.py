@@ -51,6 +51,7 @@ class AgentManifest:
 
     Attributes:
         folder: Where the manifest lies.
+        version: Of the ADS, "" if it tells none.
         command: What starts it, placeholders and all; empty where somebody else runs it.
         variables: Environment variables that it gets.
         settings: Names of the operator's environment variables that it gets, of those that begin
@@ -69,6 +70,7 @@ class AgentManifest:
     source: str
     licence: str
     folder: Path
+    version: str = ""
     command: tuple[str, ...] = ()
     variables: tuple[tuple[str, str], ...] = ()
     settings: tuple[str, ...] = ()
@@ -98,6 +100,7 @@ class _Manifest(BaseModel):
     description: _Text
     source: _Text
     licence: _Text
+    version: Annotated[str, Field(strict=True, min_length=1, max_length=200)] | None = None
     command: tuple[_Text, ...] = ()
     variables: dict[_Variable, Annotated[str, Field(strict=True)]] = {}
     settings: tuple[Annotated[str, Field(strict=True, pattern=_SETTING)], ...] = ()
@@ -155,6 +158,7 @@ def _manifest(text: bytes, path: Path, name: str) -> AgentManifest:
         description=document.description,
         source=document.source,
         licence=document.licence,
+        version=document.version or "",
         folder=path.parent.resolve(),
         command=document.command,
         variables=tuple(document.variables.items()),

@@ -204,6 +204,7 @@ AGENTS = catalogues.AgentList(
             description="Follows its route with the Intelligent Driver Model",
             source="",
             licence="Apache-2.0",
+            version="0.1.0",
             parameters=(
                 catalogues.AgentParameter(
                     name="speed_factor",

@@ -72,6 +72,7 @@ class ValidCampaign:
         seed: The scenario to begin with, driven by the campaign's agent.
         network: The road network that it takes place on.
         notes: What was interpreted on the way, for people.
+        versions: Of the packages and ADSs that it names and Drivora does not bring, by name.
     """
 
     document: CampaignDocument
@@ -79,6 +80,7 @@ class ValidCampaign:
     seed: Scenario
     network: RoadNetwork
     notes: tuple[str, ...]
+    versions: Mapping[str, str]
 
     def notes_for(self, workers: int | None) -> tuple[str, ...]:
         """Gives the notes, and one more if the search cannot keep so many workers busy.
@@ -134,13 +136,29 @@ def read_campaign(
     if problems or document is None or scenario is None:
         raise InvalidDocument(in_document_order(problems, content))
     campaign = to_campaign(document)
+    seed = _driven_by(campaign, scenario.scenario)
     return ValidCampaign(
         document=document,
         campaign=campaign,
-        seed=_driven_by(campaign, scenario.scenario),
+        seed=seed,
         network=scenario.network,
         notes=scenario.notes,
+        versions=_versions(campaign, seed, catalogues),
     )
+
+
+def _versions(campaign: Campaign, seed: Scenario, catalogues: Catalogues) -> dict[str, str]:
+    tester = campaign.tester
+    found = {
+        **catalogues.testers.versions(tester.name),
+        **mutation_plugins().versions(tester.mutation),
+        **selection_plugins().versions(tester.selection),
+    }
+    for oracle in campaign.oracles:
+        found |= catalogues.oracles.versions(oracle)
+    for ego in seed.ego_vehicles:
+        found |= catalogues.agents.versions(ego.agent.name)
+    return found
 
 
 def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, list[Problem]]:

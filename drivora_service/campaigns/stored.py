@@ -33,7 +33,7 @@ def new_campaign(valid: ValidCampaign) -> NewCampaign:
         town=valid.network.name,
         network_sha256=valid.network.sha256,
         budget=campaign.budget,
-        versions=search_versions(),
+        versions={**search_versions(), **valid.versions},
     )
 
 
@@ -73,7 +73,7 @@ def run_stored(
         try:
             valid = read_campaign(record.document, catalogues)
             _refuse_other_network(record, valid)
-            _refuse_other_versions(record)
+            _refuse_other_versions(record, valid)
             search = prepare_search(valid, catalogues, run_prefix=campaign_id)
             with evaluator(valid.campaign.workers) as evaluating:
                 state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
@@ -115,9 +115,9 @@ def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
         )
 
 
-def _refuse_other_versions(record: CampaignRecord) -> None:
+def _refuse_other_versions(record: CampaignRecord, valid: ValidCampaign) -> None:
     """Refuses to go on with a campaign that would have gone another way from its begin."""
-    now = search_versions()
+    now = {**search_versions(), **valid.versions}
     changed = [
         f"{name} was {then} and is {now.get(name, 'not there')}"
         for name, then in sorted(record.versions.items())

@@ -6,6 +6,7 @@ Whatever an agent or a document does, the answer is a report.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -69,10 +70,17 @@ def _versions() -> dict[str, str]:
 
 
 @dataclass(slots=True)
-class _Clock:
-    """Wall time of a run's parts, seconds."""
+class _Course:
+    """What is known of a run before its report.
+
+    Attributes:
+        started: Wall time at its begin, seconds.
+        stepping: Wall time that its steps took, seconds.
+        versions: Of what takes part, by name.
+    """
 
     started: float
+    versions: Mapping[str, str]
     stepping: float = 0.0
 
 
@@ -94,17 +102,17 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     cells[3] += 1
     cells[1] = cells[2] = 0
     cells[0] = Phase.PREPARING
-    clock = _Clock(time.perf_counter())
+    course = _Course(started=time.perf_counter(), versions=_versions())
     try:
-        return _perform(spec, setup, cells, clock)
+        return _perform(spec, setup, cells, course)
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
-        return _failed(spec, RunStatus.AGENT_FAILED, failure, clock)
+        return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
     except OracleError as error:
-        return _failed(spec, RunStatus.ORACLE_FAILED, _oracle_failure(error), clock)
+        return _failed(spec, RunStatus.ORACLE_FAILED, _oracle_failure(error), course)
     except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
-        return _failed(spec, RunStatus.INVALID, failure, clock)
+        return _failed(spec, RunStatus.INVALID, failure, course)
     finally:
         cells[0] = Phase.IDLE
 
@@ -113,15 +121,21 @@ def _perform(
     spec: RunSpec,
     setup: WorkerSetup,
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
-    clock: _Clock,
+    course: _Course,
 ) -> RunReport:
+    oracles = _oracles()
     # An oracle that cannot be loaded is known before a simulation is spent on it.
-    installed = _oracles().installed() if setup.installed_oracles else ()
+    installed = oracles.installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
     network = _networks(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
     catalogue = _agents(setup)
     catalogue.begin_run()
+    course.versions = {
+        **course.versions,
+        **_versions_of(catalogue, (ego.agent.name for ego in scenario.ego_vehicles)),
+        **_versions_of(oracles, (oracle.name for oracle in installed)),
+    }
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else _feedbacks().create(spec.feedback)
     episode = Episode(
@@ -134,10 +148,10 @@ def _perform(
     begun = time.perf_counter()
     while not episode.done:
         episode.step()
-    clock.stepping = time.perf_counter() - begun
+    course.stepping = time.perf_counter() - begun
     cells[0] = Phase.JUDGING
     trace = episode.finish()
-    trace.meta["versions"] = _versions()
+    trace.meta["versions"] = course.versions
     if spec.trace_path:
         write_trace(trace, Path(spec.trace_path))
     steps = max(trace.step_count - 1, 1)
@@ -153,15 +167,15 @@ def _perform(
         trace_sha256=trace_sha256(trace),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),
-        wall_time_s=time.perf_counter() - clock.started,
-        step_cost_us=1e6 * clock.stepping / steps,
+        wall_time_s=time.perf_counter() - course.started,
+        step_cost_us=1e6 * course.stepping / steps,
         agent_cost_us={ego: 1e6 * spent / steps for ego, spent in episode.agent_seconds().items()},
         privileged=tuple(
             ego.id
             for ego, sees_all in zip(scenario.ego_vehicles, trace.privileged, strict=True)
             if sees_all
         ),
-        versions=_versions(),
+        versions=course.versions,
     )
     try:
         # Last, so that code which is not ours cannot change what the others have seen.
@@ -171,8 +185,17 @@ def _perform(
     return replace(
         report,
         verdicts=(*verdicts, *own),
-        wall_time_s=time.perf_counter() - clock.started,
+        wall_time_s=time.perf_counter() - course.started,
     )
+
+
+def _versions_of(
+    catalogue: AgentCatalogue | OracleCatalogue, names: Iterable[str]
+) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name in names:
+        found |= catalogue.versions(name)
+    return found
 
 
 def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
@@ -203,11 +226,11 @@ def _oracle_failure(error: OracleError) -> RunFailure:
     return RunFailure(cause=error.cause, message=str(error), log=error.log)
 
 
-def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, clock: _Clock) -> RunReport:
+def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, course: _Course) -> RunReport:
     return RunReport(
         run_id=spec.run_id,
         status=status,
         failure=failure,
-        wall_time_s=time.perf_counter() - clock.started,
-        versions=_versions(),
+        wall_time_s=time.perf_counter() - course.started,
+        versions=course.versions,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import textwrap
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -173,6 +174,17 @@ def test_an_installed_package_brings_an_agent() -> None:
 @pytest.mark.usefixtures("installed_package")
 def test_a_package_does_not_replace_a_built_in_agent() -> None:
     assert isinstance(AgentCatalogue().create("idm", {}), IdmAgent)
+
+
+@pytest.mark.usefixtures("installed_package")
+def test_versions_are_those_of_the_packages() -> None:
+    catalogue = AgentCatalogue()
+    assert catalogue.entry("parked").version == "1.0"
+    assert catalogue.versions("parked") == {"parked-agents": "1.0"}
+    ours = {catalogue.entry(name).version for name in ("idm", "puffer-drive", "frenetix")}
+    assert ours == {version("drivora")}
+    for name in ("idm", "puffer-drive", "frenetix"):
+        assert catalogue.versions(name) == {}
 
 
 @pytest.mark.usefixtures("installed_package")

@@ -66,6 +66,8 @@ def test_an_address_stands_in_for_a_command(tmp_path: Path, address: str) -> Non
         ({"name": "../mine"}, "/name", "A-Z"),
         ({"kind": "magic"}, "/kind", "module-based"),
         ({"licence": None}, "/licence", ""),
+        ({"version": 1.1}, "/version", "text"),
+        ({"version": ""}, "/version", ""),
         ({"colour": "red"}, "/colour", ""),
         ({"command": "python drive.py"}, "/command", ""),
         ({"command": []}, "/", "neither"),
@@ -185,6 +187,15 @@ def test_an_operators_agents_are_found_while_the_catalogue_lives(tmp_path: Path)
     assert "mine" in catalogue.names()
     assert (entry.kind, entry.installed, entry.privileged) == (AgentKind.END_TO_END, True, False)
     assert catalogue.availability()["mine"] == ""
+
+
+def test_a_version_is_known_where_the_manifest_tells_it(tmp_path: Path) -> None:
+    catalogue = AgentCatalogue(folder=tmp_path)
+    write(tmp_path, GOOD)
+    assert (catalogue.entry("mine").version, catalogue.versions("mine")) == ("", {})
+    write(tmp_path, {**GOOD, "version": "1.10"})
+    assert catalogue.entry("mine").version == "1.10"
+    assert catalogue.versions("mine") == {"mine": "1.10"}
 
 
 def test_a_broken_manifest_spoils_only_its_own_agent(tmp_path: Path) -> None:

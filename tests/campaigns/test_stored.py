@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
@@ -31,6 +33,7 @@ from drivora_service.store.campaign_records import (
     EvaluationRecord,
 )
 from drivora_service.store.database import Database
+from tests.agents.remote.folders import add_agent
 from tests.campaigns.analytic import sequence
 
 PAUSE, NONE = CampaignRequest.PAUSE, CampaignRequest.NONE
@@ -213,6 +216,23 @@ def test_a_campaign_begun_with_other_versions_does_not_go_on(
         campaigns.run(campaign_id, 1)
     assert "What it found stays" in str(refusal.value)
     assert campaigns.record(campaign_id).counts == before
+
+
+@pytest.mark.slow
+def test_a_campaign_does_not_go_on_with_another_version_of_its_ads(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    agents = campaigns.root / "agents"
+    add_agent(agents, "drives", version="week 47")
+    campaigns.catalogues = replace(campaigns.catalogues, agents=AgentCatalogue(folder=agents))
+    campaign_id = campaigns.create({**content, "agent": {"name": "drives"}, "lookahead": 1})
+    assert campaigns.run(campaign_id, 1, after(1)[0]).state is CampaignState.PAUSED
+    (first,) = campaigns.evaluations(campaign_id)
+    assert first.report.versions["drives"] == "week 47"
+    shutil.rmtree(agents)
+    add_agent(agents, "drives", version="week 48")
+    with pytest.raises(CampaignError, match="drives was week 47 and is week 48"):
+        campaigns.run(campaign_id, 1)
 
 
 def test_what_is_over_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:

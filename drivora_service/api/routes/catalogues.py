@@ -58,6 +58,7 @@ def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
         description=entry.description,
         source=entry.source,
         licence=entry.licence,
+        version=entry.version,
         parameters=None
         if parameters is None
         else tuple(

@@ -74,6 +74,9 @@ class Agent(Schema):
     description: str
     source: str
     licence: str
+    version: str = Field(
+        description="Of the package that brings it, or what its manifest says; else empty."
+    )
     parameters: tuple[AgentParameter, ...] | None = Field(
         description="Documents are checked against them; null where it does not declare them."
     )

@@ -64,6 +64,7 @@ def show(
         return
     print(f"{agent['name']} ({agent['kind']}): {agent['description']}")
     print(f"From: {agent['source']}. Licence: {agent['licence'] or 'none stated'}")
+    print(f"Version: {agent['version'] or 'none stated'}")
     if agent["privileged"]:
         print("It sees everything, not only what the perception model lets through")
     if not agent["installed"]:

@@ -184,6 +184,17 @@ def worker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Perform]:
     assert processes_with([str(agents)]) == []
 
 
+def test_reports_tell_the_version_of_the_ads(agents: Path, perform: Perform) -> None:
+    add_agent(agents, "drives", version="week 47")
+    add_agent(agents, "raises", version="week 48")
+    report = perform(one_ego("drives", seconds=0.5))
+    assert report.versions["drives"] == "week 47"
+    failed = perform(one_ego("raises"))
+    assert failed.status is RunStatus.AGENT_FAILED
+    assert failed.versions["raises"] == "week 48"
+    assert failed.versions["libsumo"] == report.versions["libsumo"]
+
+
 @pytest.mark.parametrize("what", FAILING)
 def test_each_way_to_fail_is_told_apart_and_the_worker_goes_on(worker: Perform, what: str) -> None:
     cause, says, logs = FAILING[what]
