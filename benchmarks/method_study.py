@@ -18,8 +18,8 @@ import json
 import multiprocessing
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TextIO
@@ -64,10 +64,15 @@ class Scene:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arm:
-    """A method on scenes of one kind."""
+    """A method on scenes of one kind.
+
+    Attributes:
+        target: The measure of what its authors want of it.
+    """
 
     tester: str
     egos: str
+    target: str
     feedback: str = "own"
 
     @property
@@ -116,18 +121,14 @@ SCENES = (
     ),
 )
 ARMS = (
-    Arm(tester="random", egos="one ego"),
-    Arm(tester="avfuzzer", egos="one ego"),
-    Arm(tester="behavexplor", egos="one ego"),
-    Arm(tester="samota", egos="one ego"),
-    Arm(tester="random", egos="several egos"),
-    Arm(tester="doppeltest", egos="several egos"),
+    Arm(tester="random", egos="one ego", target="at_fault"),
+    Arm(tester="avfuzzer", egos="one ego", target="at_fault"),
+    Arm(tester="behavexplor", egos="one ego", target="situations"),
+    Arm(tester="samota", egos="one ego", target="rules"),
+    Arm(tester="random", egos="several egos", target="kinds"),
+    Arm(tester="doppeltest", egos="several egos", target="kinds"),
 )
-TWINS = tuple(
-    Arm(tester=arm.tester, egos=arm.egos, feedback="shuffled")
-    for arm in ARMS
-    if arm.tester != "random"
-)
+TWINS = tuple(replace(arm, feedback="shuffled") for arm in ARMS if arm.tester != "random")
 
 
 @cache
@@ -335,34 +336,57 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
 
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
-    twins = {twin.name for twin in TWINS}
-    lines = [
-        line
-        for line in read(options.results)
-        if options.twins or line["figures"]["group"] not in twins
-    ]
-    for egos in dict.fromkeys(scene.egos for scene in SCENES):
-        figures: list[CampaignFigures] = []
-        for scene in SCENES:
-            here = [line for line in lines if line["figures"]["scenario"] == scene.name]
-            if options.equal_time:
-                here = at_equal_time(here)
-            if here and scene.egos == egos:
-                figures += with_groups(here)
-        if len({f.group for f in figures}) < 2:
-            continue
-        print(f"\n### {egos}\n")
-        print("| scene | measure | method | n | median | random | A12 (95 %) | p | p (Holm) |")
-        print("|---|---|---|---|---|---|---|---|---|")
-        measures = [measure(name) for name in options.measure]
-        for row in compare_campaigns(figures, "random", measures):
-            a12 = f"{row.effect.a12:.2f} ({row.effect.low:.2f} to {row.effect.high:.2f})"
-            mark = " *" if row.is_better else ""
-            print(
-                f"| {row.scenario} | {row.measure.title} | {row.group} | "
-                f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
-                f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{mark} |"
+    lines = list(read(options.results))
+    if options.ablation:
+        print_heading("without")
+        for twin in TWINS:
+            print_rows(
+                figures(lines, twin.egos, (twin.tester, twin.name), options.equal_time),
+                twin.name,
+                [twin.target],
             )
+        return
+    for egos in dict.fromkeys(scene.egos for scene in SCENES):
+        arms = [arm.name for arm in ARMS if arm.egos == egos]
+        print(f"\n### {egos}\n")
+        print_heading("random")
+        print_rows(figures(lines, egos, arms, options.equal_time), "random", options.measure)
+
+
+def figures(
+    lines: Sequence[dict[str, Any]], egos: str, groups: Collection[str], equal_time: bool
+) -> list[CampaignFigures]:
+    """Gives the figures of all campaigns of some groups, scene by scene."""
+    found: list[CampaignFigures] = []
+    for scene in SCENES:
+        here = [
+            line
+            for line in lines
+            if line["figures"]["scenario"] == scene.name and line["figures"]["group"] in groups
+        ]
+        if scene.egos == egos and here:
+            found += with_groups(at_equal_time(here) if equal_time else here)
+    return found
+
+
+def print_heading(baseline: str) -> None:
+    """Prints the head of a table."""
+    print(f"| scene | measure | method | n | median | {baseline} | A12 (95 %) | p | p (Holm) |")
+    print("|---|---|---|---|---|---|---|---|---|")
+
+
+def print_rows(found: Sequence[CampaignFigures], baseline: str, measures: Sequence[str]) -> None:
+    """Prints a row for each scene, measure and group but the baseline."""
+    if len({one.group for one in found}) < 2:
+        return
+    for row in compare_campaigns(found, baseline, [measure(name) for name in measures]):
+        a12 = f"{row.effect.a12:.2f} ({row.effect.low:.2f} to {row.effect.high:.2f})"
+        mark = " *" if row.is_better else ""
+        print(
+            f"| {row.scenario} | {row.measure.title} | {row.group} | "
+            f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
+            f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{mark} |"
+        )
 
 
 def main() -> None:
@@ -384,7 +408,9 @@ def main() -> None:
         nargs="+",
         default=["at_fault", "clusters", "situations", "kinds", "rules", "first_failure"],
     )
-    showing.add_argument("--twins", action="store_true", help="also without feedback")
+    showing.add_argument(
+        "--ablation", action="store_true", help="each method against itself without feedback"
+    )
     showing.add_argument("--equal-time", action="store_true", help="not at equal simulations")
     showing.set_defaults(do=show)
     options = parser.parse_args()
