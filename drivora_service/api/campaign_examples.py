@@ -173,6 +173,7 @@ EVALUATION = campaigns.EvaluationDetail(
     steps=421,
     step_cost_us=118.0,
     agent_cost_us={"ego_0": 31.0},
+    privileged=(),
     trace_sha256=_SHA256,
     versions={"drivora": "0.1.0", "libsumo": "1.28.0"},
     search_s=0.0012,

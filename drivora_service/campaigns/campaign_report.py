@@ -22,6 +22,7 @@ from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignState,
     Confirmation,
+    EvaluationRecord,
     FailureRecord,
 )
 from drivora_service.store.database import Database
@@ -66,6 +67,7 @@ class CampaignReport:
     Attributes:
         figures: ``None`` where what it searched is not here any more; ``note`` says why.
         groups: Of failures, in the order in which they were found.
+        privileged: Egos that saw everything, not only what the perception model lets through.
     """
 
     record: CampaignRecord
@@ -73,6 +75,7 @@ class CampaignReport:
     figures: CampaignFigures | None
     groups: tuple[FailureGroup, ...]
     note: str
+    privileged: tuple[str, ...] = ()
 
 
 def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
@@ -87,13 +90,21 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     document = CampaignDocument.model_validate_json(record.document)
     groups = group(failures)
     figures, note = None, ""
+    privileged: set[str] = set()
     try:
         ground = ground_of(record, catalogues)
-        figures = _figures(database, record, document, ground, groups)
+        evaluations = check_genes(confirmed_evaluations(database, record.id), ground, record)
+        privileged.update(ego for one in evaluations for ego in one.report.privileged)
+        figures = _figures(database, record, document, ground, groups, evaluations)
     except (CampaignError, InvalidDocument, NetworkError, SearchError) as error:
         note = str(error)
     return CampaignReport(
-        record=record, document=document, figures=figures, groups=groups, note=note
+        record=record,
+        document=document,
+        figures=figures,
+        groups=groups,
+        note=note,
+        privileged=tuple(sorted(privileged)),
     )
 
 
@@ -114,8 +125,8 @@ def _figures(
     document: CampaignDocument,
     ground: Ground,
     groups: Sequence[FailureGroup],
+    records: Sequence[EvaluationRecord],
 ) -> CampaignFigures:
-    records = check_genes(confirmed_evaluations(database, record.id), ground, record)
     clusters = {
         (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
     }

@@ -145,7 +145,8 @@ def ground_of(record: CampaignRecord, catalogues: Catalogues) -> Ground:
 def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
     """Gives the evaluations of a campaign, without failures that did not happen again.
 
-    Of the runs' reports only how long they took is kept: hundreds of campaigns must fit in memory.
+    Of the runs' reports little is kept, such as how long they took: hundreds of campaigns must fit
+    in memory.
     """
     journal = StoreJournal(database, campaign_id)
     flaky = {f.number for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
@@ -155,6 +156,7 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
             run_id=record.report.run_id,
             status=record.report.status,
             wall_time_s=record.report.wall_time_s,
+            privileged=record.report.privileged,
         )
         stands = record.number not in flaky
         kept.append(

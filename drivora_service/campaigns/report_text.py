@@ -49,8 +49,10 @@ def _searched(report: CampaignReport) -> list[tuple[str, str]]:
     if tester.feedback is FeedbackMode.SHUFFLED:
         rows.append(("feedback", "shuffled: it was told the results of others"))
     space = {k: v for k, v in document.space.model_dump(mode="json").items() if v is not False}
+    rows.append(("ADS", record.agent))
+    if report.privileged:
+        rows.append(("egos that see everything", ", ".join(report.privileged)))
     rows += [
-        ("ADS", record.agent),
         ("road network", f"{record.town} ({record.network_sha256[:8]})"),
         ("seed scenario", f"{len(scenario.ego_vehicles)} ego(s), seed {scenario.seed}"),
         ("space", ", ".join(f"{name} {_plain(value)}" for name, value in space.items())),

@@ -157,6 +157,8 @@ def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
     """Prints an evaluation, the last of its lineage, and the nearest of its ancestors."""
     record = lineage[-1]
     print(f"Evaluation {record.number}: {record.status}")
+    for ego in record.report.privileged:
+        print(f"  {ego} sees everything, not only what the perception model lets through")
     if record.report.failure is not None:
         print(f"  {record.report.failure.cause}: {record.report.failure.message}")
     for verdict in record.violations:

@@ -235,6 +235,7 @@ def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
             wall_time_s=item["wall_time_s"],
             step_cost_us=item["step_cost_us"],
             agent_cost_us=item["agent_cost_us"],
+            privileged=tuple(item["privileged"]),
             failure=None if item["error"] is None else RunFailure(**item["error"]),
             versions=item["versions"],
         ),

@@ -49,6 +49,11 @@ def perform(spec: RunSpec) -> RunReport:
         steps=100,
         sim_time_s=5.0,
         wall_time_s=0.1 + 0.01 * len(scenario["npc_walkers"]),
+        privileged=tuple(
+            ego["id"]
+            for ego in scenario["ego_vehicles"]
+            if ego["agent"]["name"].startswith("sumo-")
+        ),
     )
 
 

@@ -63,6 +63,7 @@ def test_the_report_tells_counts_groups_and_commands(study: Study) -> None:
     tester = {"name": "avfuzzer", "parameters": {"population": 6}, "feedback": "shuffled"}
     record = study.run(campaign_content(), tester=tester)
     told = read_report(study.database, record.id, study.catalogues)
+    assert told.privileged == ()
     text = report_markdown(told, pictures={told.groups[0].example.number: "x/1.png"})
     assert f"| simulations | {record.counts.simulations} of 12 |" in text
     assert f"| simulations with a failure | {record.counts.violating} |" in text
@@ -117,3 +118,10 @@ def test_without_traces_nothing_is_drawn(study: Study, tmp_path: Path) -> None:
     pictures = draw_examples(told, tmp_path / "none", study.catalogues, tmp_path / "pictures")
     assert pictures == {}
     assert not (tmp_path / "pictures").exists()
+
+
+def test_an_ads_that_sees_everything_is_marked(study: Study) -> None:
+    record = study.run({**campaign_content(), "agent": {"name": "sumo-krauss"}})
+    told = read_report(study.database, record.id, study.catalogues)
+    (ego,) = told.privileged
+    assert f"| egos that see everything | {ego} |" in report_markdown(told)

@@ -171,6 +171,9 @@ class EvaluationDetail(Evaluation):
     agent_cost_us: dict[str, float] = Field(
         description="What each ego's agent took of a step, by the ego's id."
     )
+    privileged: tuple[str, ...] = Field(
+        description="Egos that saw everything, not only what the perception model lets through."
+    )
     trace_sha256: str
     versions: dict[str, Any] = Field(description="What took part in the run.")
     search_s: float = Field(description="Seconds that the tester took for it.")
@@ -271,6 +274,7 @@ def evaluation_detail(
         steps=report.steps,
         step_cost_us=report.step_cost_us,
         agent_cost_us=dict(report.agent_cost_us),
+        privileged=report.privileged,
         trace_sha256=report.trace_sha256,
         versions=dict(report.versions),
         search_s=record.search_s,
