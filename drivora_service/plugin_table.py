@@ -6,7 +6,7 @@ package takes only its own part away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Generic, Protocol, TypeVar
 
@@ -53,6 +53,7 @@ class PluginTable(Generic[P]):
             for point in entry_points(group=group)
             if point.name not in self._plugins
         }
+        self._versions: dict[str, dict[str, str]] = {}
 
     def names(self) -> tuple[str, ...]:
         """Gives all names, sorted."""
@@ -63,10 +64,14 @@ class PluginTable(Generic[P]):
         point = self._found.get(name)
         return "" if point is None or point.dist is None else point.dist.name
 
-    def versions(self, name: str) -> dict[str, str]:
+    def versions(self, name: str) -> Mapping[str, str]:
         """Gives the package that brings a plug-in, with its version; nothing if none does."""
-        point = self._found.get(name)
-        return {} if point is None or point.dist is None else {point.dist.name: point.dist.version}
+        if name not in self._versions:
+            # Reads a file, while agents are looked up for every candidate of a search.
+            point = self._found.get(name)
+            dist = None if point is None else point.dist
+            self._versions[name] = {} if dist is None else {dist.name: dist.version}
+        return self._versions[name]
 
     def plugin(self, name: str) -> P:
         """Gives a plug-in.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -103,16 +103,16 @@ class AgentCatalogue:
             fetched = self._fetched.get(name)
             if fetched is not None:
                 files = installed_files(name, fetched.files, self._folder)
-                entry = replace(fetched.entry, version=version("drivora"))
+                entry = replace(fetched.entry, version=_own_version())
                 return entry if files is not None else _not_installed(entry)
             manifest = self._manifest(name)
             if manifest is not None:
                 python = environment_python(manifest, self._folder)
                 entry = _manifest_entry(manifest)
                 if name in self._shipped:
-                    entry = replace(entry, version=version("drivora"))
+                    entry = replace(entry, version=_own_version())
                 return entry if python is not None else _not_installed(entry)
-            (told,) = self._table.versions(name).values() or (version("drivora"),)
+            (told,) = self._table.versions(name).values() or (_own_version(),)
             return replace(self._plugin(name).entry, version=told)
         except AgentError as error:
             return AgentEntry(
@@ -129,7 +129,7 @@ class AgentCatalogue:
         """Gives all entries, by name."""
         return tuple(self.entry(name) for name in self.names())
 
-    def versions(self, name: str) -> dict[str, str]:
+    def versions(self, name: str) -> Mapping[str, str]:
         """Gives the version of an agent by the name of its package, or by its own.
 
         Returns:
@@ -300,6 +300,11 @@ class _Availability(AgentDirectory):
 
     def __len__(self) -> int:
         return len(self._names)
+
+
+@cache
+def _own_version() -> str:
+    return version("drivora")
 
 
 def _manifest_entry(manifest: AgentManifest) -> AgentEntry:

@@ -79,7 +79,7 @@ class OracleCatalogue:
         """
         return tuple(self._installed_oracle(name) for name in self._installed_names())
 
-    def versions(self, name: str) -> dict[str, str]:
+    def versions(self, name: str) -> Mapping[str, str]:
         """Gives the package that brings an oracle, with its version; nothing if it is built in."""
         return self._table.versions(name)
 

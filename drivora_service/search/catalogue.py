@@ -49,7 +49,7 @@ class TesterCatalogue:
         """
         return self._table.plugin(name)
 
-    def versions(self, name: str) -> dict[str, str]:
+    def versions(self, name: str) -> Mapping[str, str]:
         """Gives the package that brings a tester, with its version; nothing if it is built in."""
         return self._table.versions(name)
 
