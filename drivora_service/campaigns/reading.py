@@ -116,9 +116,9 @@ def read_campaign(
     """
     content, odd = plain_data(data, format, what="a campaign")
     document, structural = _structure(content)
-    scenario, inside = _scenario(content, catalogues)
     tester = document.tester if document else _part(TesterDocument, content, "tester")
     agent = document.agent if document else _part(AgentDocument, content, "agent")
+    scenario, inside = _scenario(content, catalogues, "" if agent is None else agent.name)
     # A value that is odd is of a wrong type as well, which needs no telling.
     known = {problem.pointer for problem in odd}
     problems = [
@@ -174,9 +174,15 @@ def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, lis
 
 
 def _scenario(
-    content: Mapping[str, Any], catalogues: Catalogues
+    content: Mapping[str, Any], catalogues: Catalogues, driven_by: str
 ) -> tuple[ValidScenario | None, list[Problem]]:
-    """Gives the scenario if it can be run, and what is wrong with it."""
+    """Gives the scenario if it can be run, and what is wrong with it.
+
+    Args:
+        content: The campaign.
+        catalogues: What there is.
+        driven_by: The campaign's own agent, "" if it has none.
+    """
     scenario = content.get("scenario")
     if not isinstance(scenario, Mapping):
         return None, []
@@ -184,7 +190,8 @@ def _scenario(
         message = "found a file; only the command line reads files: put the scenario itself here"
         return None, [Problem(pointer="/scenario/file", code="scenario_file", message=message)]
     try:
-        return validate_data(scenario, catalogues.networks, catalogues.agents.availability()), []
+        agents = catalogues.agents.availability()
+        return validate_data(scenario, catalogues.networks, agents, driven_by=driven_by), []
     except InvalidDocument as error:
         return None, [
             replace(problem, pointer=f"/scenario{problem.pointer}") for problem in error.problems

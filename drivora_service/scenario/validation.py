@@ -140,7 +140,10 @@ def _validated(
         for ego, actor in zip(scenario.ego_vehicles, checked.actors, strict=False)
     )
     scenario = replace(scenario, ego_vehicles=egos)
-    notes = [*_agent_notes(document), *(_snap_note(place) for place in checked.snapped)]
+    notes = [
+        *(() if driven_by else _agent_notes(document)),
+        *(_snap_note(place) for place in checked.snapped),
+    ]
     return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
 
 

@@ -207,6 +207,19 @@ def test_workers_that_would_be_idle_are_told_of(
     assert "at most 4 of 5 workers" in note
 
 
+def test_whom_the_scenario_names_does_not_matter_where_the_campaign_names_the_agent(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    (ego,) = content["scenario"]["ego_vehicles"]
+    ego["agent"] = {"name": "driver-of-last-year"}
+    assert read_campaign(content, catalogues).seed.ego_vehicles[0].agent.name == "idm"
+    del ego["agent"]
+    assert read_campaign(content, catalogues).notes == ()
+    del content["agent"]
+    (note,) = read_campaign(content, catalogues).notes
+    assert "names no agent" in note
+
+
 def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalogues) -> None:
     content["agent"] = {"name": "idm", "parameters": {"speed_factor": 0.5}}
     second = copy.deepcopy(content["scenario"]["ego_vehicles"][0])
