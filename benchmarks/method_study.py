@@ -340,11 +340,13 @@ def show(options: argparse.Namespace) -> None:
     if options.ablation:
         print_heading("without")
         for twin in TWINS:
-            print_rows(
-                figures(lines, twin.egos, (twin.tester, twin.name), options.equal_time),
-                twin.name,
-                [twin.target],
-            )
+            pair = figures(lines, twin.egos, (twin.tester, twin.name), options.equal_time)
+            print_rows(pair, twin.name, [twin.target])
+        print()
+        print_heading("random")
+        for twin in TWINS:
+            pair = figures(lines, twin.egos, (twin.name, "random"), options.equal_time)
+            print_rows(pair, "random", [twin.target])
         return
     for egos in dict.fromkeys(scene.egos for scene in SCENES):
         arms = [arm.name for arm in ARMS if arm.egos == egos]
@@ -409,7 +411,9 @@ def main() -> None:
         default=["at_fault", "clusters", "situations", "kinds", "rules", "first_failure"],
     )
     showing.add_argument(
-        "--ablation", action="store_true", help="each method against itself without feedback"
+        "--ablation",
+        action="store_true",
+        help="each method against itself without feedback, and that against random",
     )
     showing.add_argument("--equal-time", action="store_true", help="not at equal simulations")
     showing.set_defaults(do=show)
