@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
+from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
 from drivora_service.cli.commands.agent_benchmark import benchmark
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, note, print_json, print_table
 from drivora_service.cli.parameters import parameter_contents, print_parameters
-from drivora_service.errors import UnknownName
 
 app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
 app.command()(benchmark)
@@ -55,10 +55,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an agent with its parameters."""
-    agents = {agent["name"]: agent for agent in _agents(server, data_dir)}
-    if name not in agents:
-        raise UnknownName("agent", name, tuple(agents))
-    agent = agents[name]
+    agent = entry_named("agent", name, _agents(server, data_dir))
     if as_json:
         print_json(agent)
         return
@@ -106,11 +103,7 @@ def install(
 def _agents(server: str, data_dir: Path | None) -> list[dict[str, Any]]:
     """Gives the agents of a service, or those that there are here, in the same form."""
     if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            listed: list[dict[str, Any]] = client.get("/agents")["items"]
-            return listed
+        return entries_of_service(server, "/agents")
     from dataclasses import asdict
 
     from drivora_service.agents.catalogue import AgentCatalogue

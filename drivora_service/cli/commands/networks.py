@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drivora_service.cli.catalogue_entries import entries_of_service
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, print_json, print_table
 
@@ -22,10 +23,7 @@ def list_networks(
 ) -> None:
     """Lists the networks, shipped and imported."""
     if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            names = [network["name"] for network in client.get("/networks")["items"]]
+        names = [network["name"] for network in entries_of_service(server, "/networks")]
     else:
         from drivora_service.cli.embedded import network_catalogue, settings_for
 

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
 from drivora_service.cli.options import ServerOption
 from drivora_service.cli.output import JsonOption, print_json, print_table
-from drivora_service.errors import UnknownName
 
 app = typer.Typer(help="The rules that runs are judged by.", no_args_is_help=True)
 
@@ -43,10 +43,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an oracle with its thresholds."""
-    oracles = {oracle["name"]: oracle for oracle in _oracles(server)}
-    if name not in oracles:
-        raise UnknownName("oracle", name, tuple(oracles))
-    oracle = oracles[name]
+    oracle = entry_named("oracle", name, _oracles(server))
     if as_json:
         print_json(oracle)
         return
@@ -61,11 +58,7 @@ def show(
 
 def _oracles(server: str) -> list[dict[str, Any]]:
     if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            listed: list[dict[str, Any]] = client.get("/oracles")["items"]
-            return listed
+        return entries_of_service(server, "/oracles")
     from drivora_service.oracles.plugins import OracleCatalogue
 
     catalogue = OracleCatalogue()

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
 from drivora_service.cli.options import ServerOption
 from drivora_service.cli.output import JsonOption, print_json, print_table
 from drivora_service.cli.parameters import parameter_contents, print_parameters
-from drivora_service.errors import SearchError, UnknownName
+from drivora_service.errors import SearchError
 
 if TYPE_CHECKING:
     from drivora_service.search.catalogue import TesterCatalogue
@@ -47,10 +48,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a tester with its parameters."""
-    testers = {tester["name"]: tester for tester in _testers(server)}
-    if name not in testers:
-        raise UnknownName("tester", name, tuple(testers))
-    tester = testers[name]
+    tester = entry_named("tester", name, _testers(server))
     if as_json:
         print_json(tester)
         return
@@ -61,11 +59,7 @@ def show(
 
 def _testers(server: str) -> list[dict[str, Any]]:
     if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            listed: list[dict[str, Any]] = client.get("/testers")["items"]
-            return listed
+        return entries_of_service(server, "/testers")
     from drivora_service.search.catalogue import TesterCatalogue
 
     catalogue = TesterCatalogue()
