@@ -123,19 +123,18 @@ def _perform(
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     course: _Course,
 ) -> RunReport:
-    oracles = _oracles()
     # An oracle that cannot be loaded is known before a simulation is spent on it.
-    installed = oracles.installed() if setup.installed_oracles else ()
+    installed = _oracles().installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
     network = _networks(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
     catalogue = _agents(setup)
     catalogue.begin_run()
-    course.versions = {
-        **course.versions,
-        **_versions_of(catalogue, (ego.agent.name for ego in scenario.ego_vehicles)),
-        **_versions_of(oracles, (oracle.name for oracle in installed)),
-    }
+    egos = (ego.agent.name for ego in scenario.ego_vehicles)
+    course.versions = {**course.versions, **_versions_of(catalogue, egos)}
+    if installed:
+        rules = (oracle.name for oracle in installed)
+        course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else _feedbacks().create(spec.feedback)
     episode = Episode(
