@@ -36,9 +36,12 @@ def add_agent(
 
 
 def processes_with(words: Sequence[str]) -> list[psutil.Process]:
-    """Gives the processes whose command line holds all of ``words``."""
+    """Gives the processes whose command line holds all of ``words``.
+
+    What was found is in their ``info``, with their names: one may have ended since.
+    """
     found = []
-    for process in psutil.process_iter(["cmdline"]):
+    for process in psutil.process_iter(["cmdline", "name"]):
         line = " ".join(process.info["cmdline"] or ())
         if all(word in line for word in words):
             found.append(process)

@@ -66,7 +66,7 @@ def perform(agents: Path) -> Iterator[Perform]:
 
 def left_behind(agents: Path) -> list[str]:
     """Processes and files of ADSs that are there although all were ended."""
-    processes = [process.name() for process in processes_with([str(agents)])]
+    processes = [process.info["name"] for process in processes_with([str(agents)])]
     return processes + [path.name for path in (agents.parent / "temporary").iterdir()]
 
 

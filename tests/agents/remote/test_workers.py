@@ -71,7 +71,7 @@ def one_ego(agent: str, seconds: float = 2.0) -> Scenario:
 def left_behind(agents: Path) -> list[str]:
     folders = (agents.parent / "temporary").glob("drivora-agent-*")
     processes = processes_with([str(agents)])
-    return [path.name for path in folders] + [process.name() for process in processes]
+    return [path.name for path in folders] + [process.info["name"] for process in processes]
 
 
 @pytest.mark.slow
