@@ -112,7 +112,7 @@ class AgentCatalogue:
                 if name in self._shipped:
                     entry = replace(entry, version=_own_version())
                 return entry if python is not None else _not_installed(entry)
-            (told,) = self._table.versions(name).values() or (_own_version(),)
+            told = next(iter(self._table.versions(name).values()), _own_version())
             return replace(self._plugin(name).entry, version=told)
         except AgentError as error:
             return AgentEntry(
