@@ -9,7 +9,7 @@ from drivora_service.api.examples import SCENARIO
 from drivora_service.api.schemas import campaigns, comparisons
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.runs import VerdictView
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import GeneKind, Part
 from drivora_service.search.tester import EvaluationStatus
@@ -120,7 +120,11 @@ _VERDICT = VerdictView(
     ego="ego",
     outcome=Outcome.VIOLATED,
     message="hit vehicle_1 with its front at 7.4 m/s",
+    severity=Severity.CRITICAL,
     at_fault=True,
+    undetermined=False,
+    avoidable=Answer.YES,
+    physically_avoidable=Answer.YES,
     time=20.95,
     step=419,
     location=(120.4, 98.4),

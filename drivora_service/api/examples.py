@@ -8,7 +8,7 @@ from typing import Any
 from drivora_service.api.problems import ProblemItem
 from drivora_service.api.schemas import batches, catalogues, jobs, runs, service
 from drivora_service.api.schemas.base import PageOf
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.records import BatchState
 
@@ -90,7 +90,11 @@ RUN = runs.Run(
             ego="ego",
             outcome=Outcome.VIOLATED,
             message="hit npc_1 with its front at 7.4 m/s",
+            severity=Severity.CRITICAL,
             at_fault=True,
+            undetermined=False,
+            avoidable=Answer.YES,
+            physically_avoidable=Answer.YES,
             time=20.95,
             step=419,
             location=(120.4, 98.4),

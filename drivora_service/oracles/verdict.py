@@ -20,6 +20,27 @@ class Outcome(StrEnum):
     NOT_MEASURABLE = "not_measurable"
 
 
+class Severity(StrEnum):
+    """How much a violation of a rule weighs."""
+
+    CRITICAL = "critical"
+    """Harm was done: a collision."""
+    MAJOR = "major"
+    """Harm was risked, or traffic law broken: a red light, the wrong way."""
+    MINOR = "minor"
+    """A fault of driving that endangers no other actor: speeding, a missed destination."""
+    OBSERVATION = "observation"
+    """No failure unless a campaign or gate names the oracle: discomfort, a near miss."""
+
+
+class Answer(StrEnum):
+    """The answer to a question about a violation that not every trace can decide."""
+
+    YES = "yes"
+    NO = "no"
+    NOT_MEASURABLE = "not_measurable"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
     """One oracle's answer for one ego.
@@ -29,7 +50,14 @@ class Verdict:
         ego: Id of the ego.
         outcome: Violated or not, or why neither can be said (in ``message``).
         message: One sentence for people.
-        at_fault: Whether the ego is responsible; ``None`` where the rule knows no fault.
+        severity: Of the rule that was broken.
+        at_fault: Whether the ego is responsible; ``None`` where the rule knows no fault, and where
+            it cannot tell.
+        undetermined: The rule knows fault and cannot tell it here (``at_fault`` is ``None``).
+        avoidable: Whether a careful and competent driver would have avoided it (UNECE R157);
+            ``None`` where the rule does not ask.
+        physically_avoidable: Whether braking or steering to the full grip from the same moment
+            without delay would have; ``None`` where the rule does not ask.
         time: Seconds of simulation at which the violation began; ``None`` if there is none.
         step: Row of the trace at that time.
         location: (x, y) in metres at that time.
@@ -41,7 +69,11 @@ class Verdict:
     ego: str
     outcome: Outcome
     message: str
+    severity: Severity = Severity.MAJOR
     at_fault: bool | None = None
+    undetermined: bool = False
+    avoidable: Answer | None = None
+    physically_avoidable: Answer | None = None
     time: float | None = None
     step: int | None = None
     location: tuple[float, float] | None = None
@@ -90,7 +122,11 @@ def violated(
     k: int,
     message: str,
     *,
+    severity: Severity = Severity.MAJOR,
     at_fault: bool | None = None,
+    undetermined: bool = False,
+    avoidable: Answer | None = None,
+    physically_avoidable: Answer | None = None,
     counterpart: str = "",
     **evidence: Any,
 ) -> Verdict:
@@ -100,7 +136,11 @@ def violated(
         ego=ego.id,
         outcome=Outcome.VIOLATED,
         message=message,
+        severity=severity,
         at_fault=at_fault,
+        undetermined=undetermined,
+        avoidable=avoidable,
+        physically_avoidable=physically_avoidable,
         time=float(ego.times[k]),
         step=ego.first + k,
         location=ego.location(k),

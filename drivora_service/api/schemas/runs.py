@@ -8,7 +8,7 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, JobSummary, failure_of, job_summary
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.report import RunReport
 from drivora_service.store.records import AttemptRecord, JobRecord
 
@@ -20,7 +20,19 @@ class VerdictView(Schema):
     ego: str
     outcome: Outcome
     message: str
-    at_fault: bool | None = Field(description="null where the rule knows no fault.")
+    severity: Severity = Field(description="Of the rule; an observation is no failure by itself.")
+    at_fault: bool | None = Field(
+        description="null where the rule knows no fault, or cannot tell (`undetermined`)."
+    )
+    undetermined: bool = Field(description="The rule knows fault and cannot tell it here.")
+    avoidable: Answer | None = Field(
+        description="Whether a careful and competent driver (UNECE R157) would have avoided it; "
+        "null where the rule does not ask."
+    )
+    physically_avoidable: Answer | None = Field(
+        description="Whether full grip without delay would have avoided it; null where the rule "
+        "does not ask."
+    )
     time: float | None = Field(description="Seconds at which the violation began.")
     step: int | None
     location: tuple[float, float] | None = Field(description="x, y in metres at that time.")
@@ -67,7 +79,11 @@ def verdict_view(verdict: Verdict) -> VerdictView:
         ego=verdict.ego,
         outcome=verdict.outcome,
         message=verdict.message,
+        severity=verdict.severity,
         at_fault=verdict.at_fault,
+        undetermined=verdict.undetermined,
+        avoidable=verdict.avoidable,
+        physically_avoidable=verdict.physically_avoidable,
         time=verdict.time,
         step=verdict.step,
         location=verdict.location,
