@@ -9,6 +9,7 @@ from drivora_service.api.examples import SCENARIO
 from drivora_service.api.schemas import campaigns, comparisons
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.runs import VerdictView
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import GeneKind, Part
@@ -50,7 +51,15 @@ _SUMMARY: dict[str, Any] = {
     "budget": 200,
     "simulations": 0,
     "counts": campaigns.Counts(
-        evaluations=0, judged=0, invalid=0, failed=0, violating=0, at_fault=0
+        evaluations=0,
+        judged=0,
+        invalid=0,
+        failed=0,
+        violating=0,
+        at_fault=0,
+        avoidable=0,
+        unavoidable=0,
+        undetermined=0,
     ),
     "rate": None,
     "left_s": None,
@@ -65,7 +74,15 @@ _RUNNING: dict[str, Any] = {
     "state": CampaignState.RUNNING,
     "simulations": 118,
     "counts": campaigns.Counts(
-        evaluations=120, judged=118, invalid=2, failed=0, violating=7, at_fault=5
+        evaluations=120,
+        judged=118,
+        invalid=2,
+        failed=0,
+        violating=7,
+        at_fault=5,
+        avoidable=3,
+        unavoidable=1,
+        undetermined=1,
     ),
     "rate": 9.44,
     "left_s": 8.69,
@@ -90,7 +107,14 @@ RUNNING = campaigns.Campaign(
     best={"min_gap": campaigns.BestValue(value=0.0, evaluation=41)},
     kinds=(
         campaigns.Kind(
-            key=_KEY, failures=5, at_fault=5, confirmed=0, flaky=0, first=41, clusters=None
+            key=_KEY,
+            failures=5,
+            at_fault=5,
+            avoidable=3,
+            confirmed=0,
+            flaky=0,
+            first=41,
+            clusters=None,
         ),
     ),
 )
@@ -108,6 +132,7 @@ _EVALUATION: dict[str, Any] = {
     "scenario_sha256": _SHA256,
     "violations": 1,
     "at_fault_violations": 1,
+    "accountability": Accountability.AVOIDABLE,
     "failure_keys": (_KEY,),
     "objectives": {"min_gap": 0.0},
     "cause": "",
@@ -140,6 +165,7 @@ _PARENT = campaigns.Evaluation(
         "parents": (),
         "violations": 0,
         "at_fault_violations": 0,
+        "accountability": None,
         "failure_keys": (),
         "objectives": {"min_gap": 1.7},
     }
@@ -211,6 +237,9 @@ _FIGURES = comparisons.Figures(
     failed_share=0.0,
     failing=11,
     at_fault=9,
+    avoidable=6,
+    unavoidable=2,
+    undetermined=1,
     kinds=3,
     rules=2,
     clusters=4,

@@ -8,6 +8,7 @@ from typing import Any
 from drivora_service.api.problems import ProblemItem
 from drivora_service.api.schemas import batches, catalogues, jobs, runs, service
 from drivora_service.api.schemas.base import PageOf
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.records import BatchState
@@ -54,6 +55,8 @@ _QUEUED: dict[str, Any] = {
     "attempts": 0,
     "violations": None,
     "at_fault_violations": None,
+    "observations": None,
+    "accountability": None,
     "steps": None,
     "sim_time_s": None,
     "wall_time_s": None,
@@ -67,6 +70,8 @@ _FINISHED: dict[str, Any] = {
     "attempts": 1,
     "violations": 1,
     "at_fault_violations": 1,
+    "observations": 0,
+    "accountability": Accountability.AVOIDABLE,
     "steps": 421,
     "sim_time_s": 21.0,
     "wall_time_s": 0.11,

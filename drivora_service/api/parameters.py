@@ -8,6 +8,7 @@ from fastapi import Depends, Query
 
 from drivora_service.api.observations import StepRange
 from drivora_service.api.submission import Overrides
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.records import JobFilter
@@ -45,6 +46,9 @@ def _job_filter(
     at_fault: Annotated[
         bool | None, Query(description="See `oracle`: by the fault of an ego, or not.")
     ] = None,
+    accountability: Annotated[
+        Accountability | None, Query(description="The strongest of its violations is this.")
+    ] = None,
     violated: Annotated[
         bool | None, Query(description="With, or without, any broken rule.")
     ] = None,
@@ -58,6 +62,7 @@ def _job_filter(
         oracle=oracle,
         outcome=outcome,
         at_fault=at_fault,
+        accountability=accountability,
         violated=violated,
         scenario_sha256=scenario_sha256,
     )

@@ -18,6 +18,7 @@ from drivora_service.campaigns.figures import CampaignFigures, Subject, figures_
 from drivora_service.campaigns.reading import Catalogues
 from drivora_service.campaigns.situations import count_situations
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
+from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignState,
@@ -58,6 +59,13 @@ class FailureGroup:
     def at_fault(self) -> int:
         """Counts failures for which the ego is known to be responsible."""
         return sum(bool(failure.verdict.at_fault) for failure in self.failures)
+
+    @property
+    def avoidable(self) -> int:
+        """Counts those of them that a careful and competent driver avoids."""
+        return sum(
+            accountability(failure.verdict) is Accountability.AVOIDABLE for failure in self.failures
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

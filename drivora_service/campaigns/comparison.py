@@ -53,6 +53,12 @@ def _seconds_until_first(figures: CampaignFigures) -> float | None:
 
 MEASURES = (
     Measure(
+        name="avoidable",
+        title="simulations with an avoidable at-fault failure",
+        larger_is_better=True,
+        value=lambda f: float(f.avoidable),
+    ),
+    Measure(
         name="at_fault",
         title="simulations with an at-fault failure",
         larger_is_better=True,

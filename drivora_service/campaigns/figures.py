@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.genes import FloatArray, GeneSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import EvaluationRecord
@@ -30,6 +32,9 @@ class CampaignFigures:
         failed_share: Of the simulations, those without a result.
         failing: Simulations with at least one failure.
         at_fault: Simulations in which an ego is known to be responsible for one.
+        avoidable: Those of them with one that a careful and competent driver avoids.
+        unavoidable: Those of them in which that driver avoids none.
+        undetermined: Simulations in which fault cannot be told of any failure.
         kinds: Different failures by key (``campaigns.failures``).
         rules: Different rules broken, collisions apart by what the other was: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
@@ -59,6 +64,9 @@ class CampaignFigures:
     failed_share: float
     failing: int
     at_fault: int
+    avoidable: int
+    unavoidable: int
+    undetermined: int
     kinds: int
     rules: int
     clusters: int | None
@@ -119,6 +127,7 @@ def figures_of(
     found: dict[str, int] = {}
     rules: set[tuple[str, str]] = set()
     failing = at_fault = 0
+    accountable = Counter[Accountability | None]()
     first: int | None = None
     first_s: float | None = None
     count, elapsed_s = 0, 0.0
@@ -129,6 +138,7 @@ def figures_of(
             continue
         failing += 1
         at_fault += record.at_fault
+        accountable[record.accountability] += 1
         if first is None:
             first, first_s = count, elapsed_s
         for key, verdict in zip(record.failure_keys, record.violations, strict=True):
@@ -147,6 +157,9 @@ def figures_of(
         failed_share=_share(failed, len(simulated)),
         failing=failing,
         at_fault=at_fault,
+        avoidable=accountable[Accountability.AVOIDABLE],
+        unavoidable=accountable[Accountability.UNAVOIDABLE],
+        undetermined=accountable[Accountability.UNDETERMINED],
         kinds=len(found),
         rules=len(rules),
         clusters=clusters,

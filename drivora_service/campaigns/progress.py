@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from drivora_service.campaigns.engine import Told
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import CampaignCounts, Confirmation
 
@@ -52,6 +53,7 @@ class ProgressMeter:
         self._budget, self._clock = budget, clock
         self._statuses = dict.fromkeys(EvaluationStatus, 0)
         self._violating = self._at_fault = 0
+        self._accountable = Counter[Accountability | None]()
         self._kinds: set[str] = set()
         self._best: tuple[str, float] | None = None
         self._times: deque[float] = deque(maxlen=_WINDOW)
@@ -63,6 +65,7 @@ class ProgressMeter:
         self._statuses[record.status] += 1
         self._violating += bool(record.violations)
         self._at_fault += record.at_fault
+        self._accountable[record.accountability] += 1
         self._kinds.update(record.failure_keys)
         if not told.replayed and record.status is not EvaluationStatus.INVALID:
             self._times.append(self._clock())
@@ -86,6 +89,9 @@ class ProgressMeter:
             failed=self._statuses[EvaluationStatus.FAILED],
             violating=self._violating,
             at_fault=self._at_fault,
+            avoidable=self._accountable[Accountability.AVOIDABLE],
+            unavoidable=self._accountable[Accountability.UNAVOIDABLE],
+            undetermined=self._accountable[Accountability.UNDETERMINED],
         )
         rate = self._rate()
         answers = list(self._answers.values())

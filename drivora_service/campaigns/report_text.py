@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from drivora_service.campaigns.campaign import FeedbackMode
 from drivora_service.campaigns.campaign_report import CampaignReport, FailureGroup
 from drivora_service.campaigns.figures import CampaignFigures
+from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.store.campaign_records import Confirmation
 
 _MOST_NUMBERS = 12
@@ -77,6 +78,9 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
         ),
         ("simulations with a failure", str(counts.violating)),
         ("of these with an ego at fault", str(counts.at_fault)),
+        ("of these avoidable", _count(counts.avoidable)),
+        ("of these not avoidable", _count(counts.unavoidable)),
+        ("simulations whose fault cannot be told", _count(counts.undetermined)),
         ("time of work", f"{report.record.active_s:.1f} s"),
     ]
     return rows if figures is None else rows + _measured(figures)
@@ -113,13 +117,23 @@ def _failures(report: CampaignReport) -> list[str]:
     if not report.groups:
         return ["None were found."]
     return _table(
-        ("kind", "cluster", "failures", "at fault", "confirmed", "flaky", "evaluations"),
+        (
+            "kind",
+            "cluster",
+            "failures",
+            "at fault",
+            "avoidable",
+            "confirmed",
+            "flaky",
+            "evaluations",
+        ),
         [
             (
                 _kind(group),
                 _cluster(group),
                 str(len(group.failures)),
                 str(group.at_fault),
+                str(group.avoidable),
                 str(group.count(Confirmation.CONFIRMED)),
                 str(group.count(Confirmation.FLAKY)),
                 _numbers(group),
@@ -134,7 +148,8 @@ def _group(
 ) -> list[str]:
     failure, verdict = group.example, group.example.verdict
     number, campaign = failure.number, report.record.id
-    fault = {True: ", at fault", False: ", not at fault", None: ""}[verdict.at_fault]
+    words = IN_WORDS[accountability(verdict)]
+    fault = f", {words}" if words else ""
     when = "" if verdict.time is None else f" at {verdict.time:.1f} s"
     heading = _kind(group) + ("" if group.cluster is None else f", cluster {group.cluster}")
     file = f"{report.record.town}-{number}.json"
@@ -154,6 +169,10 @@ def _group(
     if number in pictures:
         lines += ["", f"![Evaluation {number}]({pictures[number]})"]
     return lines
+
+
+def _count(number: int | None) -> str:
+    return "not told" if number is None else str(number)
 
 
 def _kind(group: FailureGroup) -> str:

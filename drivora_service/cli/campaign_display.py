@@ -67,7 +67,8 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
 def _found(now: campaign_progress.Progress) -> str:
     counts = now.counts
     parts = [
-        f"failing {counts.violating}: {now.kinds} kinds, {counts.at_fault} at fault",
+        f"failing {counts.violating}: {now.kinds} kinds, {counts.at_fault} at fault, "
+        f"{counts.avoidable} avoidable",
         f"invalid {counts.invalid}",
     ]
     if counts.failed:

@@ -8,9 +8,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from drivora_service.cli.output import number, print_table
+from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdict_json import verdict_to_json
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.store.campaign_records import (
+    CampaignCounts,
     CampaignRecord,
     EvaluationRecord,
     FailureKind,
@@ -77,6 +79,7 @@ def failure_result(failure: FailureRecord) -> dict[str, Any]:
         "evaluation": failure.number,
         "key": failure.key,
         "at_fault": failure.verdict.at_fault,
+        "accountability": str(accountability(failure.verdict)),
         "confirmation": str(failure.confirmation),
         "cluster": failure.cluster,
         "trace": failure.trace,
@@ -133,16 +136,17 @@ def print_campaign(found: CampaignFindings) -> None:
         f"({number(record.rate, 2)} a second); {counts.invalid} candidates invalid, "
         f"{counts.failed} runs without a result"
     )
-    print(f"  {counts.violating} failing, in {counts.at_fault} of them an ego at fault")
+    print(f"  {counts.violating} failing ({_accountable(counts)})")
     if found.kinds:
         print_table(
             "Failures",
-            ("kind", "count", "at fault", "confirmed", "flaky", "groups", "first"),
+            ("kind", "count", "at fault", "avoidable", "confirmed", "flaky", "groups", "first"),
             (
                 (
                     kind.key.replace("|", " | "),
                     str(kind.failures),
                     str(kind.at_fault),
+                    str(kind.avoidable),
                     str(kind.confirmed),
                     str(kind.flaky),
                     "-" if kind.clusters is None else str(kind.clusters),
@@ -151,6 +155,15 @@ def print_campaign(found: CampaignFindings) -> None:
                 for kind in found.kinds
             ),
         )
+
+
+def _accountable(counts: CampaignCounts) -> str:
+    parts = [f"{counts.at_fault} at fault"]
+    if counts.avoidable is not None:
+        parts.append(f"{counts.avoidable} of them avoidable, {counts.unavoidable} not")
+    if counts.undetermined:
+        parts.append(f"{counts.undetermined} undetermined")
+    return "; ".join(parts)
 
 
 def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
@@ -162,7 +175,8 @@ def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
     if record.report.failure is not None:
         print(f"  {record.report.failure.cause}: {record.report.failure.message}")
     for verdict in record.violations:
-        fault = {True: ", at fault", False: "", None: ""}[verdict.at_fault]
+        words = IN_WORDS[accountability(verdict)]
+        fault = f", {words}" if words else ""
         print(f"  {verdict.oracle} at {number(verdict.time)} s{fault}: {verdict.message}")
     if record.report.measurement is not None:
         objectives = record.report.measurement.objectives.items()

@@ -7,10 +7,21 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivora_service.cli.output import number, print_table
+from drivora_service.oracles.accountability import IN_WORDS, Accountability, accountable
+from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.runs.report import RunReport
 
 FINISHED = "finished"
+
+_FAULT = {
+    Accountability.AVOIDABLE: "yes",
+    Accountability.NOT_MEASURABLE: "yes",
+    Accountability.UNAVOIDABLE: "yes, not avoidable",
+    Accountability.UNDETERMINED: "undetermined",
+    Accountability.NOT_JUDGED: "-",
+    Accountability.NOT_AT_FAULT: "no",
+}
 
 
 def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str]) -> dict[str, Any]:
@@ -125,7 +136,7 @@ def print_result(result: dict[str, Any]) -> None:
                 verdict["oracle"],
                 verdict["ego"],
                 verdict["outcome"].replace("_", " "),
-                {True: "yes", False: "no", None: "-"}[verdict["at_fault"]],
+                _fault(verdict),
                 number(verdict["time"]),
                 verdict["message"],
             )
@@ -144,11 +155,32 @@ def summary(result: dict[str, Any]) -> str:
     if result["status"] != FINISHED:
         return "-"
     broken = violations(result)
-    if not broken:
-        return "none"
-    return ", ".join(
-        verdict["oracle"].replace("_", " ") + (" (at fault)" if verdict["at_fault"] else "")
-        for verdict in broken
+    named = [_named(verdict) for verdict in broken if verdict["severity"] != Severity.OBSERVATION]
+    seen = {verdict["oracle"] for verdict in broken if verdict["severity"] == Severity.OBSERVATION}
+    text = ", ".join(named) or "none"
+    if seen:
+        text += f"; observed: {', '.join(sorted(seen)).replace('_', ' ')}"
+    return text
+
+
+def _named(verdict: dict[str, Any]) -> str:
+    words = IN_WORDS[_accountability(verdict)]
+    name = str(verdict["oracle"]).replace("_", " ")
+    return f"{name} ({words})" if words else name
+
+
+def _fault(verdict: dict[str, Any]) -> str:
+    if verdict["outcome"] != Outcome.VIOLATED:
+        return "-"
+    return _FAULT[_accountability(verdict)]
+
+
+def _accountability(verdict: dict[str, Any]) -> Accountability:
+    avoidable = verdict["avoidable"]
+    return accountable(
+        verdict["at_fault"],
+        None if avoidable is None else Answer(avoidable),
+        undetermined=verdict["undetermined"],
     )
 
 

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from drivora_service.observations.trace import Light, Role, Trace
+from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.plotting import colors
 from drivora_service.plotting.verdict_marks import Mark
 from drivora_service.plotting.view import View
@@ -127,8 +128,8 @@ def describe(mark: Mark) -> str:
     if verdict.time is not None:
         parts.append(f"at {verdict.time:.1f} s")
     text = " ".join(parts)
-    if verdict.at_fault is not None:
-        text += ", at fault" if verdict.at_fault else ", not at fault"
+    if words := IN_WORDS[accountability(verdict)]:
+        text += f", {words}"
     return text
 
 

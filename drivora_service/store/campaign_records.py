@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 
+from drivora_service.oracles.accountability import Accountability, strongest
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunReport
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -83,6 +84,10 @@ class CampaignCounts:
         failed: Candidates whose run had no result.
         violating: Candidates with at least one violation.
         at_fault: Candidates with at least one violation for which an ego is known to be at fault.
+        avoidable: Candidates whose violations come to that at most, see
+            ``oracles.accountability``; ``None`` where the campaign was judged before it was told.
+        unavoidable: See ``avoidable``.
+        undetermined: See ``avoidable``.
     """
 
     evaluations: int = 0
@@ -91,6 +96,9 @@ class CampaignCounts:
     failed: int = 0
     violating: int = 0
     at_fault: int = 0
+    avoidable: int | None = 0
+    unavoidable: int | None = 0
+    undetermined: int | None = 0
 
     @property
     def simulations(self) -> int:
@@ -192,12 +200,19 @@ class EvaluationRecord:
         """Whether an ego is known to be responsible for any violation."""
         return any(verdict.at_fault for verdict in self.violations)
 
+    @property
+    def accountability(self) -> Accountability | None:
+        """How far an ego is accountable for any violation; ``None`` without one."""
+        return strongest(self.violations)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluationSummary:
     """An evaluation in a list.
 
     Attributes:
+        accountability: The strongest of its violations; ``None`` without one, or where it was not
+            judged yet.
         failure_keys: One a violation.
         objectives: What the tester's feedback measured, by name; ``None`` is not measurable.
         cause: Why there is no result, as in ``RunFailure.cause``, or "".
@@ -212,6 +227,7 @@ class EvaluationSummary:
     scenario_sha256: str
     violations: int
     at_fault_violations: int
+    accountability: Accountability | None
     failure_keys: tuple[str, ...]
     objectives: Mapping[str, float | None]
     cause: str
@@ -236,6 +252,7 @@ class FailureFilter:
     key: str = ""
     oracle: str = ""
     at_fault: bool | None = None
+    accountability: Accountability | None = None
     confirmation: Confirmation | None = None
 
 
@@ -244,6 +261,7 @@ class FailureKind:
     """Failures of one key.
 
     Attributes:
+        avoidable: Those at an ego's fault that could be avoided.
         first: Number of the first evaluation that showed it.
         clusters: Groups of similar ones; ``None`` if they were not grouped.
     """
@@ -251,6 +269,7 @@ class FailureKind:
     key: str
     failures: int
     at_fault: int
+    avoidable: int
     confirmed: int
     flaky: int
     first: int

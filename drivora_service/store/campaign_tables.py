@@ -46,6 +46,9 @@ class CampaignRow(Base):
     failed: Mapped[int] = mapped_column(default=0)
     violating: Mapped[int] = mapped_column(default=0)
     at_fault: Mapped[int] = mapped_column(default=0)
+    avoidable: Mapped[int | None] = mapped_column(default=0)
+    unavoidable: Mapped[int | None] = mapped_column(default=0)
+    undetermined: Mapped[int | None] = mapped_column(default=0)
     best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
 
 
@@ -76,6 +79,7 @@ class EvaluationRow(Base):
     document_sha256: Mapped[str | None] = mapped_column(ForeignKey("documents.sha256"))
     violations: Mapped[int]
     at_fault_violations: Mapped[int]
+    accountability: Mapped[str | None] = mapped_column(String(16))
     sim_time_s: Mapped[float]
     wall_time_s: Mapped[float]
     search_s: Mapped[float]
@@ -98,6 +102,7 @@ class FailureRow(Base):
     oracle: Mapped[str] = mapped_column(String(60))
     key: Mapped[str] = mapped_column(String(400))
     at_fault: Mapped[bool | None]
+    accountability: Mapped[str | None] = mapped_column(String(16))
     confirmation: Mapped[str] = mapped_column(String(16))
     cluster: Mapped[int | None]
     trace: Mapped[str] = mapped_column(Text, default="")

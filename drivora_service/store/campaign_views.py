@@ -11,6 +11,7 @@ from pydantic_core import from_json
 from sqlalchemy import ColumnElement, Select, and_, case, func, or_, select
 from sqlalchemy.orm import Session
 
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
     Confirmation,
@@ -148,6 +149,7 @@ class CampaignViewRepository:
                 FailureRow.key,
                 func.count(),
                 _count_if(FailureRow.at_fault.is_(True)),
+                _count_if(FailureRow.accountability == Accountability.AVOIDABLE),
                 _count_if(FailureRow.confirmation == Confirmation.CONFIRMED),
                 _count_if(FailureRow.confirmation == Confirmation.FLAKY),
                 first,
@@ -162,12 +164,13 @@ class CampaignViewRepository:
                 key=key,
                 failures=failures,
                 at_fault=at_fault,
+                avoidable=avoidable,
                 confirmed=confirmed,
                 flaky=flaky,
                 first=number,
                 clusters=clusters or None,
             )
-            for key, failures, at_fault, confirmed, flaky, number, clusters in rows
+            for key, failures, at_fault, avoidable, confirmed, flaky, number, clusters in rows
         )
 
     def _of(self, campaign_seq: int, numbers: Sequence[int]) -> tuple[EvaluationSummary, ...]:
@@ -214,6 +217,8 @@ def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
         conditions.append(FailureRow.oracle == wanted.oracle)
     if wanted.at_fault is not None:
         conditions.append(FailureRow.at_fault.is_(wanted.at_fault))
+    if wanted.accountability is not None:
+        conditions.append(FailureRow.accountability == wanted.accountability)
     if wanted.confirmation is not None:
         conditions.append(FailureRow.confirmation == wanted.confirmation)
     return conditions
@@ -237,6 +242,7 @@ def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:
         scenario_sha256=row.document_sha256 or "",
         violations=row.violations,
         at_fault_violations=row.at_fault_violations,
+        accountability=None if row.accountability is None else Accountability(row.accountability),
         failure_keys=keys,
         objectives=measurement.get("objectives") or {},
         cause=(report.get("failure") or {}).get("cause", ""),

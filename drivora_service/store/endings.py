@@ -6,7 +6,8 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.accountability import accountability, strongest
+from drivora_service.oracles.verdict import Outcome, Severity
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunReport, RunStatus
@@ -40,9 +41,12 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
     row.cause = report.failure.cause if report.failure is not None else ""
     row.trace_sha256 = report.trace_sha256 if row.keeps_trace else ""
     if report.status is RunStatus.FINISHED:
-        violated = [v for v in report.verdicts if v.outcome is Outcome.VIOLATED]
-        row.violations = len(violated)
-        row.at_fault_violations = sum(1 for v in violated if v.at_fault)
+        broken = [v for v in report.verdicts if v.outcome is Outcome.VIOLATED]
+        violations = [v for v in broken if v.severity is not Severity.OBSERVATION]
+        row.violations = len(violations)
+        row.at_fault_violations = sum(1 for v in violations if v.at_fault)
+        row.observations = len(broken) - len(violations)
+        row.accountability = strongest(violations)
         row.steps = report.steps
         row.sim_time_s = report.sim_time_s
         row.wall_time_s = report.wall_time_s
@@ -53,7 +57,9 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
             oracle=verdict.oracle,
             ego=verdict.ego,
             outcome=verdict.outcome,
+            severity=verdict.severity,
             at_fault=verdict.at_fault,
+            accountability=accountability(verdict) if verdict.outcome is Outcome.VIOLATED else None,
             time=verdict.time,
             counterpart=verdict.counterpart,
         )

@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.feedback.measurement import Measurement
+from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict_json import verdict_from_json, verdict_to_json
 from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -68,6 +69,7 @@ class EvaluationRepository:
                 oracle=verdict.oracle,
                 key=key,
                 at_fault=verdict.at_fault,
+                accountability=accountability(verdict),
                 confirmation=Confirmation.OPEN,
                 verdict=verdict_to_json(verdict),
             )
@@ -269,6 +271,7 @@ def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> Eval
         document_sha256=record.document_sha256 or None,
         violations=len(record.violations),
         at_fault_violations=sum(bool(verdict.at_fault) for verdict in record.violations),
+        accountability=record.accountability,
         sim_time_s=record.report.sim_time_s,
         wall_time_s=record.report.wall_time_s,
         search_s=record.search_s,
@@ -289,6 +292,14 @@ def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
             campaign.failed += 1
     campaign.violating += bool(record.violations)
     campaign.at_fault += record.at_fault
+    match record.accountability:
+        # A campaign of before this was judged has no such counts, and never gets partial ones.
+        case Accountability.AVOIDABLE if campaign.avoidable is not None:
+            campaign.avoidable += 1
+        case Accountability.UNAVOIDABLE if campaign.unavoidable is not None:
+            campaign.unavoidable += 1
+        case Accountability.UNDETERMINED if campaign.undetermined is not None:
+            campaign.undetermined += 1
     measurement = record.report.measurement
     if measurement is not None and record.status is EvaluationStatus.JUDGED:
         campaign.best = json.dumps(_better(json.loads(campaign.best), record.number, measurement))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from sqlalchemy import ColumnElement, Select, exists, select
 
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.records import JobFilter, JobRecord
@@ -33,6 +34,8 @@ def filtered(query: JobQuery, wanted: JobFilter) -> JobQuery:
         query = query.where(RunRow.document_sha256 == wanted.scenario_sha256)
     if wanted.violated is not None:
         query = query.where(RunRow.violations > 0 if wanted.violated else RunRow.violations == 0)
+    if wanted.accountability is not None:
+        query = query.where(RunRow.accountability == wanted.accountability)
     if wanted.oracle:
         query = query.where(_has_verdict(wanted))
     return query
@@ -60,6 +63,8 @@ def to_record(row: RunRow, batch_id: str) -> JobRecord:
         attempts=row.attempts,
         violations=row.violations,
         at_fault_violations=row.at_fault_violations,
+        observations=row.observations,
+        accountability=None if row.accountability is None else Accountability(row.accountability),
         steps=row.steps,
         sim_time_s=row.sim_time_s,
         wall_time_s=row.wall_time_s,

@@ -9,6 +9,7 @@ from enum import IntEnum, StrEnum
 from typing import Generic, TypeVar
 
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
@@ -76,6 +77,9 @@ class JobRecord:
         cause: Why the run was not judged, as in ``RunFailure.cause``, or "".
         violations: Broken rules; ``None`` unless finished.
         at_fault_violations: Broken rules for which an ego is responsible.
+        observations: Broken rules that count only where they are named, not among ``violations``.
+        accountability: The strongest of its violations; ``None`` without one, unless finished, or
+            judged before it was told.
     """
 
     id: str
@@ -97,6 +101,8 @@ class JobRecord:
     attempts: int
     violations: int | None
     at_fault_violations: int | None
+    observations: int | None
+    accountability: Accountability | None
     steps: int | None
     sim_time_s: float | None
     wall_time_s: float | None
@@ -154,6 +160,7 @@ class JobFilter:
         oracle: About which this oracle said ``outcome``.
         outcome: See ``oracle``.
         at_fault: See ``oracle``; ``None`` for either.
+        accountability: Of which it is the strongest of the run's violations.
         violated: With, or without, any broken rule.
         scenario_sha256: Of this scenario.
     """
@@ -165,6 +172,7 @@ class JobFilter:
     oracle: str = ""
     outcome: Outcome = Outcome.VIOLATED
     at_fault: bool | None = None
+    accountability: Accountability | None = None
     violated: bool | None = None
     scenario_sha256: str = ""
 

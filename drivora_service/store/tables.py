@@ -156,6 +156,8 @@ class RunRow(Base):
     interruptions: Mapped[int] = mapped_column(default=0)
     violations: Mapped[int | None]
     at_fault_violations: Mapped[int | None]
+    observations: Mapped[int | None]
+    accountability: Mapped[str | None] = mapped_column(String(16))
     steps: Mapped[int | None]
     sim_time_s: Mapped[float | None]
     wall_time_s: Mapped[float | None]
@@ -189,7 +191,9 @@ class VerdictRow(Base):
     oracle: Mapped[str] = mapped_column(String(60))
     ego: Mapped[str] = mapped_column(String(200))
     outcome: Mapped[str] = mapped_column(String(16))
+    severity: Mapped[str | None] = mapped_column(String(16))
     at_fault: Mapped[bool | None]
+    accountability: Mapped[str | None] = mapped_column(String(16))
     time: Mapped[float | None]
     counterpart: Mapped[str] = mapped_column(String(200))
 

@@ -12,7 +12,7 @@ from drivora_service.campaigns.figures import (
     pairwise_coverage,
     within_time,
 )
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -43,6 +43,8 @@ def record(
     counterpart: str = "vehicle_0",
     role: str = "npc_vehicle",
     at_fault: bool | None = True,
+    avoidable: Answer | None = None,
+    undetermined: bool = False,
 ) -> EvaluationRecord:
     violations = tuple(
         Verdict(
@@ -51,6 +53,8 @@ def record(
             outcome=Outcome.VIOLATED,
             message="",
             at_fault=at_fault,
+            avoidable=avoidable,
+            undetermined=undetermined,
             counterpart=counterpart,
             evidence={"counterpart_role": role} if key.startswith("collision") else {},
         )
@@ -67,6 +71,21 @@ def record(
         search_s=0.01,
         prepare_s=0.01,
     )
+
+
+def test_simulations_are_told_apart_by_what_the_ego_is_accountable_for() -> None:
+    records = [
+        record(0, "collision:a", avoidable=Answer.YES),
+        record(1, "collision:a", avoidable=Answer.NO),
+        record(2, "collision:a", avoidable=Answer.NOT_MEASURABLE),
+        record(3, "collision:a", at_fault=None, undetermined=True),
+        record(4, "blocked:a", at_fault=None),
+        record(5, "red_light:b"),
+        record(6),
+    ]
+    figures = figures_of(SUBJECT, records, SPACE)
+    assert (figures.failing, figures.at_fault) == (6, 4)
+    assert (figures.avoidable, figures.unavoidable, figures.undetermined) == (2, 1, 1)
 
 
 def test_everything_is_counted_once() -> None:

@@ -150,5 +150,5 @@ def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:
     assert "unknown campaign 'nothing'; known: none" in unknown.err
     measure = drivora("campaign", "compare", "nothing", "--measure", "beauty")
     assert measure.code == 2
-    assert "unknown measure 'beauty'; known: at_fault" in measure.err
+    assert "unknown measure 'beauty'; known: avoidable, at_fault" in measure.err
     assert drivora("campaign", "report", "nothing").code == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from datetime import UTC, datetime
 
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
@@ -56,12 +56,27 @@ def ended(report: RunReport, signal: str = "") -> AttemptEnd:
     return AttemptEnd(report=report, worker="slot-0", started=now, ended=now, signal=signal)
 
 
-def finished(run_id: str, *violated: str, trace: str = "") -> AttemptEnd:
+def finished(
+    run_id: str,
+    *violated: str,
+    trace: str = "",
+    severity: Severity = Severity.MAJOR,
+    avoidable: Answer | None = None,
+) -> AttemptEnd:
     """The end of a run in which the oracles named were violated, by the ego's fault."""
     verdicts = [
         Verdict(oracle="arrival", ego="ego", outcome=Outcome.PASSED, message="arrived"),
         *(
-            Verdict(oracle=o, ego="ego", outcome=Outcome.VIOLATED, message=o, at_fault=True, time=1)
+            Verdict(
+                oracle=o,
+                ego="ego",
+                outcome=Outcome.VIOLATED,
+                message=o,
+                severity=severity,
+                at_fault=True,
+                avoidable=avoidable,
+                time=1,
+            )
             for o in violated
         ),
     ]

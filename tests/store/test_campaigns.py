@@ -9,7 +9,8 @@ import pytest
 from sqlalchemy import text
 
 from drivora_service.errors import Conflict, InvalidDocument, UnknownName
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.store.backup import back_up
@@ -18,6 +19,7 @@ from drivora_service.store.campaign_records import (
     CampaignState,
     Confirmation,
     EvaluationRecord,
+    FailureFilter,
     NewCampaign,
 )
 from drivora_service.store.database import Database
@@ -48,6 +50,8 @@ def evaluation(
     parents: tuple[int, ...] = (),
     status: EvaluationStatus = EvaluationStatus.JUDGED,
     violated: tuple[bool | None, ...] = (),
+    avoidable: Answer | None = None,
+    undetermined: bool = False,
 ) -> EvaluationRecord:
     """An evaluation whose scenario is its number; ``violated`` says who was at fault."""
     verdicts = tuple(
@@ -57,6 +61,8 @@ def evaluation(
             outcome=Outcome.VIOLATED,
             message="",
             at_fault=fault,
+            avoidable=avoidable,
+            undetermined=undetermined,
             time=float(place),
             location=(1.0, 2.0),
             evidence={"ego_speed": 0.1 + 0.2},
@@ -128,6 +134,41 @@ def test_counts_follow_the_evaluations(database: Database) -> None:
     assert record.active_s == pytest.approx(2.5)
     assert record.rate == pytest.approx(4 / 2.5)
     assert record.left_s == pytest.approx(6 / (4 / 2.5))
+
+
+def test_failures_are_counted_by_what_the_ego_is_accountable_for(database: Database) -> None:
+    campaign_id = create(database)
+    append(
+        database,
+        campaign_id,
+        evaluation(0, violated=(True,), avoidable=Answer.YES),
+        evaluation(1, violated=(True,), avoidable=Answer.NO),
+        evaluation(2, violated=(True,), avoidable=Answer.NOT_MEASURABLE),
+        evaluation(3, violated=(None,), undetermined=True),
+        evaluation(4, violated=(None,)),
+        evaluation(5, violated=(True, None)),
+        evaluation(6),
+    )
+    with database.read() as transaction:
+        counts = transaction.campaigns.get(campaign_id).counts
+        (kind,) = transaction.campaign_views.kinds(campaign_id)
+        page = transaction.campaign_views.evaluations(campaign_id)
+        unavoidable = transaction.campaign_views.failures(
+            campaign_id, FailureFilter(accountability=Accountability.UNAVOIDABLE)
+        )
+    assert (counts.violating, counts.at_fault) == (6, 4)
+    assert (counts.avoidable, counts.unavoidable, counts.undetermined) == (2, 1, 1)
+    assert (kind.at_fault, kind.avoidable) == (4, 2)
+    assert [item.accountability for item in page.items] == [
+        Accountability.AVOIDABLE,
+        Accountability.UNAVOIDABLE,
+        Accountability.NOT_MEASURABLE,
+        Accountability.UNDETERMINED,
+        Accountability.NOT_JUDGED,
+        Accountability.AVOIDABLE,
+        None,
+    ]
+    assert [failure.number for failure in unavoidable.items] == [1]
 
 
 def test_values_come_back_to_the_last_digit(database: Database) -> None:

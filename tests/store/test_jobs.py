@@ -7,6 +7,8 @@ import pytest
 from sqlalchemy import event
 
 from drivora_service.errors import InvalidDocument, UnknownName
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database
 from drivora_service.store.records import JobFilter, JobRecord, Page, Priority
@@ -73,6 +75,35 @@ def test_filters(database: Database) -> None:
         record = transaction.batches.get(batch.id)
     assert record.counts == {RunStatus.FINISHED: 2, RunStatus.RUNNING: 1}
     assert (record.size, record.violated_runs, record.is_done) == (3, 1, False)
+
+
+def test_observations_are_no_violations_and_runs_are_found_by_accountability(
+    database: Database,
+) -> None:
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="b", priority=Priority.CI)
+        hit, unavoidable, harsh = transaction.jobs.submit(
+            [new_run("a"), new_run("b"), new_run("c")], batch_id=batch.id
+        )
+    owner = register(database)
+    claim(database, owner, 9)
+    finish(
+        database,
+        owner,
+        finished(hit, "collision", avoidable=Answer.YES),
+        finished(unavoidable, "collision", avoidable=Answer.NO),
+        finished(harsh, "discomfort", severity=Severity.OBSERVATION),
+    )
+    with database.read() as transaction:
+        jobs = {job.id: job for job in transaction.jobs.page(JobFilter()).items}
+        found = transaction.jobs.page(JobFilter(accountability=Accountability.UNAVOIDABLE))
+        batch = transaction.batches.get(batch.id)
+    assert [job.id for job in found.items] == [unavoidable]
+    assert (jobs[hit].violations, jobs[hit].observations) == (1, 0)
+    assert jobs[hit].accountability is Accountability.AVOIDABLE
+    assert (jobs[harsh].violations, jobs[harsh].observations) == (0, 1)
+    assert jobs[harsh].accountability is None
+    assert batch.violated_runs == 2
 
 
 def test_changes_come_in_their_order_and_none_is_missed(database: Database) -> None:

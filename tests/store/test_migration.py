@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,10 @@ from sqlalchemy import text
 from drivora_service.errors import StoreError
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.migration import schema_version
+from drivora_service.store.records import JobFilter
 from drivora_service.store.tables import Base
+
+DATA = Path(__file__).parent / "data"
 
 
 def test_the_migrated_schema_is_that_of_the_models(database: Database) -> None:
@@ -33,6 +38,31 @@ def test_partial_indices_are_migrated_with_their_conditions(database: Database) 
     }
     assert found == wanted
     assert len(wanted) >= 4
+
+
+def test_a_database_of_the_version_before_accountability_is_read(tmp_path: Path) -> None:
+    """What it holds was written by that version: a campaign of 12 simulations and a run."""
+    path = tmp_path / "old.sqlite3"
+    with closing(sqlite3.connect(path)) as old:
+        old.executescript((DATA / "schema_0003.sql").read_text())
+    database = open_database(f"sqlite:///{path}")
+    with database.read() as transaction:
+        (campaign,) = transaction.campaigns.page().items
+        records = transaction.evaluations.page(campaign.id)
+        failures = transaction.evaluations.failures(campaign.id)
+        summaries = transaction.campaign_views.evaluations(campaign.id).items
+        (job,) = transaction.jobs.page(JobFilter()).items
+        report = transaction.jobs.report(job.id)
+    database.close()
+    assert (campaign.counts.violating, campaign.counts.at_fault) == (8, 2)
+    assert campaign.counts.avoidable is None
+    assert campaign.counts.undetermined is None
+    assert len(records) == 12
+    assert len(failures) == 10
+    assert all(summary.accountability is None for summary in summaries)
+    assert (job.violations, job.observations, job.accountability) == (3, None, None)
+    assert report is not None
+    assert all(verdict.avoidable is None for verdict in report.verdicts)
 
 
 def test_opening_again_changes_nothing(database: Database) -> None:

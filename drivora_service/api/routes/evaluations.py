@@ -25,6 +25,7 @@ from drivora_service.api.schemas.campaigns import (
 from drivora_service.api.security import reader
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.errors import UnknownName
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
@@ -159,6 +160,9 @@ def list_failures(
     key: Annotated[str, Query(max_length=400, description="Of this kind.")] = "",
     oracle: Annotated[str, Query(max_length=60, description="Of this rule.")] = "",
     at_fault: Annotated[bool | None, Query(description="By the fault of an ego, or not.")] = None,
+    accountability: Annotated[
+        Accountability | None, Query(description="For which an ego is accountable so far.")
+    ] = None,
     confirmation: Annotated[
         Confirmation | None, Query(description="Whether it happened again.")
     ] = None,
@@ -166,7 +170,13 @@ def list_failures(
     page_token: PageToken = "",
 ) -> Response:
     """Lists the failures that a campaign has found, in the order of their evaluations."""
-    wanted = FailureFilter(key=key, oracle=oracle, at_fault=at_fault, confirmation=confirmation)
+    wanted = FailureFilter(
+        key=key,
+        oracle=oracle,
+        at_fault=at_fault,
+        accountability=accountability,
+        confirmation=confirmation,
+    )
     with context.database.read() as transaction:
         page = transaction.campaign_views.failures(
             campaign_id, wanted, limit=limit, page_token=page_token

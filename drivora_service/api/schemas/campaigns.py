@@ -11,6 +11,7 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, failure_of
 from drivora_service.api.schemas.runs import VerdictView, verdict_view
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import FloatArray, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import EvaluationStatus
@@ -35,6 +36,14 @@ class Counts(Schema):
     failed: int = Field(description="Those whose run had no result.")
     violating: int = Field(description="Those with at least one failure.")
     at_fault: int = Field(description="Those with a failure that an ego is responsible for.")
+    avoidable: int | None = Field(
+        description="Those with one that a careful and competent driver avoids; null where the "
+        "campaign was judged before this was told."
+    )
+    unavoidable: int | None = Field(
+        description="Those at fault where that driver does not avoid it either."
+    )
+    undetermined: int | None = Field(description="Those whose fault cannot be told.")
 
 
 class CampaignSummary(Schema):
@@ -73,6 +82,7 @@ class Kind(Schema):
     key: str = Field(description="Rule, place, and how the other stood to the ego.")
     failures: int
     at_fault: int
+    avoidable: int = Field(description="Those at fault that could be avoided.")
     confirmed: int = Field(description="Those that happened again in an identical run.")
     flaky: int = Field(description="Those that did not.")
     first: int = Field(description="Number of the first evaluation that showed it.")
@@ -117,6 +127,9 @@ class Evaluation(Schema):
     scenario_sha256: str = Field(description="Empty if it is no valid scenario.")
     violations: int = Field(description="Failures.")
     at_fault_violations: int = Field(description="Those an ego is responsible for.")
+    accountability: Accountability | None = Field(
+        description="The strongest of its failures; null without one."
+    )
     failure_keys: tuple[str, ...] = Field(description="Kind of each failure.")
     objectives: dict[str, float | None] = Field(
         description="Of the tester's feedback, to be minimised; null: not measurable."
@@ -223,6 +236,7 @@ def campaign_view(
                 key=kind.key,
                 failures=kind.failures,
                 at_fault=kind.at_fault,
+                avoidable=kind.avoidable,
                 confirmed=kind.confirmed,
                 flaky=kind.flaky,
                 first=kind.first,
@@ -320,6 +334,9 @@ def _fields(record: CampaignRecord) -> dict[str, Any]:
             failed=counts.failed,
             violating=counts.violating,
             at_fault=counts.at_fault,
+            avoidable=counts.avoidable,
+            unavoidable=counts.unavoidable,
+            undetermined=counts.undetermined,
         ),
         "rate": record.rate,
         "left_s": record.left_s,
@@ -341,6 +358,7 @@ def _evaluation_fields(summary: EvaluationSummary) -> dict[str, Any]:
         "scenario_sha256": summary.scenario_sha256,
         "violations": summary.violations,
         "at_fault_violations": summary.at_fault_violations,
+        "accountability": summary.accountability,
         "failure_keys": summary.failure_keys,
         "objectives": dict(summary.objectives),
         "cause": summary.cause,

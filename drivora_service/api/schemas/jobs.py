@@ -7,6 +7,7 @@ from datetime import datetime
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.records import JobRecord
 
@@ -39,6 +40,12 @@ class JobSummary(Schema):
     attempts: int = Field(description="How often a worker took the run.")
     violations: int | None = Field(description="Broken rules; null unless finished.")
     at_fault_violations: int | None = Field(description="Those an ego is responsible for.")
+    observations: int | None = Field(
+        description="Broken rules that count only where a campaign or gate names them."
+    )
+    accountability: Accountability | None = Field(
+        description="The strongest of its violations; null without one."
+    )
     steps: int | None
     sim_time_s: float | None
     wall_time_s: float | None
@@ -89,6 +96,8 @@ def _fields(record: JobRecord) -> dict[str, object]:
         "attempts": record.attempts,
         "violations": record.violations,
         "at_fault_violations": record.at_fault_violations,
+        "observations": record.observations,
+        "accountability": record.accountability,
         "steps": record.steps,
         "sim_time_s": record.sim_time_s,
         "wall_time_s": record.wall_time_s,
