@@ -11,6 +11,7 @@ from statistics import median
 import numpy as np
 
 from drivora_service.agents.entry import AgentEntry
+from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunReport, RunStatus
 
@@ -72,6 +73,14 @@ class BenchmarkRun:
         """Says whether the ego broke a rule; with ``at_fault``, whether that was its fault."""
         return any(v.oracle == rule and (not at_fault or v.at_fault) for v in self.violations)
 
+    @property
+    def collided_avoidably(self) -> bool:
+        """Whether a collision was the ego's fault, and avoidable."""
+        return any(
+            v.oracle == COLLISION and accountability(v) is Accountability.AVOIDABLE
+            for v in self.violations
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figures:
@@ -84,6 +93,8 @@ class Figures:
         clean_arrivals: It did so without a collision at its fault.
         collisions: The ego touched somebody.
         at_fault_collisions: At least once at its fault.
+        avoidable_collisions: At least once at its fault where a careful and competent driver avoids
+            the collision.
         red_lights: The ego ran at least one.
         driving_score: Mean of Leaderboard 2.1, per cent. A run in which the agent failed counts 0,
             one that failed for reasons of the machine is left out.
@@ -102,6 +113,7 @@ class Figures:
     clean_arrivals: int
     collisions: int
     at_fault_collisions: int
+    avoidable_collisions: int
     red_lights: int
     driving_score: float | None
     route_completion: float | None
@@ -228,6 +240,7 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
         clean_arrivals=sum(not run.broke(COLLISION, at_fault=True) for run in arrivals),
         collisions=sum(run.broke(COLLISION) for run in judged),
         at_fault_collisions=len(at_fault),
+        avoidable_collisions=sum(run.collided_avoidably for run in judged),
         red_lights=sum(run.broke(RED_LIGHT) for run in judged),
         driving_score=_mean([*_values(judged, "driving_score"), *[0.0] * failed]),
         route_completion=_mean(_values(judged, "route_completion")),

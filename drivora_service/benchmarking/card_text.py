@@ -13,6 +13,7 @@ COLUMNS = (
     "arrived",
     "crashed",
     "at fault",
+    "avoidable",
     "red lights",
     "driving score",
     "comfort",
@@ -32,7 +33,12 @@ def cells(figures: Figures) -> tuple[str, ...]:
         str(figures.arrivals),
         *(
             str(count) if judged else "-"
-            for count in (figures.collisions, figures.at_fault_collisions, figures.red_lights)
+            for count in (
+                figures.collisions,
+                figures.at_fault_collisions,
+                figures.avoidable_collisions,
+                figures.red_lights,
+            )
         ),
         _number(figures.driving_score, 1),
         _number(figures.comfort, 2),
@@ -66,12 +72,12 @@ def setting(runs: int) -> tuple[str, ...]:
 
 
 HOW_TO_READ = (
-    "Counts are of runs. *arrived*: in time; *crashed*: touched somebody, *at fault*: by its own "
-    "fault; *red lights*: ran at least one. *driving score*: mean of Leaderboard 2.1 (per cent), "
-    "0 where the agent failed. *comfort*: mean share of the time within nuPlan's bounds. "
-    "*step*, *95 %*: median and 95th percentile over the runs of the mean wall time of a step, "
-    "simulation and agent together; *agent*: the median of what the agent alone took of it, a dash "
-    "where SUMO drives. "
+    "Counts are of runs. *arrived*: in time; *crashed*: touched another actor, *at fault*: by its "
+    "own fault, *avoidable*: where a careful and competent driver avoids it; *red lights*: ran at "
+    "least one. *driving score*: mean of Leaderboard 2.1 (per cent), 0 where the agent failed. "
+    "*comfort*: mean share of the time within nuPlan's bounds. *step*, *95 %*: median and 95th "
+    "percentile over the runs of the mean wall time of a step, simulation and agent together; "
+    "*agent*: the median of what the agent alone took of it, a dash where SUMO drives. "
     "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
     "perception model lets through."
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.card import BenchmarkRun
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 
 AGENT = AgentEntry(
@@ -17,13 +17,20 @@ AGENT = AgentEntry(
 )
 
 
-def violation(rule: str, *, at_fault: bool | None = None, message: str = "") -> Verdict:
+def violation(
+    rule: str,
+    *,
+    at_fault: bool | None = None,
+    avoidable: Answer | None = None,
+    message: str = "",
+) -> Verdict:
     return Verdict(
         oracle=rule,
         ego="ego_0",
         outcome=Outcome.VIOLATED,
         message=message or f"broke {rule}",
         at_fault=at_fault,
+        avoidable=avoidable,
     )
 
 

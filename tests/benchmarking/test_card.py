@@ -6,6 +6,7 @@ import pytest
 
 from drivora_service.benchmarking.card import card_of, figures_of, worst_run
 from drivora_service.benchmarking.card_text import COLUMNS, cells
+from drivora_service.oracles.verdict import Answer
 from drivora_service.runs.report import RunStatus
 from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
 
@@ -32,6 +33,16 @@ def test_counts_are_of_runs() -> None:
     assert figures.comfortable == 3
     assert figures.comfort == pytest.approx(3.5 / 4)
     assert figures.route_completion == pytest.approx(90.0)
+
+
+def test_unavoidable_collisions_are_counted_apart() -> None:
+    answers = (Answer.YES, Answer.NO, Answer.NOT_MEASURABLE)
+    runs = [
+        finished(n, violation("collision", at_fault=True, avoidable=answer))
+        for n, answer in enumerate(answers)
+    ]
+    figures = figures_of(runs)
+    assert (figures.at_fault_collisions, figures.avoidable_collisions) == (3, 1)
 
 
 def test_a_failing_agent_scores_nothing_and_a_failing_machine_does_not_count() -> None:
