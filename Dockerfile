@@ -8,8 +8,15 @@ COPY . .
 RUN /opt/drivora/bin/pip install --no-cache-dir --no-deps --no-build-isolation .
 
 FROM python:3.11-slim
+# What libsumo needs of the system (drivora_service/system_libraries.py).
+RUN apt-get update \
+ && apt-get install --yes --no-install-recommends \
+      libx11-6 libxext6 libxrender1 libgl1 libatomic1 \
+ && rm -rf /var/lib/apt/lists/*
 RUN useradd --create-home --uid 10001 drivora && install -d -o drivora -g drivora /data
 COPY --from=build /opt/drivora /opt/drivora
+# An image whose workers could not start is not built.
+RUN /opt/drivora/bin/python -c "import libsumo"
 ENV PATH=/opt/drivora/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     NUMBA_CACHE_DIR=/home/drivora/.cache/numba \

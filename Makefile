@@ -24,6 +24,7 @@ $(BIN)/python:
 $(RUN_STAMP): requirements/run.txt pyproject.toml | $(BIN)/python
 	$(PIP) install --quiet --require-hashes -r requirements/run.txt
 	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m drivora_service.system_libraries
 	@touch $@
 
 $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
