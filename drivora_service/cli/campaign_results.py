@@ -120,6 +120,7 @@ def print_campaigns(records: Sequence[tuple[CampaignRecord, bool]]) -> None:
             )
             for record, running in records
         ),
+        cut=("name",),
     )
 
 
@@ -195,6 +196,7 @@ def print_evaluation(lineage: Sequence[EvaluationRecord]) -> None:
             )
             for member in lineage[-_SHOWN:]
         ),
+        wrap=("parents",),
     )
     if len(lineage) > _SHOWN:
         print(f"{len(lineage) - _SHOWN} earlier ancestors; --json prints them as well")

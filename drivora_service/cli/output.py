@@ -23,6 +23,7 @@ def print_table(
     columns: Sequence[str],
     rows: Iterable[Sequence[str]],
     *,
+    wrap: Collection[str] = (),
     cut: Collection[str] = (),
 ) -> None:
     """Prints a table; text is shown as it is, without markup.
@@ -31,33 +32,24 @@ def print_table(
         title: Above it, if any.
         columns: Their heads.
         rows: A text each column.
-        cut: Columns that share what room is left on a line and whose texts are cut there; without
-            any, all are wrapped.
+        wrap: Columns of prose, which may break at their spaces where the terminal is too narrow.
+        cut: Columns whose middle may be left out there. The others are always shown whole.
     """
-    from rich import box
     from rich.console import Console
-    from rich.table import Table
     from rich.text import Text
 
-    listed = [*rows]
-    table = Table(
-        title=title or None,
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        collapse_padding=True,
-        pad_edge=False,
-        expand=bool(cut),
-    )
-    for index, column in enumerate(columns):
-        if column in cut:
-            table.add_column(column, overflow="ellipsis", no_wrap=True, ratio=1)
-        elif cut:
-            table.add_column(column, width=max(len(row[index]) for row in [columns, *listed]))
-        else:
-            table.add_column(column, overflow="fold")
-    for row in listed:
-        table.add_row(*(Text.from_ansi(cell) for cell in row))
-    Console().print(table)
+    from drivora_service.cli.tables import table_lines, table_of
+
+    console = Console(soft_wrap=True)
+    head, body = table_lines(table_of(columns, [*rows], wrap=wrap, cut=cut), console.width)
+    if title:
+        console.print(Text(title, style="italic"))
+    console.print()
+    for line in head[:-1]:
+        console.print(Text(line, style="bold"))
+    for line in (head[-1], *body):
+        console.print(Text(line))
+    console.print()
 
 
 def note(message: str) -> None:

@@ -31,7 +31,7 @@ def print_parameters(parameters: Iterable[dict[str, Any]]) -> None:
 
     print_table(
         "",
-        ("parameter", "default", "allowed", ""),
+        ("parameter", "default", "allowed", "description"),
         (
             (
                 parameter["name"],
@@ -41,4 +41,5 @@ def print_parameters(parameters: Iterable[dict[str, Any]]) -> None:
             )
             for parameter in parameters
         ),
+        wrap=("allowed", "description"),
     )

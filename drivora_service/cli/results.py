@@ -110,6 +110,7 @@ def print_results(results: Sequence[dict[str, Any]]) -> None:
         "",
         ("scenario", "status", "violations", "sim time", "real time", "step cost", "agents"),
         (_row(result) for result in results),
+        wrap=("violations",),
     )
     for result in results:
         for ego in result["privileged"]:
@@ -142,7 +143,8 @@ def print_result(result: dict[str, Any]) -> None:
             )
             for verdict in result["verdicts"]
         )
-        print_table("Verdicts", ("rule", "ego", "outcome", "at fault", "time (s)", ""), rows)
+        columns = ("rule", "ego", "outcome", "at fault", "time (s)", "message")
+        print_table("Verdicts", columns, rows, wrap=("message",))
     if result["metrics"]:
         metrics = ((name, number(value, 3)) for name, value in result["metrics"].items())
         print_table("Metrics", ("metric", "value"), metrics)

@@ -76,7 +76,7 @@ def _run(script: str, folder: Path, port: int) -> None:
         "COLUMNS": "80",
         # Packages that a page installs must not reach the environment of the tests.
         "PIP_TARGET": str(site),
-        "PYTHONPATH": str(site),
+        "PYTHONPATH": f"{site}{os.pathsep}{_ROOT}",
     }
     process = subprocess.Popen(
         ["bash", "-c", script], cwd=folder, env=environment, start_new_session=True

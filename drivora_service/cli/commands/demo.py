@@ -117,7 +117,10 @@ def _print_verdicts(town: str, runs: Sequence[dict[str, Any]]) -> None:
         )
 
     print_table(
-        "", ("scenario", "status", "sim time", "driving score", "rules broken"), map(row, runs)
+        "",
+        ("scenario", "status", "sim time", "driving score", "rules broken"),
+        map(row, runs),
+        wrap=("rules broken",),
     )
 
 

@@ -55,7 +55,8 @@ def show(
     if as_json:
         print_json(facts)
     else:
-        print_table("", ("", ""), ((key.replace("_", " "), _text(facts[key])) for key in facts))
+        rows = ((key.replace("_", " "), _text(facts[key])) for key in facts)
+        print_table("", ("fact", "value"), rows, wrap=("value",))
 
 
 @app.command("import")

@@ -33,6 +33,7 @@ def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None
             )
             for oracle in oracles
         ),
+        wrap=("usable", "description"),
     )
 
 
@@ -53,6 +54,7 @@ def show(
             "",
             ("threshold", "value (SI units)"),
             ((key, json.dumps(value)) for key, value in oracle["thresholds"].items()),
+            wrap=("value (SI units)",),
         )
 
 

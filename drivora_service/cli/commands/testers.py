@@ -38,6 +38,7 @@ def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None
             )
             for tester in testers
         ),
+        wrap=("usable", "description"),
     )
 
 
