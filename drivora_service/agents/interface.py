@@ -30,8 +30,8 @@ class AgentContext:
     Attributes:
         ego_id: The vehicle it will drive.
         model: Size and limits of that vehicle.
-        network: The road network.
-        route: The way to drive.
+        network: The road network; read-only.
+        route: The way to drive; read-only.
         step_length: Seconds between two calls of ``run_step``.
         friction: Tyre-road friction coefficient that the ego will find, 0..1.
         seed: For every random draw of the agent.
@@ -52,7 +52,10 @@ class AgentContext:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Observation:
-    """What the agent perceives at one step; the arrays are views that change with the next step.
+    """What the agent perceives at one step.
+
+    All of it is the agent's own: what it writes there changes neither the run nor its record. The
+    arrays of objects are used again for the next step; ``ego`` is not.
 
     Attributes:
         time: Seconds of simulation.

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.networks.road_network import make_read_only
+
 FloatArray = NDArray[np.float64]
 
 
@@ -35,6 +37,10 @@ class LaneRun:
     start_s: float
     change_from: float
     end_s: float
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only: routes are shared."""
+        make_read_only(self.line, self.arc, self.speed_limits)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +82,10 @@ class LaneRoute:
     point_lanes: NDArray[np.int64]
     edges: tuple[str, ...]
     signals: tuple[RouteSignal, ...]
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only: routes are shared."""
+        make_read_only(self.line, self.arc, self.speed_limits, self.point_lanes)
 
     @property
     def length(self) -> float:

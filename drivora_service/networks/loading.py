@@ -78,7 +78,7 @@ def load_network(path: Path, name: str) -> RoadNetwork:
         lane_by_id={lane.id: lane.index for lane in lanes},
         edge_lanes={edge: tuple(indices) for edge, indices in by_edge.items()},
         junction_shapes={
-            node.getID(): np.asarray(node.getShape(), dtype=np.float64)
+            node.getID(): np.array(node.getShape(), dtype=np.float64)
             for node in net.getNodes()
             if len(node.getShape()) >= 3
         },
@@ -127,9 +127,9 @@ def _build_lanes(net: Any) -> tuple[Lane, ...]:
                 id=lane.id,
                 edge_id=edge.getID(),
                 lane_number=lane.number,
-                shape=_frozen(shapes[index]),
-                arc=_frozen(arc_lengths(shapes[index])),
-                heights=_frozen(_heights(lane.source.getShape3D(), shapes[index])),
+                shape=shapes[index],
+                arc=arc_lengths(shapes[index]),
+                heights=_heights(lane.source.getShape3D(), shapes[index]),
                 length=float(lane.source.getLength()),
                 width=float(lane.source.getWidth()),
                 speed_limit=float(lane.source.getSpeed()),
@@ -231,11 +231,6 @@ def _direction(neighbours: Iterable[tuple[FloatArray, int]]) -> FloatArray:
 
 def _distance(a: FloatArray, b: FloatArray) -> float:
     return float(np.hypot(b[0] - a[0], b[1] - a[1]))
-
-
-def _frozen(array: FloatArray) -> FloatArray:
-    array.setflags(write=False)
-    return array
 
 
 def _read_programs(data: bytes) -> dict[str, SignalProgram]:

@@ -6,14 +6,23 @@ end along the centre line.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+def make_read_only(*arrays: NDArray[Any]) -> None:
+    """Makes arrays refuse to be written to; each must own its data."""
+    for array in arrays:
+        array.setflags(write=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,6 +85,10 @@ class Lane:
     right: int
     to_junction: str
 
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        make_read_only(self.shape, self.arc, self.heights)
+
     def position_at(self, s: float) -> tuple[float, float, float]:
         """Gives x, y (metres) and heading (radians) of the centre line at arc length ``s``."""
         s = min(max(s, 0.0), float(self.arc[-1]))
@@ -127,7 +140,7 @@ class SignalProgram:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoadNetwork:
-    """A road network, parsed once a process.
+    """A road network, parsed once a process and shared by all runs and agents in it: read-only.
 
     Attributes:
         name: Name in the catalogue.
@@ -148,10 +161,16 @@ class RoadNetwork:
     net_offset: tuple[float, float]
     bounds: tuple[float, float, float, float]
     lanes: tuple[Lane, ...] = field(repr=False)
-    lane_by_id: dict[str, int] = field(repr=False)
-    edge_lanes: dict[str, tuple[int, ...]] = field(repr=False)
-    junction_shapes: dict[str, FloatArray] = field(repr=False)
-    programs: dict[str, SignalProgram] = field(repr=False)
+    lane_by_id: Mapping[str, int] = field(repr=False)
+    edge_lanes: Mapping[str, tuple[int, ...]] = field(repr=False)
+    junction_shapes: Mapping[str, FloatArray] = field(repr=False)
+    programs: Mapping[str, SignalProgram] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        """Makes the tables read-only."""
+        for name in ("lane_by_id", "edge_lanes", "junction_shapes", "programs"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        make_read_only(*self.junction_shapes.values())
 
     def lane(self, lane_id: str) -> Lane:
         """Gives the lane with SUMO's id ``lane_id``; KeyError where there is none."""

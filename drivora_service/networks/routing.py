@@ -72,7 +72,7 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
         NoRoute: A point is too far from every lane or cannot be reached from the one before.
 
     Returns:
-        The route. It is shared by all who ask for the same points and not to be changed.
+        The route. It is shared by all callers with the same points, and read-only.
     """
     return _plan(network, tuple(points))
 

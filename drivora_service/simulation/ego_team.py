@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from time import perf_counter_ns
 
 import numpy as np
@@ -117,7 +118,7 @@ class EgoTeam:
             step_length=self._plan.scenario.step_length,
             friction=self._plan.weather.friction,
             seed=seed,
-            parameters=plan.ego.agent.parameters,
+            parameters=deepcopy(plan.ego.agent.parameters),
             log=self.logs[m],
         )
         self._cells[2], self._cells[0] = m, Phase.IN_AGENT
@@ -140,7 +141,7 @@ class EgoTeam:
         self._buffers = []
         self._views = []
         self._observations = []
-        for m in range(len(self.agents)):
+        for _ in range(len(self.agents)):
             buffers = (
                 np.zeros((count, len(Col))),
                 np.zeros((count, 2)),
@@ -151,7 +152,7 @@ class EgoTeam:
             self._views.append(views)
             self._observations.append(
                 Observation(
-                    ego=self.bodies[m],
+                    ego=np.full(len(Col), np.nan),
                     objects=views[0],
                     object_sizes=views[1],
                     object_kinds=views[2],
@@ -229,7 +230,8 @@ class EgoTeam:
         ) = views
         observation.time = time
         observation.step = step
-        observation.ego = world.states[step, m]
+        # A copy: the frames are the evidence, and a view would let an agent write into them.
+        observation.ego = world.states[step, m].copy()
         body = self.bodies[m].tolist()
         observation.speed = body[_SPEED]
         observation.steer, observation.acceleration = body[_STEER : _STEER + 2]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drivora_service.agents.interface import Agent, Control
 from drivora_service.agents.sumo_driver import SumoDriver, common_lane_change_model
 from drivora_service.errors import SimulatorError
-from drivora_service.observations.trace import Actor, Contact, Role, TerminalEvent, Trace
+from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker
 from drivora_service.simulation import background
 from drivora_service.simulation.arrays import (
@@ -37,7 +37,12 @@ from drivora_service.simulation.plan import (
     plan_walker,
 )
 from drivora_service.simulation.route_tracking import ENDS
-from drivora_service.simulation.step_kernels import finish_frame, make_frame, take_over_driven
+from drivora_service.simulation.step_kernels import (
+    finish_frame,
+    make_frame,
+    take_over_driven,
+    write_velocity,
+)
 from drivora_service.simulation.sumo import open_world
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
 from drivora_service.simulation.traffic import Background, Traffic
@@ -221,13 +226,18 @@ class Episode:
             self._bind()
         time, next_time = k * self._dt, (k + 1) * self._dt
         self._cells[1] = k
-        started = self._team.start_due(time) if k else []
-        if started:
-            self._hand_over_started(started)
         self._team.decide(k, time, world, controls)
         self._make_frame(k, k + 1, next_time)
         self._k = k + 1
+        # Before the frame is completed: an ego is tracked from the first frame of its part on.
+        started = self._team.start_due(next_time)
+        for m in started:
+            write_velocity(self._team.bodies[m], world.states[k + 1, m])
+        self._hand_over_started(started)
         self._finish_frame(k, k + 1, next_time)
+        for m in started:
+            # What it stood before is not part of its drive: its rates are those of an appearance.
+            world.states[k + 1, m, Col.AX : Col.YAW_RATE + 1] = 0.0
         return self.done
 
     def _check_egos(self, ids: Iterable[str]) -> None:

@@ -158,14 +158,20 @@ def _write_egos(
         next_present[m] = in_world[m]
         if not in_world[m]:
             continue
-        x, y, yaw, v, side = bodies[m, 0], bodies[m, 1], bodies[m, 2], bodies[m, 3], bodies[m, 4]
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        next_frame[m, 0] = x
-        next_frame[m, 1] = y
-        next_frame[m, 2] = yaw
-        next_frame[m, 3] = v * cos - side * sin
-        next_frame[m, 4] = v * sin + side * cos
+        next_frame[m, 0] = bodies[m, 0]
+        next_frame[m, 1] = bodies[m, 1]
+        next_frame[m, 2] = bodies[m, 2]
+        write_velocity(bodies[m], next_frame[m])
         next_frame[m, 8] = bodies[m, 8]
+
+
+@compiled
+def write_velocity(body: FloatArray, state: FloatArray) -> None:
+    """Writes a body's velocity into its row of a frame."""
+    v, side = body[3], body[4]
+    cos, sin = math.cos(body[2]), math.sin(body[2])
+    state[3] = v * cos - side * sin
+    state[4] = v * sin + side * cos
 
 
 @compiled

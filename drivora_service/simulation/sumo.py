@@ -209,11 +209,14 @@ class SumoWorld:
         return DrivenActor(actor.row, actor.id, actor.half_length)
 
     def take_back(self, actor: DrivenActor) -> MovedActor:
-        """Moves a vehicle again that SUMO drove until now."""
+        """Moves a vehicle again that SUMO drove until now.
+
+        It is placed by force once, since it may be in the middle of a lane change.
+        """
         libsumo.vehicle.unsubscribe(actor.id)
         libsumo.vehicle.setSpeedMode(actor.id, 0)
         libsumo.vehicle.setLaneChangeMode(actor.id, 0)
-        return MovedActor(actor.row, actor.id, actor.half_length, follows_route=False)
+        return MovedActor(actor.row, actor.id, actor.half_length, follows_route=False, retry_in=1)
 
     def place(self, actors: Sequence[MovedActor], placements: Sequence[Sequence[float]]) -> None:
         """Puts moved actors at their poses for the next step.

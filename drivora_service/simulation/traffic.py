@@ -111,9 +111,13 @@ class Traffic:
         self.driven.append(self._sumo.hand_over(actor, speed, driver, self._bodies[row].width))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
-        """Moves a row again that SUMO drove until now, or forgets it if it has left the road."""
+        """Moves a row again that SUMO drove until now, or forgets it if it has left the road.
+
+        Its place in SUMO follows the world's rows from the next frame on, as before ``hand_over``.
+        """
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
+        self.is_moved[row] = True
         if not on_road:
             self.known[row] = False
             return
