@@ -45,6 +45,7 @@ PROGRESS = "progress"
 RED_LIGHT = "red_light"
 
 _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
+_NOT_ARRIVED = (TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT, TerminalEvent.ROUTE_DEVIATION)
 _HALF_LANE = 1.75
 """Metres, for an ego that was on no lane at all."""
 
@@ -180,7 +181,7 @@ def _progress(ego: EgoView) -> float | None:
     The limit is that of `destination`. 0 for who did not arrive in time: too slow, stuck, or not
     there when time was up. Who collided before had until then the pace that it had.
     """
-    if ego.end in (TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT):
+    if ego.end in _NOT_ARRIVED:
         return 0.0
     limit = Destination().time_limit(ego)
     done = ego.value(EgoCol.ROUTE_S) / ego.route.length

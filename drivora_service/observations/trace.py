@@ -89,6 +89,7 @@ class TerminalEvent(StrEnum):
     COLLISION = "collision"
     STUCK = "stuck"
     TIME_LIMIT = "time_limit"
+    ROUTE_DEVIATION = "route_deviation"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.signals import off_route, waiting_off_route
 from drivora_service.observations.trace import (
     BoolArray,
     EgoCol,
@@ -73,14 +74,14 @@ class Blocked:
         if verdicts:
             return verdicts
         longest = float(clock.max())
-        cut_short = ego.end is TerminalEvent.TIME_LIMIT and bool(standing[-1])
-        if cut_short and ego.duration < self.duration:
+        cut_short = ego.end is TerminalEvent.TIME_LIMIT and ego.duration < self.duration
+        if (cut_short and standing[-1]) or ego.end is TerminalEvent.STUCK:
             return [
                 not_measurable(
                     self.name,
                     ego,
-                    f"Stood for {clock[-1]:.1f} s when the run ended; nobody can have stood for "
-                    f"{self.duration:g} s in so short a run.",
+                    f"Stood for {clock[-1]:.1f} s when its part ended, and would have to stand for "
+                    f"{self.duration:g} s: a longer max_sim_time and stuck_after would tell.",
                     duration=longest,
                 )
             ]
@@ -88,9 +89,16 @@ class Blocked:
 
 
 def waiting_at_signal(ego: EgoView, queue_reach: float = QUEUE_REACH) -> BoolArray:
-    """Tells the (n,) rows in which the next signal is near and not green."""
+    """Tells the (n,) rows in which the next signal is near and not green.
+
+    On its route that is the route's next signal, off it the next on the lane that the ego is on.
+    """
+    off = off_route(ego)
     near = ego.value(EgoCol.LIGHT_DISTANCE) < queue_reach
-    waiting: BoolArray = near & (ego.lights >= Light.YELLOW)
+    waiting: BoolArray = near & (ego.lights >= Light.YELLOW) & ~off
+    standing = ego.speed < STANDING_SPEED
+    if np.any(off & standing):
+        waiting |= waiting_off_route(ego, off & standing, queue_reach)
     return waiting
 
 

@@ -6,20 +6,42 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.observations.line_crossings import Crossing, line_crossings
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import EgoCol, Light
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.observations.signals import BESIDE_ROUTE, signal_shown
+from drivora_service.observations.trace import ByteArray, EgoCol, Light
+from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
 
 _SAME_PLACE = 0.1
 """Metres by which the place of a stop line on the route may differ from row to row."""
+
+_SAME_LINE = 5.0
+"""Metres of way within which a crossing seen along the route and one seen on the road are one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Passage:
+    """A stop line that the tail has crossed.
+
+    Attributes:
+        front: Row in which the front is beyond it.
+        tail: Row in which the tail is beyond it.
+        shown: (n,) ``Light`` of the ego's movement, by row; ``None`` if it cannot be told.
+    """
+
+    front: int
+    tail: int
+    shown: ByteArray | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RedLight:
     """Violated where the ego's tail crosses a stop line on red (CARLA Leaderboard).
 
-    A vehicle whose front has passed on green or yellow and whose tail follows on red has violated
-    the rule as well: that is how the Leaderboard counts.
+    Every stop line of the network counts that the ego drives over along its lane, on the route or
+    off it; where the ego leaves its lane to drive past the line of its route, that line counts as
+    well. A vehicle whose front has passed on green or yellow and whose tail follows on red has
+    violated the rule: that is how the Leaderboard counts.
 
     Attributes:
         seen_within: Metres before the stop line within which the front bumper must have been at
@@ -34,53 +56,115 @@ class RedLight:
         return "red_light"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for each signal that an ego ran."""
+        """Returns a verdict for each signal that an ego ran."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if ego.count < 2:
             return [not_started(self.name, ego)]
-        verdicts = []
-        crossings = 0
-        for start, last in _passages(ego):
-            distance = ego.value(EgoCol.LIGHT_DISTANCE)[start : last + 1]
-            approached = np.any((distance >= 0.0) & (distance <= self.seen_within))
-            # The trace shows one signal at a time: one close behind another appears under the ego.
-            concealed = start > 0 and ego.value(EgoCol.LIGHT_DISTANCE)[start - 1] < 0.0
-            if not (approached or concealed):
-                continue
-            crossings += 1
-            if ego.lights[last] != Light.RED:
-                continue
-            red_since = last
-            while red_since > start and ego.lights[red_since - 1] == Light.RED:
-                red_since -= 1
-            red_for = float(ego.times[last] - ego.times[red_since])
-            front = start + int(np.argmax(distance < 0.0))
-            verdicts.append(
-                violated(
-                    self.name,
-                    ego,
-                    last,
-                    f"The tail crossed the stop line at {ego.speed[last]:.1f} m/s, when the signal "
-                    f"had been red for {red_for:.1f} s.",
-                    at_fault=True,
-                    speed=float(ego.speed[last]),
-                    red_for=red_for,
-                    front_crossed_on=Light(int(ego.lights[front])).name.lower(),
-                )
-            )
-        return verdicts or [
-            passed(self.name, ego, f"Crossed {crossings} stop lines, none on red.", lines=crossings)
+        passages = self._passages(ego)
+        unclear = sum(passage.shown is None for passage in passages)
+        verdicts = [
+            self._violated(ego, passage, passage.shown)
+            for passage in passages
+            if passage.shown is not None and passage.shown[passage.tail] == Light.RED
         ]
+        if verdicts:
+            return verdicts
+        facts = {"lines": len(passages), "unclear": unclear}
+        if unclear:
+            message = (
+                f"Crossed {unclear} of {len(passages)} stop lines where no movement leads that the "
+                "ego drove: which signal was its own is not known."
+            )
+            return [not_measurable(self.name, ego, message, **facts)]
+        message = f"Crossed {len(passages)} stop lines, none on red."
+        return [passed(self.name, ego, message, **facts)]
+
+    def _violated(self, ego: EgoView, passage: _Passage, shown: ByteArray) -> Verdict:
+        last = passage.tail
+        red_since = last
+        while red_since > 0 and shown[red_since - 1] == Light.RED:
+            red_since -= 1
+        red_for = float(ego.times[last] - ego.times[red_since])
+        return violated(
+            self.name,
+            ego,
+            last,
+            f"The tail crossed the stop line at {ego.speed[last]:.1f} m/s, when the signal "
+            f"had been red for {red_for:.1f} s.",
+            at_fault=True,
+            speed=float(ego.speed[last]),
+            red_for=red_for,
+            front_crossed_on=Light(int(shown[passage.front])).name.lower(),
+        )
+
+    def _passages(self, ego: EgoView) -> list[_Passage]:
+        """Returns the signalised stop lines that the tail crossed, each once, in order of time."""
+        way = np.cumsum(ego.moved)
+        along = self._along_route(ego)
+        passages = []
+        for crossing in line_crossings(ego):
+            if crossing.tail is None:
+                continue
+            signalised, shown = _shown(ego, crossing)
+            if not signalised:
+                continue
+            same = [
+                passage
+                for passage in along
+                if abs(way[passage.tail] - way[crossing.tail]) <= _SAME_LINE
+            ]
+            if same:
+                nearest = min(same, key=lambda one: abs(way[one.tail] - way[crossing.tail or 0]))
+                along.remove(nearest)
+                if shown is None:
+                    shown = nearest.shown
+            passages.append(_Passage(front=crossing.front, tail=crossing.tail, shown=shown))
+        return sorted([*passages, *along], key=lambda passage: passage.tail)
+
+    def _along_route(self, ego: EgoView) -> list[_Passage]:
+        """Returns the stop lines of the route that the ego passed, on its lane or beside it."""
+        distance = ego.value(EgoCol.LIGHT_DISTANCE)
+        lateral = np.abs(ego.value(EgoCol.ROUTE_LATERAL))
+        passages = []
+        for start, last, tail in _stretches(ego):
+            seen = distance[start : last + 1]
+            approached = np.any((seen >= 0.0) & (seen <= self.seen_within))
+            # The trace shows one signal at a time: one close behind another appears under the ego.
+            concealed = start > 0 and distance[start - 1] < 0.0
+            if not (approached or concealed) or lateral[tail] > BESIDE_ROUTE:
+                continue
+            shown = ego.lights.copy()
+            shown[:start] = Light.NONE
+            shown[last:] = shown[last]
+            front = start + int(np.argmax(seen < 0.0))
+            passages.append(_Passage(front=front, tail=tail, shown=shown))
+        return passages
 
 
-def _passages(ego: EgoView) -> list[tuple[int, int]]:
-    """Gives, for every stop line that the tail crossed, the rows that speak of its signal.
+def _shown(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
+    """Returns whether a line has a signal, and what it showed by row, if that can be told."""
+    all_shown = [signal_shown(ego, way.connection) for way in crossing.ways]
+    known = [shown for shown in all_shown if shown is not None]
+    if not known:
+        return False, None
+    if len(known) < len(all_shown):
+        return True, None
+    assert crossing.tail is not None
+    red = {bool(shown[crossing.tail] == Light.RED) for shown in known}
+    return True, known[0] if len(red) == 1 else None
+
+
+def _stretches(ego: EgoView) -> list[tuple[int, int, int]]:
+    """Returns, for every stop line of the route that the tail crossed, the rows that speak of it.
 
     The distance falls below zero as the front passes the line, and speaks of the next signal as
     soon as the tail has passed. The place of the line on the route, which is the distance ahead of
     the ego's own, tells one signal from the next.
+
+    Returns:
+        First and last row that speak of the signal, and the first with the tail beyond the line.
     """
     distance = ego.value(EgoCol.LIGHT_DISTANCE)
     known = ~np.isnan(distance)
@@ -89,13 +173,14 @@ def _passages(ego: EgoView) -> list[tuple[int, int]]:
     begins = np.flatnonzero(known & ~np.concatenate(([False], same)))
     ends = np.flatnonzero(known & ~np.concatenate((same, [False]))) + 1
     passages = []
-    for start, stop in zip(begins, ends, strict=True):
-        last = int(stop) - 1
+    for start, stop in zip(begins.tolist(), ends.tolist(), strict=True):
+        last = stop - 1
         gone = np.flatnonzero(distance[start:stop] <= -ego.actor.length)
         if len(gone):
-            passages.append((int(start), int(start + gone[0])))
+            row = start + int(gone[0])
+            passages.append((start, row, row))
         elif stop < ego.count and distance[last] < 0.0:
             came = ego.value(EgoCol.ROUTE_S)[stop] - ego.value(EgoCol.ROUTE_S)[last]
             if distance[last] - came <= -ego.actor.length + _SAME_PLACE:
-                passages.append((int(start), last))
+                passages.append((start, last, stop))
     return passages

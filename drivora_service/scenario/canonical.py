@@ -17,11 +17,21 @@ from typing import Any
 
 from drivora_service.scenario import model
 
+_LATER_FIELDS = ("stuck_after",)
+
 
 def canonical_json(scenario: model.Scenario) -> str:
-    """Writes a scenario as canonical JSON, in the network's plane, metres and radians."""
+    """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
+
+    Values of ``_LATER_FIELDS`` are left out where they are ``None``, so that scenarios keep the
+    identity which they had before there were these fields.
+    """
+    content = _plain(scenario)
+    for name in _LATER_FIELDS:
+        if content[name] is None:
+            del content[name]
     return json.dumps(
-        _plain(scenario),
+        content,
         sort_keys=True,
         separators=(",", ":"),
         ensure_ascii=False,
@@ -86,6 +96,7 @@ def from_canonical(text: str) -> model.Scenario:
         seed=data["seed"],
         step_length=data["step_length"],
         max_sim_time=data["max_sim_time"],
+        stuck_after=data.get("stuck_after"),
         extensions=data["extensions"],
     )
 

@@ -101,6 +101,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
         seed=document.seed,
         step_length=document.step_length,
         max_sim_time=document.max_sim_time,
+        stuck_after=document.stuck_after,
         extensions=dict(document.extensions),
     )
 

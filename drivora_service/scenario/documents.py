@@ -80,6 +80,11 @@ class ScenarioDocument(EntityDocument):
     max_sim_time: fields.SimTime | None = Field(
         None, description="End of the episode. Without it, derived from the ego routes."
     )
+    stuck_after: fields.SimTime | None = Field(
+        None,
+        description="How long an ego may stand, with no signal to wait for, before its part ends. "
+        "Without it, 60 s.",
+    )
     extensions: Annotated[
         dict[fields.ExtensionKey, JsonValue], Field(max_length=fields.MAX_EXTENSIONS), FreeData
     ] = Field(

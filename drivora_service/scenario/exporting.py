@@ -71,6 +71,7 @@ def to_document(scenario: Scenario) -> ScenarioDocument:
             "seed": scenario.seed,
             "step_length": scenario.step_length,
             "max_sim_time": scenario.max_sim_time,
+            "stuck_after": scenario.stuck_after,
             "extensions": dict(scenario.extensions),
         }
     )

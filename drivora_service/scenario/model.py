@@ -191,6 +191,8 @@ class Scenario:
         seed: Seeds every random draw of the run.
         step_length: Seconds of simulation a step.
         max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
+        stuck_after: Seconds that an ego may stand, with no signal to wait for, before its part
+            ends; ``None``: as long as the simulation lets it by default.
         extensions: Free data of others, by namespace; carried, never interpreted.
     """
 
@@ -205,4 +207,5 @@ class Scenario:
     seed: int = 0
     step_length: float = 0.05
     max_sim_time: float | None = None
+    stuck_after: float | None = None
     extensions: Mapping[str, Any] = field(default_factory=dict)

@@ -119,9 +119,10 @@ def wind_of(weather: WeatherEffects) -> FloatArray:
     )
 
 
-def first_progress(egos: Sequence[EgoPlan]) -> FloatArray:
-    """Gives (M, 9) the progress of egos that have not begun, columns ``Progress``."""
+def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:
+    """Gives (M, 11) the progress of egos that have not begun, columns ``Progress``."""
     progress = np.zeros((len(egos), len(Progress)))
+    progress[:, Progress.STUCK_AFTER] = stuck_after
     progress[:, Progress.TIME_LIMIT] = [ego.time_limit for ego in egos]
     progress[:, Progress.ROUTE_S] = progress[:, Progress.ROUTE_LATERAL] = np.nan
     progress[:, Progress.LIGHT_DISTANCE] = np.inf

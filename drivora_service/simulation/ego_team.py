@@ -37,7 +37,8 @@ IntArray = NDArray[np.int64]
 
 # Attributes of an enum are looked up slowly: the step loop uses plain values.
 _IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
-_ROUTE_S, _SPEED, _STEER = int(Progress.ROUTE_S), int(Body.SPEED), int(Body.STEER)
+_ROUTE_S, _SPEED_LIMIT = int(Progress.ROUTE_S), int(Progress.SPEED_LIMIT)
+_SPEED, _STEER = int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
 
 
@@ -52,7 +53,7 @@ class EgoTeam:
         active: (M,) egos whose part goes on and has begun.
         in_world: (M,) egos that are on the road.
         routes: The routes as the kernels take them.
-        progress: (M, 9), columns ``route_tracking.Progress``.
+        progress: (M, 11), columns ``route_tracking.Progress``.
         ends: (M,) index into ``route_tracking.ENDS`` of what ended an ego at the last frame
             followed.
         going: How many egos' parts have not ended.
@@ -89,7 +90,7 @@ class EgoTeam:
         self.going = count
         self.agent_ns = [0] * count
         self.routes = lay_routes(plan.egos, plan.programs)
-        self.progress = first_progress(plan.egos)
+        self.progress = first_progress(plan.egos, plan.stuck_after)
         usual = senses_of(plan.weather, plan.scenario.step_length)
         self._senses = [privileged_senses() if sees_all else usual for sees_all in privileged]
         self._is_noisy = bool(np.any(usual[Sense.POSITION_NOISE : Sense.LAG] > 0.0))
@@ -242,7 +243,7 @@ class EgoTeam:
             protected,
             observation.light_distance,
             observation.speed_limit,
-        ) = self.progress[m, _ROUTE_S:].tolist()
+        ) = self.progress[m, _ROUTE_S : _SPEED_LIMIT + 1].tolist()
         observation.light = _LIGHTS[int(light)]
         observation.light_protected = protected > 0.0
         return observation

@@ -35,6 +35,7 @@ from drivora_service.scenario.model import (
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
 from drivora_service.simulation.follower_path import FollowerPath, build_path
 from drivora_service.simulation.lights import RunningProgram, run_programs
+from drivora_service.simulation.route_tracking import STUCK_AFTER
 
 FloatArray = NDArray[np.float64]
 
@@ -124,7 +125,12 @@ class ObstaclePlan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EpisodePlan:
-    """All that an episode needs besides the agents."""
+    """All that an episode needs besides the agents.
+
+    Attributes:
+        max_sim_time: Seconds after which it ends.
+        stuck_after: Seconds that an ego may stand before its part ends.
+    """
 
     scenario: Scenario
     network: RoadNetwork
@@ -135,6 +141,7 @@ class EpisodePlan:
     driven: tuple[DrivenPlan, ...]
     obstacles: tuple[ObstaclePlan, ...]
     max_sim_time: float
+    stuck_after: float
 
 
 def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
@@ -166,6 +173,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
         ),
         obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
+        stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
     )
 
 

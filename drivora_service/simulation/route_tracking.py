@@ -19,10 +19,23 @@ ByteArray = NDArray[np.uint8]
 
 STUCK_SPEED = 0.1
 STUCK_AFTER = 60.0
-"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive)."""
+"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive), unless a scenario
+has its own."""
+FAR = 30.0
+"""Metres from the route at which an ego has deviated (CARLA Leaderboard)."""
+BESIDE = 15.0
+"""Metres from the route from which on an ego is beside it (CARLA Leaderboard)."""
+BESIDE_SHARE = 0.3
+"""Share of the route's length which an ego may drive beside it (CARLA Leaderboard)."""
 ARRIVED_SHARE = 0.99
 ARRIVED_DISTANCE = 10.0
-ENDS = (None, TerminalEvent.ARRIVED, TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT)
+ENDS = (
+    None,
+    TerminalEvent.ARRIVED,
+    TerminalEvent.STUCK,
+    TerminalEvent.TIME_LIMIT,
+    TerminalEvent.ROUTE_DEVIATION,
+)
 """What the codes mean that ``follow_egos`` writes."""
 QUEUE_REACH = 100.0
 """A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
@@ -53,11 +66,16 @@ class Progress(IntEnum):
     """Metres from the front bumper to its stop line; inf where there is none."""
     SPEED_LIMIT = 8
     """m/s."""
+    STUCK_AFTER = 9
+    """Seconds stuck that end its part."""
+    BESIDE = 10
+    """Metres driven beside the route."""
 
 
 # The columns as plain numbers, which compiled functions index with.
 _CURSOR, _STUCK, _TIME_LIMIT, _ROUTE_S, _ROUTE_LATERAL = (int(c) for c in tuple(Progress)[:5])
-_LIGHT, _PROTECTED, _LIGHT_DISTANCE, _SPEED_LIMIT = (int(c) for c in tuple(Progress)[5:])
+_LIGHT, _PROTECTED, _LIGHT_DISTANCE, _SPEED_LIMIT = (int(c) for c in tuple(Progress)[5:9])
+_STUCK_AFTER, _BESIDE = int(Progress.STUCK_AFTER), int(Progress.BESIDE)
 
 
 @compiled
@@ -99,7 +117,7 @@ def follow_egos(
         bodies: (M, 9); their heights are filled in too.
         active: (M,) egos that are driving.
         points, signals, parts: As in ``arrays.RouteArrays``.
-        progress: (M, 9), columns ``Progress``; changed in place.
+        progress: (M, 11), columns ``Progress``; changed in place.
         values: (M, 8) of this frame, columns ``EgoCol``; changed in place.
         lights: (M,) ``Light`` of the next signal; changed in place.
         ends: (M,) filled with indices into ``ENDS``.
@@ -133,7 +151,10 @@ def follow_egos(
         values[m, 3] = lateral
         values[m, 7] = mine[_LIGHT_DISTANCE] if mine[_LIGHT_DISTANCE] < np.inf else np.nan
         lights[m] = int(mine[_LIGHT])
-        if math.hypot(frame[m, 3], frame[m, 4]) >= STUCK_SPEED:
+        speed = math.hypot(frame[m, 3], frame[m, 4])
+        if abs(lateral) > BESIDE:
+            mine[_BESIDE] += speed * dt
+        if speed >= STUCK_SPEED:
             mine[_STUCK] = 0.0
         elif not (mine[_LIGHT] >= 2.0 and mine[_LIGHT_DISTANCE] < QUEUE_REACH):
             mine[_STUCK] += dt
@@ -141,7 +162,9 @@ def follow_egos(
         goal = math.hypot(x - last[0], y - last[1])
         if s > ARRIVED_SHARE * last[2] and goal < ARRIVED_DISTANCE:
             ends[m] = 1
-        elif mine[_STUCK] >= STUCK_AFTER - 1e-9:
+        elif abs(lateral) > FAR or mine[_BESIDE] > BESIDE_SHARE * last[2]:
+            ends[m] = 4
+        elif mine[_STUCK] >= mine[_STUCK_AFTER] - 1e-9:
             ends[m] = 2
         elif time >= mine[_TIME_LIMIT]:
             ends[m] = 3

@@ -40,7 +40,7 @@ def test_driving_over_the_line_on_red() -> None:
     assert verdict.at_fault
     assert verdict.step is not None
     tail = FRONT[verdict.step] - LENGTH
-    assert 40.0 - SPEED * 0.05 <= tail <= 40.0
+    assert 40.0 <= tail <= 40.0 + SPEED * 0.05
     assert verdict.evidence["speed"] == pytest.approx(SPEED)
     assert verdict.evidence["front_crossed_on"] == "red"
 

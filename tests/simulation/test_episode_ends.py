@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.interface import AgentContext, Observation, PoseControl
 from drivora_service.errors import AgentError
-from drivora_service.observations.trace import Light, TerminalEvent
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Col, EgoCol, Light, TerminalEvent
 from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.oracles.blocked import Blocked
+from drivora_service.oracles.destination import Destination
+from drivora_service.oracles.route_deviation import RouteDeviation
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.model import AgentChoice, EgoVehicle, LightTimes, TrafficLights
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.plan import plan_episode
 from tests.simulation.episodes import (
     ROAD,
     Blind,
@@ -19,6 +28,7 @@ from tests.simulation.episodes import (
     closest,
     contacts,
     ego,
+    network,
     obstacle,
     place,
     presence,
@@ -121,6 +131,90 @@ def test_an_ego_that_stands_for_a_minute_is_stuck() -> None:
     assert trace.ego_ends == (TerminalEvent.STUCK, TerminalEvent.STUCK)
     assert trace.times[trace.ego_end_steps[0]] == pytest.approx(61.0, abs=0.11)
     assert trace.times[trace.ego_end_steps[1]] == pytest.approx(80.0, abs=0.11)
+
+
+def test_a_scenario_may_let_an_ego_stand_for_longer() -> None:
+    what = scenario(ego(place(ROAD, 20), place(ROAD, 120)), seconds=120.0, stuck_after=90.0)
+    # The time limit of so short a route would end it before.
+    plan = plan_episode(what, network())
+    plan = replace(plan, egos=tuple(replace(one, time_limit=120.0) for one in plan.egos))
+    episode = Episode(plan, [standing()])
+    while not episode.done:
+        episode.step()
+    trace = episode.finish()
+    assert trace.ego_ends == (TerminalEvent.STUCK,)
+    assert trace.times[trace.ego_end_steps[0]] == pytest.approx(90.0, abs=0.11)
+    outcomes = [
+        Blocked(duration=duration).judge(RunView(trace, network()))[0].outcome
+        for duration in (60.0, 90.0, 95.0)
+    ]
+    assert outcomes == [Outcome.VIOLATED, Outcome.VIOLATED, Outcome.NOT_MEASURABLE]
+
+
+class Straight:
+    """Drives straight on from where it started, whatever its route does."""
+
+    def setup_env(self, context: AgentContext) -> None:
+        self.step = 8.0 * context.step_length
+
+    def run_step(self, observation: Observation) -> PoseControl:
+        x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
+        return PoseControl(x + self.step * math.cos(yaw), y + self.step * math.sin(yaw), yaw, 8.0)
+
+
+def test_an_ego_that_leaves_its_route_ends_and_the_others_go_on() -> None:
+    what = scenario(
+        ego(
+            place("-bridge_3_2", 40, on="signal-grid"),
+            place("queen_3_1", 60, on="signal-grid"),
+            name="leaves",
+        ),
+        ego(
+            place("-bridge_1_1", 10, on="signal-grid"),
+            place("-bridge_1_1", 80, on="signal-grid"),
+            name="stays",
+        ),
+        on="signal-grid",
+        seconds=30.0,
+    )
+    trace = run(what, Straight(), standing())
+    assert trace.ego_ends == (TerminalEvent.ROUTE_DEVIATION, TerminalEvent.TIME_LIMIT)
+    last = trace.ego_end_steps[0]
+    away = np.abs(trace.ego_values[: last + 1, 0, EgoCol.ROUTE_LATERAL])
+    assert away[:-1].max() <= 30.0 < away[-1]
+    assert np.ptp(track(trace, "leaves")[last:], axis=0).max() == 0.0
+    view = RunView(trace, network("signal-grid"))
+    deviation = RouteDeviation().judge(view)[0]
+    assert (deviation.outcome, deviation.step) == (Outcome.VIOLATED, last)
+    assert Destination().judge(view)[0].evidence["reason"] == "route_deviation"
+
+
+def test_an_ego_that_drives_long_beside_its_route_has_left_it() -> None:
+    what = scenario(
+        ego(place(ROAD, 20), place(ROAD, 120)),
+        ego(place("-north_2_0", 10), place("-north_2_0", 130), name="other"),
+        seconds=20.0,
+    )
+    plan = plan_episode(what, network())
+    first = plan.egos[0]
+    beside = first.route.line + 20.0 * np.array(
+        [math.sin(first.start[2]), -math.cos(first.start[2])]
+    )
+    plan = replace(
+        plan, egos=(replace(first, route=replace(first.route, line=beside)), plan.egos[1])
+    )
+    episode = Episode(plan, [Straight(), standing()])
+    while not episode.done:
+        episode.step()
+    trace = episode.finish()
+    assert trace.ego_ends[0] is TerminalEvent.ROUTE_DEVIATION
+    away = np.abs(trace.ego_values[: trace.ego_end_steps[0] + 1, 0, EgoCol.ROUTE_LATERAL])
+    assert away.max() < 30.0
+    view = RunView(trace, network())
+    beside_it = view.egos[0].moved[away > 15.0].sum()
+    assert beside_it == pytest.approx(0.3 * first.route.length, abs=0.5)
+    deviation = RouteDeviation().judge(view)[0]
+    assert (deviation.outcome, deviation.step) == (Outcome.VIOLATED, trace.ego_end_steps[0])
 
 
 def test_an_ego_that_waits_at_red_is_not_stuck() -> None:

@@ -1,0 +1,137 @@
+"""Which stop lines an ego drove over, wherever they are, and which way it took behind them."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.networks.stop_lines import StopLines, WayThrough, stop_lines
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray
+
+LINE_WIDTH = 1.2
+"""Width of a stop line over that of its lane, for the front (CARLA Leaderboard)."""
+
+TAIL_WIDTH = 3.0
+"""The same for the tail, which follows where the front has passed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossing:
+    """An ego drove over a stop line, along its lane.
+
+    Attributes:
+        line: Row of ``StopLines``.
+        front: First row of the ego with its front beyond the line.
+        tail: First row with its tail beyond it; ``None`` if that never came.
+        ways: The movements from the line that it may have driven: one, unless the trace ends too
+            early or the ego drove where no movement leads.
+    """
+
+    line: int
+    front: int
+    tail: int | None
+    ways: tuple[WayThrough, ...]
+
+
+def line_crossings(ego: EgoView) -> tuple[Crossing, ...]:
+    """Returns every crossing of a stop line in the order of time."""
+    if ego.count < 2:
+        return ()
+    lines = stop_lines(ego.network)
+    found = []
+    for line in _near(ego, lines):
+        fronts = _passages(ego, lines, line, 0.5 * ego.actor.length, LINE_WIDTH)
+        tails = _passages(ego, lines, line, -0.5 * ego.actor.length, TAIL_WIDTH)
+        for front, following in itertools.pairwise((*fronts, ego.count)):
+            tail = next((row for row in tails if front <= row < following), None)
+            found.append(
+                Crossing(line=line, front=front, tail=tail, ways=_driven(ego, lines, line, front))
+            )
+    return tuple(sorted(found, key=lambda crossing: (crossing.front, crossing.line)))
+
+
+def _near(ego: EgoView, lines: StopLines) -> list[int]:
+    """Returns the lines that the ego's box may have touched."""
+    path = ego.states[:, [Col.X, Col.Y]]
+    reach = ego.actor.length + 2.0 * LINE_WIDTH * float(np.max(lines.half_widths, initial=0.0))
+    low, high = path.min(axis=0) - reach, path.max(axis=0) + reach
+    inside = np.all((lines.points >= low) & (lines.points <= high), axis=1)
+    near = []
+    for line in np.flatnonzero(inside).tolist():
+        away = path - lines.points[line]
+        if np.min(np.einsum("ij,ij->i", away, away)) <= reach**2:
+            near.append(line)
+    return near
+
+
+def _passages(ego: EgoView, lines: StopLines, line: int, offset: float, width: float) -> list[int]:
+    """Returns the rows in which a point of the ego is beyond a line for the first time.
+
+    Args:
+        ego: Whose point.
+        lines: The network's.
+        line: Row of ``lines``.
+        offset: Metres of the point before the ego's centre.
+        width: Of the line, over that of its lane.
+    """
+    yaw = ego.states[:, Col.YAW]
+    x = ego.states[:, Col.X] + offset * np.cos(yaw) - lines.points[line, 0]
+    y = ego.states[:, Col.Y] + offset * np.sin(yaw) - lines.points[line, 1]
+    along_x, along_y = lines.headings[line]
+    ahead: FloatArray = x * along_x + y * along_y
+    aside: FloatArray = y * along_x - x * along_y
+    forwards = np.cos(yaw) * along_x + np.sin(yaw) * along_y > 0.0
+    level = np.abs(ego.states[:, Col.Z] - lines.heights[line]) <= LEVEL_GAP
+    crossed: BoolArray = (ahead[:-1] <= 0.0) & (ahead[1:] > 0.0) & (forwards & level)[1:]
+    rows = np.flatnonzero(crossed) + 1
+    share = -ahead[rows - 1] / (ahead[rows] - ahead[rows - 1])
+    place = aside[rows - 1] + share * (aside[rows] - aside[rows - 1])
+    passed: list[int] = rows[np.abs(place) <= width * lines.half_widths[line]].tolist()
+    return passed
+
+
+def _driven(ego: EgoView, lines: StopLines, line: int, front: int) -> tuple[WayThrough, ...]:
+    """Returns the movements that agree best with the lanes driven behind a line.
+
+    Movements from the lane come before those from the others of its edge, which count where the ego
+    turned from the wrong lane.
+    """
+    network = ego.network
+    own = lines.ways[line]
+    edge = network.lanes[int(lines.lanes[line])].edge_id
+    beside = [
+        way
+        for other in np.flatnonzero(np.isin(lines.lanes, network.edge_lanes[edge])).tolist()
+        if other != line
+        for way in lines.ways[other]
+    ]
+    visited = _lanes_behind(ego, edge, front)
+    left = [lane for lane in visited if not network.lanes[lane].is_internal]
+    for ways in (own, beside):
+        if left:
+            found = [way for way in ways if way.exit_edge == network.lanes[left[0]].edge_id]
+        else:
+            found = [way for way in ways if way.inside and set(way.inside) & set(visited)]
+        if len(found) > 1:
+            found = [way for way in found if set(way.inside) & set(visited)] or found
+        if found:
+            return tuple(found)
+    return own
+
+
+def _lanes_behind(ego: EgoView, edge: str, front: int) -> list[int]:
+    """Returns the lanes that the ego was on behind a line, up to the first behind the junction."""
+    visited: list[int] = []
+    for lane in ego.lanes[front:].tolist():
+        if lane < 0 or (visited and lane == visited[-1]):
+            continue
+        here = ego.network.lanes[lane]
+        if here.edge_id == edge:
+            continue
+        visited.append(lane)
+        if not here.is_internal:
+            break
+    return visited
