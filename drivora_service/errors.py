@@ -8,7 +8,8 @@ The tree::
     ├── NetworkError           a road network cannot be read, imported or driven as asked
     │   └── NoRoute            no drivable way between two places
     ├── AgentError             an ADS raised, answered garbage, hung or died
-    ├── OracleError            an oracle of a package cannot be loaded, raised or answered garbage
+    ├── PluginError            code of a package cannot be loaded, raised or answered garbage
+    │   └── OracleError        it is an oracle
     ├── SimulatorError         libsumo refused a call that should have worked
     ├── SearchError            a gene space or a tester cannot be used as asked
     ├── CampaignError          a campaign cannot be started, resumed or compared
@@ -90,7 +91,21 @@ class AgentError(DrivoraError):
         super().__init__(message)
 
 
-class OracleError(DrivoraError):
+class PluginError(DrivoraError):
+    """Code of an installed package cannot be loaded, raised or answered garbage.
+
+    Attributes:
+        cause: Short stable name: ``feedback_plugin``, ``feedback_raised``,
+            ``feedback_invalid_measurement``, ``tester_raised``, and those of oracles.
+        log: The end of its traceback.
+    """
+
+    def __init__(self, message: str, *, cause: str, log: str = "") -> None:
+        self.cause, self.log = cause, log
+        super().__init__(message)
+
+
+class OracleError(PluginError):
     """An oracle of an installed package cannot be loaded, raised or answered garbage.
 
     Attributes:
@@ -99,8 +114,7 @@ class OracleError(DrivoraError):
     """
 
     def __init__(self, message: str, *, cause: str = "oracle_raised", log: str = "") -> None:
-        self.cause, self.log = cause, log
-        super().__init__(message)
+        super().__init__(message, cause=cause, log=log)
 
 
 class SimulatorError(DrivoraError):

@@ -53,6 +53,7 @@ def conduct(
 
     Raises:
         CampaignError: It cannot go on, or does not fit what the journal holds.
+        PluginError: The tester raised.
         SearchError: The tester is broken.
     """
     engine = Engine(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,7 +27,7 @@ from drivora_service.campaigns.judging import (
     status_of,
     violations_of,
 )
-from drivora_service.errors import CampaignError
+from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.encoding import report_from_json, report_to_json
@@ -39,6 +40,9 @@ _POLL_S = 0.5
 
 _SPARE_INVALID = 100
 """Invalid candidates that a campaign may propose beyond as many as its budget."""
+
+_LOG = 4000
+"""Characters of a tester's traceback that are kept."""
 
 _HOPELESS = 20
 """Failed runs after which a campaign of which no run has been judged is given up."""
@@ -127,6 +131,7 @@ class Engine:
 
         Raises:
             CampaignError: It cannot go on, or does not fit what the journal holds.
+            PluginError: The tester raised.
             SearchError: The tester is broken.
         """
         self._ask()
@@ -163,7 +168,7 @@ class Engine:
         Raises:
             CampaignError: It proposes more than there is room for, or values that are no numbers.
         """
-        proposals = self._timed(lambda: self._search.tester.ask(room))
+        proposals = self._timed("asked", lambda: self._search.tester.ask(room))
         if len(proposals) > room:
             raise CampaignError(
                 f"the tester was asked for at most {room} candidates and proposed {len(proposals)}"
@@ -220,7 +225,7 @@ class Engine:
             self._journal.append(record, waiting.candidate.document)
         # Also where it is known already: its time was counted before the campaign was resumed.
         self._search_s = 0.0
-        self._timed(lambda: self._search.tester.tell(evaluation_of(record)))
+        self._timed("told", lambda: self._search.tester.tell(evaluation_of(record)))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED
         self._on_told(Told(record=record, replayed=waiting.stored is not None))
@@ -256,10 +261,19 @@ class Engine:
             prepare_s=waiting.prepare_s,
         )
 
-    def _timed(self, work: Callable[[], T]) -> T:
+    def _timed(self, call: str, work: Callable[[], T]) -> T:
+        """Calls the tester, whose errors are named as its own."""
         begun = time.perf_counter()
         try:
             return work()
+        except DrivoraError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise PluginError(
+                f"the tester raised {type(error).__name__} when it was {call}: {error}",
+                cause="tester_raised",
+                log="".join(traceback.format_exception(error))[-_LOG:],
+            ) from error
         finally:
             self._search_s += time.perf_counter() - begun
 

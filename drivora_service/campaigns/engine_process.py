@@ -16,7 +16,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
 from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.stored import run_stored
-from drivora_service.errors import Conflict, DrivoraError
+from drivora_service.errors import Conflict, DrivoraError, PluginError
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.store.database import open_database
@@ -112,6 +112,8 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         )
     except DrivoraError as error:
         print(f"campaign {campaign_id}: {error}", flush=True)
+        if isinstance(error, PluginError):
+            print(error.log, flush=True)
         sys.exit(NOT_MINE if isinstance(error, Conflict) else _FAILED)
     finally:
         database.close()

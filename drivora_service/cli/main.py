@@ -26,8 +26,8 @@ from drivora_service.cli.commands import (
     validate,
 )
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
-from drivora_service.cli.output import fail
-from drivora_service.errors import ConfigurationError, DrivoraError, UnknownName
+from drivora_service.cli.output import fail, note
+from drivora_service.errors import ConfigurationError, DrivoraError, PluginError, UnknownName
 
 
 class Commands(typer.Typer):
@@ -42,6 +42,8 @@ class Commands(typer.Typer):
             raise SystemExit(ExitCode.WRONG_USE) from error
         except DrivoraError as error:
             fail(str(error))
+            if isinstance(error, PluginError) and error.log:
+                note(error.log)
             raise SystemExit(ExitCode.NOT_DONE) from error
 
 

@@ -41,7 +41,7 @@ def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> R
     name = signal_name(exit_code)
     in_agent = progress.phase is Phase.IN_AGENT
     place = (
-        f"in the agent of ego number {progress.ego} at step {progress.step}"
+        f"in the agent of ego number {progress.ego} at {progress.call}"
         if in_agent
         else f"while {progress.phase.name.lower()}, at step {progress.step}"
     )

@@ -45,8 +45,8 @@ class Watch:
                 status=RunStatus.AGENT_FAILED,
                 failure=RunFailure(
                     cause="agent_hung",
-                    message=f"the agent of ego number {progress.ego} did not return from step "
-                    f"{progress.step} within {self._limits.agent_deadline_s:g} s",
+                    message=f"the agent of ego number {progress.ego} did not return from "
+                    f"{progress.call} within {self._limits.agent_deadline_s:g} s",
                 ),
             )
         if now - self._begun > self._limits.wall_time_s:
@@ -75,7 +75,7 @@ class Watch:
 def _where(progress: Progress) -> str:
     match progress.phase:
         case Phase.IN_AGENT:
-            return f"in the agent of ego number {progress.ego} at step {progress.step}"
+            return f"in the agent of ego number {progress.ego} at {progress.call}"
         case Phase.SIMULATING:
             return f"simulating step {progress.step}"
         case phase:

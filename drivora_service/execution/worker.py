@@ -17,6 +17,7 @@ from pathlib import Path
 
 from drivora_service.errors import SimulatorError
 from drivora_service.execution.parent_death import die_with_parent
+from drivora_service.runs.lifecycle import SIMULATOR_ERROR
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 
@@ -94,7 +95,7 @@ def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) 
     try:
         return perform(spec, setup, board)
     except SimulatorError as error:
-        return _raised(spec, RunStatus.SIMULATOR_CRASHED, "simulator_error", error)
+        return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)
     except SystemExit as error:
         # Nothing of ours ends the process, so it was the code under test.
         return _raised(spec, RunStatus.AGENT_FAILED, "agent_raised", error)

@@ -2,10 +2,10 @@
 
 ::
 
-    queued ──start──▶ running ──end──▶ finished, invalid, agent_failed, oracle_failed, timed_out
+    queued ──start──▶ running ──end──▶ finished, invalid, agent_failed, plugin_failed, timed_out
       ▲                 │              (final)
       │                 ├── simulator_crashed: repeated once; the second crash is final and
-      │                 │   quarantines the scenario
+      │                 │   quarantines the scenario; an error that SUMO reported is final
       ├─── again ◀──────┤
       │                 ├── infrastructure_failed: again, up to a limit
       │                 └── interrupted (the server died): again, up to a limit
@@ -20,6 +20,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+
+SIMULATOR_ERROR = "simulator_error"
+"""Cause of a run in which SUMO refused a call that should have worked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +89,9 @@ def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
             raise ValueError(f"{report.status} is not the end of an attempt")
         case RunStatus.SIMULATOR_CRASHED:
             state = replace(state, crashes=state.crashes + 1)
+            if report.failure is not None and report.failure.cause == SIMULATOR_ERROR:
+                # Raised, not died of: the same calls give the same error, and harm no worker.
+                return Transition(state=_final(state, report), report=report)
             if state.crashes >= policy.crashes:
                 return Transition(state=_final(state, report), report=report, quarantine=True)
             return _again(state, report.run_id)

@@ -19,12 +19,12 @@ from drivora_service.errors import (
     AgentError,
     InvalidDocument,
     NetworkError,
-    OracleError,
+    PluginError,
     SearchError,
+    SimulatorError,
     UnknownName,
 )
 from drivora_service.feedback.catalogue import score
-from drivora_service.feedback.plugins import FeedbackCatalogue
 from drivora_service.metrics.catalogue import measure
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.observations.run_view import RunView
@@ -32,6 +32,7 @@ from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.runs.measuring import make_feedback, measure_run
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -40,6 +41,7 @@ from drivora_service.scenario.model import AgentChoice, Scenario
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import Phase
 from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.sumo import SUMO_ERRORS
 
 
 @lru_cache(maxsize=4)
@@ -52,11 +54,6 @@ def _networks(setup: WorkerSetup) -> NetworkCatalogue:
 def _agents(setup: WorkerSetup) -> AgentCatalogue:
     """Gives the catalogue, one a process, so that the ADSs which it starts stay for later runs."""
     return AgentCatalogue(folder=setup.agents, longest_call_s=setup.agent_deadline_s)
-
-
-@lru_cache(maxsize=1)
-def _feedbacks() -> FeedbackCatalogue:
-    return FeedbackCatalogue()
 
 
 @lru_cache(maxsize=1)
@@ -93,7 +90,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         board: Where to show progress.
 
     Returns:
-        The report: finished, agent failed, oracle failed, or invalid.
+        The report: finished, agent failed, plug-in failed, or invalid.
 
     Raises:
         SimulatorError: If SUMO itself fails; the slot records it as a crash.
@@ -108,8 +105,10 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
         return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
-    except OracleError as error:
-        return _failed(spec, RunStatus.ORACLE_FAILED, _oracle_failure(error), course)
+    except PluginError as error:
+        return _failed(spec, RunStatus.PLUGIN_FAILED, _plugin_failure(error), course)
+    except SUMO_ERRORS as error:
+        raise SimulatorError(f"SUMO refused a call: {error}") from error
     except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
         return _failed(spec, RunStatus.INVALID, failure, course)
@@ -136,7 +135,7 @@ def _perform(
         rules = (oracle.name for oracle in installed)
         course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-    feedback = None if spec.feedback is None else _feedbacks().create(spec.feedback)
+    feedback = None if spec.feedback is None else make_feedback(spec.feedback)
     episode = Episode(
         plan,
         agents,
@@ -162,7 +161,6 @@ def _perform(
         verdicts=verdicts,
         metrics=measure(trace, network, verdicts, view=view),
         scores=score(trace, network, view=view),
-        measurement=None if feedback is None else feedback.measure(view),
         trace_sha256=trace_sha256(trace),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),
@@ -177,9 +175,12 @@ def _perform(
         versions=course.versions,
     )
     try:
-        # Last, so that code which is not ours cannot change what the others have seen.
+        # Last, so that code of packages cannot change what the others have seen.
+        if feedback is not None and spec.feedback is not None:
+            measured = measure_run(spec.feedback.name, feedback, view)
+            report = replace(report, measurement=measured)
         own = judge_all(trace, network, installed, view=view)
-    except OracleError as error:
+    except PluginError as error:
         return _not_judged(report, error)
     return replace(
         report,
@@ -208,20 +209,20 @@ def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
     return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
 
 
-def _not_judged(report: RunReport, error: OracleError) -> RunReport:
+def _not_judged(report: RunReport, error: PluginError) -> RunReport:
     """Takes the judgement out of a report; what was recorded stays, to be looked into."""
     return replace(
         report,
-        status=RunStatus.ORACLE_FAILED,
+        status=RunStatus.PLUGIN_FAILED,
         verdicts=(),
         metrics={},
         scores={},
         measurement=None,
-        failure=_oracle_failure(error),
+        failure=_plugin_failure(error),
     )
 
 
-def _oracle_failure(error: OracleError) -> RunFailure:
+def _plugin_failure(error: PluginError) -> RunFailure:
     return RunFailure(cause=error.cause, message=str(error), log=error.log)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import SETTING_UP, Phase
 
 _FIELDS = 4
 
@@ -27,6 +27,11 @@ class Progress:
     step: int
     ego: int
     run_counter: int
+
+    @property
+    def call(self) -> str:
+        """Names the call of an agent that goes on, in the phase ``IN_AGENT``."""
+        return "setup_env" if self.step == SETTING_UP else f"step {self.step}"
 
 
 class ProgressBoard:

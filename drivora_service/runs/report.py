@@ -19,7 +19,7 @@ class RunStatus(StrEnum):
     FINISHED = "finished"
     INVALID = "invalid"
     AGENT_FAILED = "agent_failed"
-    ORACLE_FAILED = "oracle_failed"
+    PLUGIN_FAILED = "plugin_failed"
     SIMULATOR_CRASHED = "simulator_crashed"
     TIMED_OUT = "timed_out"
     INFRASTRUCTURE_FAILED = "infrastructure_failed"
@@ -58,8 +58,9 @@ class RunFailure:
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_hung``, ``agent_invalid_control``,
-            ``oracle_raised``, ``signal``, ``memory_limit``, ``wall_time_limit``, ``worker_lost``,
-            ``invalid_document`` and their like.
+            ``oracle_raised``, ``feedback_raised``, ``simulator_error``, ``signal``,
+            ``memory_limit``, ``wall_time_limit``, ``worker_lost``, ``invalid_document`` and their
+            like.
         message: For people.
         log: The last lines of the worker's or agent's log.
     """

@@ -26,7 +26,7 @@ from drivora_service.simulation.arrays import (
 from drivora_service.simulation.commands import write_command
 from drivora_service.simulation.dynamics import Body, CommandMode
 from drivora_service.simulation.perception import Sense, perceive
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import SETTING_UP, Phase
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.route_tracking import Progress
 from drivora_service.simulation.trace_assembly import Ending
@@ -122,12 +122,13 @@ class EgoTeam:
             parameters=deepcopy(plan.ego.agent.parameters),
             log=self.logs[m],
         )
-        self._cells[2], self._cells[0] = m, Phase.IN_AGENT
+        # Also where no reading falls between this call and the first step, the two are told apart.
+        self._cells[1], self._cells[2], self._cells[0] = SETTING_UP, m, Phase.IN_AGENT
         try:
             agent.setup_env(context)
         except (Exception, SystemExit) as error:
             raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
-        self._cells[0] = Phase.SIMULATING
+        self._cells[0], self._cells[1] = Phase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
         """Gives where a log's columns stand among all; a slice, which is faster, where it can."""

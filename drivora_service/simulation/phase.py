@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+SETTING_UP = -1
+"""The step that is shown while an agent sets up: a call of its own, with a deadline of its own."""
+
 
 class Phase(IntEnum):
     """What a worker is doing."""

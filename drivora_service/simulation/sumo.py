@@ -26,6 +26,9 @@ from drivora_service.simulation.lights import RunningProgram
 
 FloatArray = NDArray[np.float64]
 
+SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
+"""What libsumo raises."""
+
 _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
 _ON_ROUTE = 1
 _ANYWHERE = 2
@@ -256,7 +259,7 @@ class SumoWorld:
         """
         try:
             libsumo.simulationStep()
-        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+        except SUMO_ERRORS as error:
             raise SimulatorError(f"SUMO cannot go on: {error}") from error
 
     def read_driven(
@@ -377,7 +380,7 @@ def open_world(
         else:
             libsumo.start(["sumo", *arguments])
             _Process.started = True
-    except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+    except SUMO_ERRORS as error:
         _Process.started = False
         raise SimulatorError(f"SUMO does not start on {network.name}: {error}") from error
     return SumoWorld()

@@ -8,7 +8,7 @@ import pytest
 
 from drivora_service.campaigns.engine import Told
 from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.errors import CampaignError
+from drivora_service.errors import CampaignError, PluginError
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.search.genes import FloatArray
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal
@@ -220,6 +220,21 @@ def test_a_campaign_none_of_whose_runs_can_be_judged_is_given_up() -> None:
     with pytest.raises(CampaignError, match="no such parameter"):
         run(journal, evaluator=Computed(work=broken))
     assert [r.status for r in journal.evaluations()].count(EvaluationStatus.FAILED) == 20
+
+
+@pytest.mark.parametrize("raised", [ZeroDivisionError("no gap"), SystemExit(3)])
+def test_a_tester_that_raises_is_named_and_ends_the_campaign(
+    raised: BaseException,
+) -> None:
+    class Quitter(Climber):
+        def tell(self, evaluation: Evaluation) -> None:
+            raise raised
+
+    tester = Quitter(space=small_space(), random=np.random.default_rng(5))
+    with pytest.raises(PluginError, match=r"the tester raised .* when it was told: ") as caught:
+        run(MemoryJournal(), tester=tester)
+    assert caught.value.cause == "tester_raised"
+    assert "in tell" in caught.value.log
 
 
 @pytest.mark.parametrize("status", [RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED])

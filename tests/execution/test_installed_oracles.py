@@ -71,7 +71,7 @@ def test_a_broken_oracle_fails_its_run_and_no_other(
         (empty, "oracle_invalid_verdict", "answered a NoneType"),
         (odd, "oracle_invalid_verdict", "a report cannot hold a function"),
     ):
-        assert report.status is RunStatus.ORACLE_FAILED
+        assert report.status is RunStatus.PLUGIN_FAILED
         assert report.failure is not None
         assert report.failure.cause == cause
         assert "oracle 'moody' of the package 'foreign-oracles'" in report.failure.message
@@ -102,7 +102,7 @@ def test_an_oracle_that_cannot_be_loaded_fails_runs_before_they_are_simulated(
     found, restarts = reports(tmp_path, *specs)
     assert restarts == 0
     for report in found:
-        assert report.status is RunStatus.ORACLE_FAILED
+        assert report.status is RunStatus.PLUGIN_FAILED
         assert report.failure is not None
         assert report.failure.cause == "oracle_plugin"
         assert "oracle 'gone' of the package 'foreign-oracles'" in report.failure.message

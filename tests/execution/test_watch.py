@@ -4,7 +4,7 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.watch import Breach, Watch
 from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunStatus
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import SETTING_UP, Phase
 
 LIMITS = Limits(wall_time_s=100.0, agent_deadline_s=5.0, memory_bytes=1000)
 
@@ -27,6 +27,23 @@ def test_an_agent_may_take_its_time_again_at_each_call() -> None:
     late = reading(Phase.IN_AGENT, step=4, ego=1)
     assert watch.check(late, 0, now=40.9) is None
     assert outcome(watch.check(late, 0, now=41.1)) == (RunStatus.AGENT_FAILED, "agent_hung")
+
+
+def test_setting_up_and_the_first_step_have_deadlines_of_their_own() -> None:
+    watch = Watch(LIMITS, now=0.0)
+    assert watch.check(reading(Phase.IN_AGENT, step=SETTING_UP), 0, now=0.0) is None
+    assert watch.check(reading(Phase.IN_AGENT, step=SETTING_UP), 0, now=4.9) is None
+    # No reading fell into the moment between the two calls.
+    assert watch.check(reading(Phase.IN_AGENT, step=0), 0, now=5.0) is None
+    assert watch.check(reading(Phase.IN_AGENT, step=0), 0, now=9.9) is None
+    late = watch.check(reading(Phase.IN_AGENT, step=0), 0, now=10.1)
+    assert late is not None
+    assert "from step 0 within 5 s" in late.failure.message
+    watch = Watch(LIMITS, now=0.0)
+    assert watch.check(reading(Phase.IN_AGENT, step=SETTING_UP), 0, now=0.0) is None
+    late = watch.check(reading(Phase.IN_AGENT, step=SETTING_UP), 0, now=5.1)
+    assert late is not None
+    assert "from setup_env within 5 s" in late.failure.message
 
 
 def test_only_agents_have_a_deadline() -> None:

@@ -1,18 +1,20 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from drivora_service.runs import lifecycle
 from drivora_service.runs.lifecycle import RetryPolicy, RunState, Transition
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 
 OWN_ENDS = (
     RunStatus.FINISHED,
     RunStatus.INVALID,
     RunStatus.AGENT_FAILED,
-    RunStatus.ORACLE_FAILED,
+    RunStatus.PLUGIN_FAILED,
     RunStatus.TIMED_OUT,
     RunStatus.CANCELLED,
 )
@@ -40,6 +42,13 @@ def test_a_crash_is_confirmed_before_it_counts() -> None:
     assert (first.state.status, first.report, first.quarantine) == (RunStatus.QUEUED, None, False)
     second = lifecycle.end(lifecycle.start(first.state), crash, RetryPolicy())
     assert (second.state.status, second.report, second.quarantine) == (crash.status, crash, True)
+
+
+def test_an_error_that_sumo_reports_is_final_at_once() -> None:
+    failure = RunFailure(cause=lifecycle.SIMULATOR_ERROR, message="SUMO refused a call")
+    error = replace(report(RunStatus.SIMULATOR_CRASHED), failure=failure)
+    first = lifecycle.end(running(), error, RetryPolicy())
+    assert (first.state.status, first.report, first.quarantine) == (error.status, error, False)
 
 
 def test_a_crash_that_does_not_come_again_is_forgiven() -> None:

@@ -10,6 +10,7 @@ from alembic.runtime.migration import MigrationContext
 from sqlalchemy import text
 
 from drivora_service.errors import StoreError
+from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.migration import schema_version
 from drivora_service.store.records import JobFilter
@@ -63,6 +64,35 @@ def test_a_database_of_the_version_before_accountability_is_read(tmp_path: Path)
     assert (job.violations, job.observations, job.accountability) == (3, None, None)
     assert report is not None
     assert all(verdict.avoidable is None for verdict in report.verdicts)
+
+
+def test_runs_that_ended_by_an_oracle_of_a_package_get_the_status_of_plug_ins(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "old.sqlite3"
+    with closing(sqlite3.connect(path)) as old:
+        old.executescript((DATA / "schema_0003.sql").read_text())
+        old.execute("UPDATE runs SET status = 'oracle_failed'")
+        for table, column in (("reports", "body"), ("evaluations", "report")):
+            old.execute(
+                f"UPDATE {table} SET {column} = "
+                f"""replace({column}, '"status":"finished"', '"status":"oracle_failed"')"""
+            )
+        old.commit()
+    database = open_database(f"sqlite:///{path}")
+    with database.read() as transaction:
+        (job,) = transaction.jobs.page(
+            JobFilter(statuses=frozenset({RunStatus.PLUGIN_FAILED}))
+        ).items
+        report = transaction.jobs.report(job.id)
+        (campaign,) = transaction.campaigns.page().items
+        records = transaction.evaluations.page(campaign.id)
+    database.close()
+    assert job.status is RunStatus.PLUGIN_FAILED
+    assert report is not None
+    assert {report.status, *(record.report.status for record in records)} == {
+        RunStatus.PLUGIN_FAILED
+    }
 
 
 def test_opening_again_changes_nothing(database: Database) -> None:
