@@ -19,6 +19,7 @@ from drivora_service.agents.plant_lite.view import PlantView
 from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, agent_plugin
 from drivora_service.agents.puffer_drive import agent as puffer_drive
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
+from drivora_service.agents.scripted.agent import ScriptedAgent, ScriptedParameters
 from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
 
 
@@ -109,6 +110,20 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
         ),
         NoParameters,
         lambda _: WaypointAgent(AdMlpView(), AdMlpNetwork(load_weights(AdMlpWeights))),
+    ),
+    agent_plugin(
+        AgentEntry(
+            name="scripted",
+            kind=AgentKind.BASELINE,
+            description=(
+                "no ADS: drives where and when its parameters say, whatever happens; for scenarios "
+                "with a known answer"
+            ),
+            source="written here",
+            licence="Apache-2.0",
+        ),
+        ScriptedParameters,
+        ScriptedAgent,
     ),
     _sumo_plugin("sumo-krauss", "Krauss car following", "krauss"),
     _sumo_plugin("sumo-idm", "IDM car following", "idm"),

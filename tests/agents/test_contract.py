@@ -30,6 +30,11 @@ class TestPdmClosed(AgentContract):
         return made("pdm-closed")
 
 
+class TestScripted(AgentContract):
+    def make_agent(self) -> Agent:
+        return made("scripted")
+
+
 class TestAnAgentWithoutALog(AgentContract):
     """The smallest agent there is: it keeps the contract without logging a thing."""
 

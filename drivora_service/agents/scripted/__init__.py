@@ -1,0 +1,1 @@
+"""An ego that drives where its document says, whatever happens."""
