@@ -90,9 +90,7 @@ class ScriptedAgent:
         (x0, y0), (x1, y1) = self._places[i].tolist(), self._places[i + 1].tolist()
         share = (ahead - float(arc[i])) / float(arc[i + 1] - arc[i])
         x, y = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-        return PoseControl(
-            x=x, y=y, yaw=math.atan2(y1 - y0, x1 - x0), speed=self._parameters.speed
-        )
+        return PoseControl(x=x, y=y, yaw=math.atan2(y1 - y0, x1 - x0), speed=self._parameters.speed)
 
 
 def _check(trajectory: Sequence[tuple[float, float, float]]) -> None:

@@ -1,0 +1,15 @@
+"""All cases of responsibility."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from tests.oracles.responsibility import junctions, oncoming, roadside, same_direction
+from tests.oracles.responsibility.case import Case
+
+
+@lru_cache(maxsize=1)
+def all_cases() -> tuple[Case, ...]:
+    """In the order of the documentation."""
+    families = (same_direction, oncoming, junctions, roadside)
+    return tuple(case for family in families for case in family.cases())
