@@ -7,7 +7,7 @@ lane that the place may be on, the cheapest way there from any lane of the place
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 
@@ -60,9 +60,31 @@ class _Arrival:
 _UNREACHABLE = _Arrival(cost=math.inf, source=-1, passes=())
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Way:
+    """A way through places.
+
+    Attributes:
+        legs: Of each place but the first the passes that lead to it from the place before.
+        cost: Metres, with what lane changes and the chosen candidates add.
+    """
+
+    legs: tuple[tuple[EdgePass, ...], ...]
+    cost: float
+
+    @property
+    def passes(self) -> tuple[EdgePass, ...]:
+        """All passes in order."""
+        return tuple(one for leg in self.legs for one in leg)
+
+
 def search(
-    graph: LaneGraph, places: Sequence[Sequence[Candidate]], *, around: bool = False
-) -> tuple[EdgePass, ...] | int:
+    graph: LaneGraph,
+    places: Sequence[Sequence[Candidate]],
+    *,
+    around: bool = False,
+    allowed: Sequence[Container[int]] | None = None,
+) -> Way | int:
     """Finds the cheapest way.
 
     Args:
@@ -70,6 +92,8 @@ def search(
         places: Candidates of each place, at least two places.
         around: The last place must be reached from the end of another edge, even where it is
             straight ahead or where it is the place before.
+        allowed: Of each place but the first the lanes that may be entered on the way to it;
+            ``None``: every lane.
 
     Returns:
         The way, or the number of the first place that cannot be reached.
@@ -79,7 +103,12 @@ def search(
     for number in range(1, len(places)):
         last = number == len(places) - 1
         arrivals = _search_leg(
-            graph, places[number - 1], costs, places[number], around=around and last
+            graph,
+            places[number - 1],
+            costs,
+            places[number],
+            around=around and last,
+            allowed=None if allowed is None else allowed[number - 1],
         )
         if all(math.isinf(arrival.cost) for arrival in arrivals):
             return number
@@ -89,11 +118,12 @@ def search(
             for arrival, candidate in zip(arrivals, places[number], strict=True)
         ]
     target = min(range(len(costs)), key=costs.__getitem__)
-    way: list[EdgePass] = []
+    cost = costs[target]
+    way: list[tuple[EdgePass, ...]] = []
     for arrivals in reversed(legs):
-        way[:0] = arrivals[target].passes
+        way.append(arrivals[target].passes)
         target = arrivals[target].source
-    return tuple(way)
+    return Way(legs=tuple(reversed(way)), cost=cost)
 
 
 def _search_leg(
@@ -103,6 +133,7 @@ def _search_leg(
     targets: Sequence[Candidate],
     *,
     around: bool,
+    allowed: Container[int] | None,
 ) -> list[_Arrival]:
     best = [math.inf] * len(targets)
     # How the best way to a target enters: (source, -1) straight on, or (-1, lane of its last edge).
@@ -130,6 +161,8 @@ def _search_leg(
         if math.isinf(source_costs[i]):
             continue
         for step in leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s):
+            if allowed is not None and step.lane not in allowed:
+                continue
             cost = source_costs[i] + step.cost
             if cost < cost_to.get(step.lane, math.inf):
                 cost_to[step.lane] = cost
@@ -150,6 +183,8 @@ def _search_leg(
                     best[j], entry[j] = cost + rest, (-1, lane)
             bound = max(best)
         for step in graph.steps[lane]:
+            if allowed is not None and step.lane not in allowed:
+                continue
             through = cost + step.cost
             if through < cost_to.get(step.lane, math.inf):
                 cost_to[step.lane] = through

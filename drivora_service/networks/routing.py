@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 from drivora_service.errors import NoRoute
 from drivora_service.networks.lane_graph import LaneGraph, lane_graph
@@ -13,13 +14,17 @@ from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.networks.route_line import build_route
-from drivora_service.networks.route_search import Candidate, EdgePass, search
+from drivora_service.networks.route_matching import MIN_TRACK, Place, RouteMatch, match_places
+from drivora_service.networks.route_search import Candidate, EdgePass, Way, search
 
 MAX_DISTANCE = 20.0
 """Metres from a point to the nearest drivable lane."""
 
 CANDIDATE_MARGIN = 4.0
 """Metres by which a lane may be further away than the nearest and still be meant."""
+
+WIDE_MARGIN = 8.0
+"""The same where the nearer lanes cost a detour; every lane of an edge with such a lane counts."""
 
 ON_LANE_MARGIN = 0.2
 """Metres beside a lane that still count as on it."""
@@ -29,6 +34,10 @@ DISTANCE_COST = 20.0
 
 HEADING_COST = 300.0
 """Metres of detour that are worth a right angle between the point's and the lane's direction."""
+
+SHIFT_COST = 2.0
+"""Metres of detour that are worth one metre between the lane that a point is on and the lane of the
+same edge in which it is passed, where lanes nearer to it cost a detour."""
 
 OFF_LANE_COST = 500.0
 """Metres of detour that are worth leaving the road that the point is on. On the same edge a start
@@ -60,9 +69,10 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
 
     A point stands for the nearest lane position; where several lanes are near (in a junction, or
     between lanes) for the one that makes the whole route cheapest in metres, where lane changes,
-    distance from the point and a heading that disagrees cost extra. A point up to a metre behind
-    the one before counts as reached. Where the destination is the start, or just behind it, the
-    route goes around.
+    distance from the point and a heading that disagrees cost extra. Where that costs a lap, a point
+    is passed in another lane of its edge, or is left out (:mod:`route_matching`). A point up to a
+    metre behind the one before counts as reached. Where the destination is the start, or just
+    behind it, the route goes around.
 
     Args:
         network: The network.
@@ -77,6 +87,15 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     return _plan(network, tuple(points))
 
 
+def match_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> RouteMatch:
+    """Returns how :func:`plan_route` understands points: the legs, and what it leaves out.
+
+    Raises:
+        NoRoute: Whenever ``plan_route`` does, but for a route without length.
+    """
+    return _find_way(network, tuple(points))
+
+
 def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
     """Checks that :func:`plan_route` finds a way, in half the time since it is not drawn.
 
@@ -84,14 +103,14 @@ def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
         NoRoute: Whenever ``plan_route`` does.
     """
     places = tuple(points)
-    if _length(_find_way(network, places)) < _SHORT:
+    if _length(_find_way(network, places).passes) < _SHORT:
         _plan(network, places)
 
 
 @lru_cache(maxsize=512)
 def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
     """Plans a route once: batches and searches ask for the same places again and again."""
-    route = build_route(network, _find_way(network, points))
+    route = build_route(network, _find_way(network, points).passes)
     if len(route.line) < 2:
         raise NoRoute(
             f"the {len(points)} points of the route are the same place on network "
@@ -101,27 +120,25 @@ def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
 
 
 @lru_cache(maxsize=2048)
-def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> tuple[EdgePass, ...]:
+def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> RouteMatch:
     if len(points) < 2:
         raise NoRoute(f"a route needs a start and a destination, but has {len(points)} point(s)")
-    graph = lane_graph(network)
-    places = [_candidates(network, points, number) for number in range(len(points))]
-    way = search(graph, places)
-    if not isinstance(way, int) and _length(way) < MIN_LENGTH:
-        way = _around(graph, places)
-    if isinstance(way, int):
+    places = [_place(network, points, number) for number in range(len(points))]
+    match = match_places(network, places)
+    if not isinstance(match, int) and _length(match.passes) < MIN_LENGTH:
+        around = _around(lane_graph(network), [place.named for place in places])
+        match = around if isinstance(around, int) else replace(match, passes=around.passes)
+    if isinstance(match, int):
         raise NoRoute(
-            f"{_named(points, way)} cannot be reached from {_named(points, way - 1)} on network "
-            f"{network.name!r}: no drivable way leads there; move one of them, or check that they "
-            "lie on the side of the road that leads that way"
+            f"{_named(points, match)} cannot be reached from {_named(points, match - 1)} on "
+            f"network {network.name!r}: no drivable way leads there; move one of them, or check "
+            "that they lie on the side of the road that leads that way"
         )
-    return way
+    return match
 
 
-def _candidates(
-    network: RoadNetwork, points: Sequence[RoutePoint], number: int
-) -> tuple[Candidate, ...]:
-    """Gives the lane positions that a point may stand for."""
+def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> Place:
+    """Returns the lane positions that a point may stand for."""
     point = points[number]
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise NoRoute(f"{_named(points, number)} is not a place: coordinates must be finite")
@@ -132,27 +149,65 @@ def _candidates(
             f"of network {network.name!r}; move it onto a lane"
         )
     nearest = abs(near[0].lateral)
-    near = tuple(p for p in near if abs(p.lateral) <= nearest + CANDIDATE_MARGIN)
-    on_lane = [p for p in near if _is_on(network, p)] or [near[0]]
-    taken = {network.lanes[p.lane].edge_id for p in on_lane}
-    candidates = []
+    on_lane = [p for p in near if _is_on(network, p)]
+    taken = {network.lanes[p.lane].edge_id for p in on_lane or near[:1]}
+    starts = {p.lane for p in on_lane or near[:1]} if number == 0 else None
+    wide: dict[str, float] = {}
     for position in near:
-        cost = DISTANCE_COST * (abs(position.lateral) - nearest)
+        if abs(position.lateral) <= nearest + WIDE_MARGIN:
+            edge = network.lanes[position.lane].edge_id
+            wide.setdefault(edge, abs(position.lateral))
+    named, beside, passed = [], [], []
+    for position in near:
+        edge = network.lanes[position.lane].edge_id
+        if edge not in wide:
+            continue
+        aside = abs(position.lateral) - nearest
+        turned = 0.0
         if point.yaw is not None:
-            cost += HEADING_COST * (1.0 - math.cos(position.heading - point.yaw))
-        if position not in on_lane:
-            beside = network.lanes[position.lane].edge_id in taken
-            if beside and number == 0:
-                continue
-            cost += 0.0 if beside else OFF_LANE_COST
-        candidates.append(Candidate(lane=position.lane, s=position.s, cost=cost))
+            turned = HEADING_COST * (1.0 - math.cos(position.heading - point.yaw))
+        if starts is not None and edge in taken and position.lane not in starts:
+            continue
+        off = 0.0 if edge in taken else OFF_LANE_COST
+        cost = DISTANCE_COST * aside + turned + off
+        beside.append(Candidate(lane=position.lane, s=position.s, cost=cost))
+        if aside <= CANDIDATE_MARGIN:
+            named.append(beside[-1])
+        cost = DISTANCE_COST * (wide[edge] - nearest)
+        cost += SHIFT_COST * (abs(position.lateral) - wide[edge])
+        cost += min(turned + off, _around_point(points, number))
+        passed.append(Candidate(lane=position.lane, s=position.s, cost=cost))
+    return Place(
+        x=point.x,
+        y=point.y,
+        named=_cheap(named),
+        beside=tuple(beside),
+        near=_cheap(passed),
+        on_road=bool(on_lane),
+    )
+
+
+def _cheap(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Leaves out lanes that cost so much more than the cheapest that they are not meant."""
     limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
     return tuple(candidate for candidate in candidates if candidate.cost <= limit)
 
 
+def _around_point(points: Sequence[RoutePoint], number: int) -> float:
+    """Returns the length of the polyline from the point before to the point behind, metres.
+
+    The road and the heading that one point of a dense track names count less than those of points
+    far apart. Those of a start, of a destination and of the points of a short list count fully.
+    """
+    if number in (0, len(points) - 1) or len(points) < MIN_TRACK:
+        return math.inf
+    neighbours = points[number - 1 : number + 2]
+    return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(neighbours))
+
+
 @lru_cache(maxsize=4096)
 def _positions_near(network: RoadNetwork, x: float, y: float) -> tuple[LanePosition, ...]:
-    """Gives the lane positions near a place: it ends one leg of a route and begins the next."""
+    """Returns the lane positions near a place: it ends one leg of a route and begins the next."""
     return lane_positions_near(network, x, y, max_distance=MAX_DISTANCE)
 
 
@@ -160,7 +215,7 @@ def _is_on(network: RoadNetwork, position: LanePosition) -> bool:
     return abs(position.lateral) <= 0.5 * network.lanes[position.lane].width + ON_LANE_MARGIN
 
 
-def _around(graph: LaneGraph, places: Sequence[Sequence[Candidate]]) -> tuple[EdgePass, ...] | int:
+def _around(graph: LaneGraph, places: Sequence[Sequence[Candidate]]) -> Way | int:
     """Finds a way around where all places are as good as one; see :func:`search`."""
     last = len(places) - 1
     for start in sorted(places[0], key=lambda candidate: candidate.cost):
@@ -172,7 +227,7 @@ def _around(graph: LaneGraph, places: Sequence[Sequence[Candidate]]) -> tuple[Ed
 
 
 def _length(way: Sequence[EdgePass]) -> float:
-    """Gives the length of a way without lane changes in metres; one with a change is longer."""
+    """Returns the length of a way without lane changes in metres; one with a change is longer."""
     if any(one.lane != one.exit_lane for one in way):
         return math.inf
     return sum(one.exit_s - one.s for one in way)

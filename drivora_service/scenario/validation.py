@@ -31,6 +31,7 @@ from drivora_service.scenario.placed_actors import PlacedActor, place_actors
 from drivora_service.scenario.plain_data import pointer
 from drivora_service.scenario.problems import duplicate_ids, in_document_order
 from drivora_service.scenario.route_checks import check_route
+from drivora_service.scenario.route_notes import route_notes, snap_notes
 from drivora_service.scenario.start_overlaps import StartPose, check_overlaps
 
 
@@ -142,7 +143,8 @@ def _validated(
     scenario = replace(scenario, ego_vehicles=egos)
     notes = [
         *(() if driven_by else _agent_notes(document)),
-        *(_snap_note(place) for place in checked.snapped),
+        *snap_notes(checked.snapped, scenario, network),
+        *route_notes(scenario, network),
     ]
     return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
 
@@ -274,11 +276,3 @@ def _snap_start(
         return actor
     x, y, _ = network.lanes[near.lane].position_at(near.s)
     return replace(actor, places=(replace(start, x=x, y=y), *actor.places[1:]))
-
-
-def _snap_note(off: OffLanePlace) -> str:
-    place = off.actor.places[off.place]
-    return (
-        f"ego {off.actor.id!r}: waypoint {off.place} at ({place.x:.2f}, {place.y:.2f}) lies "
-        f"{off.distance:.1f} m from the nearest lane and was snapped to it"
-    )
