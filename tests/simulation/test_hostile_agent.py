@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.observations.trace_hash import trace_sha256
@@ -74,7 +74,7 @@ class Idm:
     """Drives by ``idm`` with its own copies of what it is handed; the innocent twin."""
 
     def __init__(self, damage: Damage | None) -> None:
-        self._driver = AgentCatalogue().create("idm", {})
+        self._driver = IdmAgent()
         self.damage = damage
 
     def setup_env(self, context: AgentContext) -> None:
