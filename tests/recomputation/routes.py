@@ -1,0 +1,111 @@
+"""How far an ego came on its route, whether it left it, whether it arrived."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.recomputation.recording import Drive, Floats, Recording
+
+FAR = 30.0
+BESIDE = 15.0
+BESIDE_SHARE = 0.3
+"""Of the Leaderboard's test for route deviation: metres, metres, share of the route's length."""
+
+ARRIVED_SHARE = 0.99
+ARRIVED_DISTANCE = 10.0
+
+REACH = 30.0
+"""Metres along the route within which the next place on it is looked for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Progress:
+    """An ego on its route.
+
+    Attributes:
+        along: (n,) metres along the reference line.
+        beside: (n,) metres from it.
+    """
+
+    along: Floats
+    beside: Floats
+
+
+def follow_route(drive: Drive) -> Progress:
+    """Returns the nearest place on the route in each row, looked for around the one before."""
+    base, step = drive.line[:-1], np.diff(drive.line, axis=0)
+    long = np.hypot(step[:, 0], step[:, 1])
+    along, beside = np.zeros(drive.count), np.zeros(drive.count)
+    last = 0.0
+    for k in range(drive.count):
+        near = np.flatnonzero((drive.arc[1:] >= last - 4.0) & (drive.arc[:-1] <= last + REACH))
+        spot = np.array([drive.x[k], drive.y[k]]) - base[near]
+        share = np.clip(np.einsum("ij,ij->i", spot, step[near]) / long[near] ** 2, 0.0, 1.0)
+        away = np.hypot(*(spot - share[:, None] * step[near]).T)
+        best = int(np.argmin(away))
+        last = float(drive.arc[near[best]] + share[best] * long[near[best]])
+        along[k], beside[k] = last, away[best]
+    return Progress(along=along, beside=beside)
+
+
+def deviation_row(drive: Drive, progress: Progress) -> int | None:
+    """Returns the first row in which the ego has left its route."""
+    driven_beside = np.cumsum(np.where(progress.beside > BESIDE, drive.moved, 0.0))
+    left = (progress.beside > FAR) | (driven_beside > BESIDE_SHARE * drive.arc[-1])
+    return int(np.argmax(left)) if left.any() else None
+
+
+def arrived(run: Recording, drive: Drive, progress: Progress) -> bool:
+    """Tells whether the ego came to its goal within its time limit."""
+    away = np.hypot(drive.x - drive.goal[0], drive.y - drive.goal[1])
+    there = (progress.along > ARRIVED_SHARE * drive.arc[-1]) & (away < ARRIVED_DISTANCE)
+    if not there.any():
+        # SUMO takes the vehicles that it drives off the road at the end of their last edge.
+        return drive.end == "arrived"
+    seconds = int(np.argmax(there)) * run.step_length
+    allowed = 0.8 * drive.arc[-1] + 5.0
+    return bool(seconds <= min(allowed, run.head["max_sim_time"] - drive.start_time) + 1e-6)
+
+
+def route_completion(run: Recording, drive: Drive, progress: Progress) -> float:
+    """Returns per cent of the route."""
+    if not drive.count:
+        return 0.0
+    if arrived(run, drive, progress):
+        return 100.0
+    left = deviation_row(drive, progress)
+    done = progress.along if left is None else progress.along[: left + 1]
+    return 100.0 * min(float(done.max()) / float(drive.arc[-1]), 1.0)
+
+
+def traffic_pace(run: Recording, drive: Drive, progress: Progress) -> float | None:
+    """Returns the ego's speed in per cent of that of the vehicles within 50 m, at most 100.
+
+    It is the mean over twenty sections of the route, of those with moving vehicles around.
+    """
+    rows = slice(drive.first, drive.first + drive.count)
+    own: dict[int, list[float]] = {}
+    theirs: dict[int, list[float]] = {}
+    vehicles = [
+        i
+        for i, actor in enumerate(run.head["actors"])
+        if actor["role"] in ("ego", "npc_vehicle", "background") and i != drive.actor
+    ]
+    x, y, vx, vy = (run.states[name][rows][:, vehicles] for name in ("x", "y", "vx", "vy"))
+    for k in range(drive.count):
+        section = math.floor(20.0 * progress.along[k] / drive.arc[-1])
+        if not 0 <= section < 20:
+            continue
+        own.setdefault(section, []).append(float(drive.speed[k]))
+        with np.errstate(invalid="ignore"):
+            near = (x[k] - drive.x[k]) ** 2 + (y[k] - drive.y[k]) ** 2 <= 50.0**2
+        theirs.setdefault(section, []).extend(np.hypot(vx[k][near], vy[k][near]).tolist())
+    shares = [
+        min(float(np.mean(own[section])) / float(np.mean(speeds)), 1.0)
+        for section, speeds in theirs.items()
+        if speeds and np.mean(speeds) > 0.1
+    ]
+    return 100.0 * float(np.mean(shares)) if shares else None

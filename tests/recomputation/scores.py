@@ -1,0 +1,56 @@
+"""CARLA Leaderboard's driving scores."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tests.recomputation.boxes import impact_speed
+from tests.recomputation.recording import Drive, Recording
+from tests.recomputation.routes import Progress, traffic_pace
+from tests.recomputation.surfaces import outside_lanes
+
+FACTORS = {"npc_walker": 0.5, "npc_obstacle": 0.65, "vehicle": 0.6, "red": 0.7}
+COSTS = {"npc_walker": 1.0, "npc_obstacle": 0.6, "vehicle": 0.7, "red": 0.4}
+
+
+def penalties(
+    run: Recording,
+    drive: Drive,
+    progress: Progress,
+    touched: dict[str, int],
+    reds: int,
+    margin: float = 0.5,
+) -> dict[str, float]:
+    """Returns the infraction penalty of each version, 0..1.
+
+    Args:
+        run: The run.
+        drive: The ego's part of it.
+        progress: On its route.
+        touched: Step of each collision, by the other actor's id.
+        reds: Red lights run.
+        margin: Metres beyond the lanes that count as within.
+    """
+    roles = {actor["id"]: actor["role"] for actor in run.head["actors"]}
+    events = ["red"] * reds
+    for other, step in touched.items():
+        if impact_speed(run, drive, step, other) >= 0.1:
+            role = roles[other]
+            events.append(role if role in ("npc_walker", "npc_obstacle") else "vehicle")
+    pace = traffic_pace(run, drive, progress)
+    slow = 0.0 if pace is None else 1.0 - pace / 100.0
+    wrong = float(drive.moved[outside_lanes(run.head["network"], drive, margin)].sum())
+    within = 1.0 - min(wrong / float(drive.arc[-1]), 1.0)
+    product = math.prod(FACTORS[event] for event in events) * within
+    return {
+        "1_0": product,
+        "2_0": product * (1.0 - 0.3 * slow),
+        "2_1": within / (1.0 + sum(COSTS[event] for event in events) + 0.4 * slow),
+    }
+
+
+def mean(values: list[float]) -> float:
+    """Returns the mean of the egos' values."""
+    return float(np.mean(values))
