@@ -109,6 +109,7 @@ RUNNING = campaigns.Campaign(
         campaigns.Kind(
             key=_KEY,
             failures=5,
+            violations=6,
             at_fault=5,
             avoidable=3,
             confirmed=0,

@@ -120,7 +120,8 @@ def _failures(report: CampaignReport) -> list[str]:
         (
             "kind",
             "cluster",
-            "failures",
+            "runs",
+            "violations",
             "at fault",
             "avoidable",
             "confirmed",
@@ -131,6 +132,7 @@ def _failures(report: CampaignReport) -> list[str]:
             (
                 _kind(group),
                 _cluster(group),
+                str(len({failure.number for failure in group.failures})),
                 str(len(group.failures)),
                 str(group.at_fault),
                 str(group.avoidable),

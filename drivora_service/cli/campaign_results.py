@@ -141,11 +141,22 @@ def print_campaign(found: CampaignFindings) -> None:
     if found.kinds:
         print_table(
             "Failures",
-            ("kind", "count", "at fault", "avoidable", "confirmed", "flaky", "groups", "first"),
+            (
+                "kind",
+                "runs",
+                "violations",
+                "at fault",
+                "avoidable",
+                "confirmed",
+                "flaky",
+                "groups",
+                "first",
+            ),
             (
                 (
                     kind.key.replace("|", " | "),
                     str(kind.failures),
+                    str(kind.violations),
                     str(kind.at_fault),
                     str(kind.avoidable),
                     str(kind.confirmed),

@@ -24,3 +24,12 @@ DataDirOption = Annotated[
         help="Folder of the database, traces and imported networks [default: drivora-data].",
     ),
 ]
+GateRuleOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--gate-rule",
+        metavar="RULE[=RUNS]",
+        help="Exit with 1 if RULE was broken in more than RUNS runs [default: 0]; may be repeated; "
+        "rules that are not named do not count then.",
+    ),
+]

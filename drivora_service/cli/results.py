@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drivora_service.cli.output import number, print_table
@@ -166,7 +166,7 @@ def summary(result: dict[str, Any]) -> str:
 
 
 def _named(verdict: dict[str, Any]) -> str:
-    words = IN_WORDS[_accountability(verdict)]
+    words = IN_WORDS[accountability_of(verdict)]
     name = str(verdict["oracle"]).replace("_", " ")
     return f"{name} ({words})" if words else name
 
@@ -174,10 +174,11 @@ def _named(verdict: dict[str, Any]) -> str:
 def _fault(verdict: dict[str, Any]) -> str:
     if verdict["outcome"] != Outcome.VIOLATED:
         return "-"
-    return _FAULT[_accountability(verdict)]
+    return _FAULT[accountability_of(verdict)]
 
 
-def _accountability(verdict: dict[str, Any]) -> Accountability:
+def accountability_of(verdict: Mapping[str, Any]) -> Accountability:
+    """Returns how far the ego is accountable for a printed verdict."""
     avoidable = verdict["avoidable"]
     return accountable(
         verdict["at_fault"],

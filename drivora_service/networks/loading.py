@@ -157,6 +157,7 @@ def _connections(source: Any, index_of: dict[str, int]) -> tuple[Connection, ...
             traffic_light=link.getTLSID(),
             link_index=int(link.getTLLinkIndex()),
             direction=link.getDirection(),
+            right_of_way=link.getState() or "",
         )
         for link in source.getOutgoing()
     )

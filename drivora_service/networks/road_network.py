@@ -35,12 +35,15 @@ class Connection:
         traffic_light: Id of the traffic light that controls it, or "".
         link_index: Position of its signal in the traffic light's state string, or -1.
         direction: SUMO's letter: s straight, l left, r right, t turn-around, L/R partial.
+        right_of_way: SUMO's letter where no signal shows: M major, m minor, s stop, w all-way stop,
+            = equal, Z zip merge; o and O signal off; "" unknown.
     """
 
     to_lane: int
     traffic_light: str
     link_index: int
     direction: str
+    right_of_way: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -69,6 +69,9 @@ class Proximity:
         rss_violated: (n,) the distance to one in front was below the safe distance.
         post_encroachment_time: Least seconds between one box leaving a place and the other, on a
             crossing path, being there; 0 where they touch, None where no paths cross in time.
+        post_encroachment_row: Row among the judged at which the ego is at that place, -1 where
+            there is none or boxes touch.
+        post_encroachment_actor: Row of the other in the trace, -1 where there is none.
     """
 
     min_gap: float | None
@@ -80,6 +83,8 @@ class Proximity:
     required_deceleration: FloatArray
     rss_violated: BoolArray
     post_encroachment_time: float | None
+    post_encroachment_row: int
+    post_encroachment_actor: int
 
 
 def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
@@ -118,7 +123,7 @@ def look_around(
     )
     limit = round(ENCROACHMENT_HORIZON / trace.step_length)
     every = max(round(ENCROACHMENT_STEP / trace.step_length), 1)
-    lag = _least_lag(
+    lag, lag_row, lag_actor = _least_lag(
         states, present, sizes, row, start, stop, every, limit, CROSSING_ANGLE, gap <= 0.0
     )
     return Proximity(
@@ -131,6 +136,8 @@ def look_around(
         required_deceleration=series[3],
         rss_violated=series[4] > 0.0,
         post_encroachment_time=None if lag > limit else lag * trace.step_length,
+        post_encroachment_row=lag_row - start if lag_row >= 0 else -1,
+        post_encroachment_actor=lag_actor,
     )
 
 
@@ -286,16 +293,18 @@ def _least_lag(
     limit: int,
     crossing: float,
     touched: bool,
-) -> int:
-    """Gives the least number of steps between two boxes being at the same place on crossing paths.
+) -> tuple[int, int, int]:
+    """Finds the least number of steps between two boxes being at a same place on crossing paths.
 
     For every place of the ego, walks along the other's path; where the other is far, the walk jumps
     as many steps as it needs at least to come near.
 
     Returns:
-        ``limit + 1`` where there is none.
+        The steps, ``limit + 1`` where there is no such place; the ego's row there; and the other
+        actor. Both are -1 where there is none, and where ``touched``.
     """
     best = 0 if touched else limit + 1
+    best_row, best_actor = -1, -1
     for j in range(states.shape[1]):
         if j == row or best == 0:
             continue
@@ -329,10 +338,10 @@ def _least_lag(
                             other[2], sizes[j, 0], sizes[j, 1],
                         ) > 0.0
                     ):  # fmt: skip
-                        best = lag
+                        best, best_row, best_actor = lag, t, j
                         break
                     lag += 1
-    return best
+    return best, best_row, best_actor
 
 
 @compiled

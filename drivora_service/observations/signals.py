@@ -33,6 +33,19 @@ def signal_shown(ego: EgoView, connection: Connection) -> ByteArray | None:
     return shown
 
 
+def stop_shown(ego: EgoView, connection: Connection) -> BoolArray | None:
+    """Tells the (n,) rows in which a signal says to stop and then go; ``None`` without a signal."""
+    trace = ego.trace
+    if connection.traffic_light not in trace.light_ids:
+        return None
+    column = trace.light_ids.index(connection.traffic_light)
+    states = trace.light_states[ego.first : ego.first + ego.count, column]
+    names = trace.light_state_names
+    stops = [name[connection.link_index : connection.link_index + 1] == "s" for name in names]
+    shown: BoolArray = np.array(stops, dtype=np.bool_)[states]
+    return shown
+
+
 def off_route(ego: EgoView) -> BoolArray:
     """Tells the (n,) rows in which the ego is on another road than its route's."""
     off: BoolArray = np.abs(ego.value(EgoCol.ROUTE_LATERAL)) > BESIDE_ROUTE

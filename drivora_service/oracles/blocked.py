@@ -16,7 +16,14 @@ from drivora_service.observations.trace import (
     TerminalEvent,
 )
 from drivora_service.oracles.stretches import stretches
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 STANDING_SPEED = 0.1
 """m/s below which a vehicle stands (Leaderboard, Bench2Drive)."""
@@ -69,6 +76,7 @@ class Blocked:
                         f"Stood for {seconds:.1f} s without a signal to wait for.",
                         duration=seconds,
                         since=float(ego.times[first]),
+                        severity=Severity.MINOR,
                     )
                 )
         if verdicts:

@@ -12,7 +12,7 @@ from drivora_service.geometry import wrap_angle
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.oracles.blocked import STANDING_SPEED, standing_clock
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +62,7 @@ class Deadlock:
                         f"Waits in a cycle: {' → '.join([*names, names[0]])}.",
                         counterpart=run.egos[_next(cycle, ego.row)].id,
                         cycle=names,
+                        severity=Severity.MINOR,
                     )
                 )
         return tuple(verdicts)

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +68,7 @@ class Destination:
                 ego,
                 int(np.argmax(elapsed > limit)),
                 f"Arrived after {took:.1f} s; the limit is {limit:.1f} s.",
+                severity=Severity.MINOR,
                 reason="late",
                 **facts,
             )
@@ -79,7 +80,17 @@ class Destination:
         if ego.end is TerminalEvent.TIME_LIMIT or len(late):
             k = int(late[0]) if len(late) else ego.count - 1
             message = f"Not there when its time was up: {ended}; the limit is {limit:.1f} s."
-            return violated(self.name, ego, k, message, reason="timeout", **facts)
+            return violated(
+                self.name, ego, k, message, severity=Severity.MINOR, reason="timeout", **facts
+            )
         how = ego.end.value.replace("_", " ")
         message = f"Not there: its part ended ({how}) {ended}."
-        return violated(self.name, ego, ego.count - 1, message, reason=ego.end.value, **facts)
+        return violated(
+            self.name,
+            ego,
+            ego.count - 1,
+            message,
+            severity=Severity.MINOR,
+            reason=ego.end.value,
+            **facts,
+        )

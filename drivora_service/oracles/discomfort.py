@@ -9,7 +9,14 @@ import numpy as np
 from drivora_service.observations.motion import FilteredMotion
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import BoolArray
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +78,7 @@ class Discomfort:
             share=share,
             bounds=names,
             worst=worst,
+            severity=Severity.OBSERVATION,
         )
 
     def broken(self, motion: FilteredMotion) -> dict[str, BoolArray]:

@@ -9,7 +9,7 @@ import numpy as np
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import BoolArray, Col, EgoCol
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +49,7 @@ class LaneKeeping:
             ego,
             int(np.argmax(wrong & (ego.moved > 0.0))),
             f"Drove {distance:.1f} m outside its lanes, {100.0 * share:.1f} % of the route.",
+            severity=Severity.MINOR,
             at_fault=True,
             distance=distance,
             share=share,

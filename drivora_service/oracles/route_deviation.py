@@ -8,7 +8,14 @@ import numpy as np
 
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import EgoCol
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +65,7 @@ class RouteDeviation:
             ego,
             k,
             f"{lateral[k]:.1f} m from its route, after {beside[k]:.1f} m beside it.",
+            severity=Severity.MINOR,
             at_fault=True,
             distance=worst,
             beside=float(beside[-1]),

@@ -9,7 +9,14 @@ import numpy as np
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import EgoCol, FloatArray
 from drivora_service.oracles.stretches import stretches
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +61,7 @@ class Speeding:
                     first,
                     f"Up to {ego.speed[worst]:.1f} m/s where {limit[worst]:.1f} m/s are allowed, "
                     f"for {seconds:.1f} s.",
+                    severity=Severity.MINOR,
                     at_fault=True,
                     duration=seconds,
                     speed=float(ego.speed[worst]),

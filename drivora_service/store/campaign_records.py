@@ -258,9 +258,12 @@ class FailureFilter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FailureKind:
-    """Failures of one key.
+    """Failures of one key. All numbers but ``violations`` count evaluations.
 
     Attributes:
+        failures: Evaluations that failed so, each once.
+        violations: How often a rule was broken so in them.
+        at_fault: Those with an ego at fault.
         avoidable: Those at an ego's fault that could be avoided.
         first: Number of the first evaluation that showed it.
         clusters: Groups of similar ones; ``None`` if they were not grouped.
@@ -268,6 +271,7 @@ class FailureKind:
 
     key: str
     failures: int
+    violations: int
     at_fault: int
     avoidable: int
     confirmed: int

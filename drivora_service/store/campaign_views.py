@@ -147,11 +147,12 @@ class CampaignViewRepository:
         rows = self._session.execute(
             select(
                 FailureRow.key,
+                func.count(FailureRow.number.distinct()),
                 func.count(),
-                _count_if(FailureRow.at_fault.is_(True)),
-                _count_if(FailureRow.accountability == Accountability.AVOIDABLE),
-                _count_if(FailureRow.confirmation == Confirmation.CONFIRMED),
-                _count_if(FailureRow.confirmation == Confirmation.FLAKY),
+                _runs_if(FailureRow.at_fault.is_(True)),
+                _runs_if(FailureRow.accountability == Accountability.AVOIDABLE),
+                _runs_if(FailureRow.confirmation == Confirmation.CONFIRMED),
+                _runs_if(FailureRow.confirmation == Confirmation.FLAKY),
                 first,
                 func.count(FailureRow.cluster.distinct()),
             )
@@ -163,6 +164,7 @@ class CampaignViewRepository:
             FailureKind(
                 key=key,
                 failures=failures,
+                violations=violations,
                 at_fault=at_fault,
                 avoidable=avoidable,
                 confirmed=confirmed,
@@ -170,7 +172,17 @@ class CampaignViewRepository:
                 first=number,
                 clusters=clusters or None,
             )
-            for key, failures, at_fault, avoidable, confirmed, flaky, number, clusters in rows
+            for (
+                key,
+                failures,
+                violations,
+                at_fault,
+                avoidable,
+                confirmed,
+                flaky,
+                number,
+                clusters,
+            ) in rows
         )
 
     def _of(self, campaign_seq: int, numbers: Sequence[int]) -> tuple[EvaluationSummary, ...]:
@@ -224,8 +236,8 @@ def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
     return conditions
 
 
-def _count_if(condition: ColumnElement[bool]) -> ColumnElement[int]:
-    return func.coalesce(func.sum(case((condition, 1), else_=0)), 0)
+def _runs_if(condition: ColumnElement[bool]) -> ColumnElement[int]:
+    return func.count(case((condition, FailureRow.number)).distinct())
 
 
 def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:

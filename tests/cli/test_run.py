@@ -77,6 +77,13 @@ def test_a_gate_fails_on_a_broken_rule(drivora: Drivora, tmp_path: Path) -> None
     violated = [v for v in ended.json()["verdicts"] if v["outcome"] == "violated"]
     assert violated
     assert ended.code == 1
+    assert "gate failed: 1 failing run" in ended.err
+    rule = next(v["oracle"] for v in violated if v["severity"] != "observation")
+    assert drivora("run", path, "--gate-rule", f"{rule}=1").code == 0
+    assert drivora("run", path, "--gate-rule", rule).code == 1
+    refused = drivora("run", path, "--gate-rule", "sleeping")
+    assert refused.code == 2
+    assert "there is no rule 'sleeping'" in refused.err
 
 
 @pytest.mark.parametrize(

@@ -80,8 +80,9 @@ class Kind(Schema):
     """Failures of one key."""
 
     key: str = Field(description="Rule, place, and how the other stood to the ego.")
-    failures: int
-    at_fault: int
+    failures: int = Field(description="Simulations that failed so, each once.")
+    violations: int = Field(description="How often a rule was broken so in them.")
+    at_fault: int = Field(description="Those with an ego at fault.")
     avoidable: int = Field(description="Those at fault that could be avoided.")
     confirmed: int = Field(description="Those that happened again in an identical run.")
     flaky: int = Field(description="Those that did not.")
@@ -235,6 +236,7 @@ def campaign_view(
             Kind(
                 key=kind.key,
                 failures=kind.failures,
+                violations=kind.violations,
                 at_fault=kind.at_fault,
                 avoidable=kind.avoidable,
                 confirmed=kind.confirmed,

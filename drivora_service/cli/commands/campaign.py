@@ -10,14 +10,15 @@ import typer
 
 from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.options import DataDirOption, GateRuleOption, ServerOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 from drivora_service.errors import ConfigurationError, InvalidDocument
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from drivora_service.cli.campaigns import Campaigns
+    from drivora_service.cli.gates import Gate
     from drivora_service.cli.service_campaigns import ServiceCampaigns
     from drivora_service.cli.stored_campaigns import StoredCampaigns
     from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest
@@ -40,7 +41,12 @@ OutOption = Annotated[
 DetachOption = Annotated[
     bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
 ]
-GateOption = Annotated[bool, typer.Option("--gate", help="Exit with 1 if any failure was found.")]
+GateOption = Annotated[
+    bool,
+    typer.Option(
+        "--gate", help="Exit with 1 if any failure was found that an ego is accountable for."
+    ),
+]
 
 
 @app.command()
@@ -50,6 +56,7 @@ def run(
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
     gate: GateOption = False,
+    gate_rule: GateRuleOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -67,8 +74,9 @@ def run(
             with _problems_of(file):
                 record, notes = service.post(file)
             _announce(record, notes)
+            chosen = _gate(service, record.id, gate_rule or (), is_wanted=gate)
             if not detach:
-                _follow(service, record.id, server, out=out, gate=gate, as_json=as_json)
+                _follow(service, record.id, server, out=out, gate=chosen, as_json=as_json)
             elif as_json:
                 _show(service, record.id, as_json=True)
         return
@@ -80,13 +88,14 @@ def run(
         with _problems_of(file):
             record, notes = create_campaign(campaigns, file, workers=workers)
         _announce(record, notes)
+        chosen = _gate(campaigns, record.id, gate_rule or (), is_wanted=gate)
         _work(
             campaigns,
             record.id,
             workers=workers,
             out=out,
             evaluator=evaluator,
-            gate=gate,
+            gate=chosen,
             as_json=as_json,
         )
 
@@ -98,6 +107,7 @@ def resume(
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
     gate: GateOption = False,
+    gate_rule: GateRuleOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -109,9 +119,10 @@ def resume(
 
         _refuse_local_options(workers, evaluator)
         with ServiceCampaigns(server) as service:
+            chosen = _gate(service, campaign_id, gate_rule or (), is_wanted=gate)
             service.resume(campaign_id)
             if not detach:
-                _follow(service, campaign_id, server, out=out, gate=gate, as_json=as_json)
+                _follow(service, campaign_id, server, out=out, gate=chosen, as_json=as_json)
             elif as_json:
                 _show(service, campaign_id, as_json=True)
         return
@@ -119,13 +130,14 @@ def resume(
     from drivora_service.cli.stored_campaigns import StoredCampaigns
 
     with StoredCampaigns(data_dir) as campaigns:
+        chosen = _gate(campaigns, campaign_id, gate_rule or (), is_wanted=gate)
         _work(
             campaigns,
             campaign_id,
             workers=workers,
             out=out,
             evaluator=evaluator,
-            gate=gate,
+            gate=chosen,
             as_json=as_json,
         )
 
@@ -268,7 +280,7 @@ def _work(
     workers: int | None,
     out: Path | None,
     evaluator: str,
-    gate: bool,
+    gate: Gate | None,
     as_json: bool,
 ) -> None:
     from drivora_service.cli.local_campaigns import run_campaign
@@ -283,7 +295,7 @@ def _follow(
     server: str,
     *,
     out: Path | None,
-    gate: bool,
+    gate: Gate | None,
     as_json: bool,
 ) -> None:
     try:
@@ -298,7 +310,12 @@ def _follow(
 
 
 def _conclude(
-    campaigns: Campaigns, record: CampaignRecord, *, out: Path | None, gate: bool, as_json: bool
+    campaigns: Campaigns,
+    record: CampaignRecord,
+    *,
+    out: Path | None,
+    gate: Gate | None,
+    as_json: bool,
 ) -> None:
     from drivora_service.cli.campaigns import export_campaign
     from drivora_service.store.campaign_records import CampaignState
@@ -310,8 +327,32 @@ def _conclude(
         note(f"paused; go on with: drivora campaign resume {record.id}")
     if record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
-    if gate and record.counts.violating:
-        raise typer.Exit(ExitCode.GATE_FAILED)
+    if gate is not None:
+        from drivora_service.cli.gates import broken_in_campaign
+
+        failures = campaigns.found(record.id).failures
+        answer = gate.judge(broken_in_campaign((one.number, one.verdict) for one in failures))
+        note(str(answer))
+        if answer.fails:
+            raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+def _gate(
+    campaigns: Campaigns, campaign_id: str, rules: Sequence[str], *, is_wanted: bool
+) -> Gate | None:
+    """Reads the gate of a campaign; its rules are those whose violations it counts as failures."""
+    if not (rules or is_wanted):
+        return None
+    from drivora_service.campaigns.documents import CampaignDocument
+    from drivora_service.cli.gates import read_gate
+
+    text = campaigns.found(campaign_id).record.document
+    try:
+        counted = CampaignDocument.model_validate_json(text).oracles
+        return read_gate(rules, counted, whose="the campaign counts")
+    except ConfigurationError as error:
+        fail(str(error))
+        raise typer.Exit(ExitCode.WRONG_USE) from error
 
 
 def _show(campaigns: Campaigns, campaign_id: str, *, as_json: bool) -> None:

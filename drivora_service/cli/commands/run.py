@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, ServerOption
-from drivora_service.cli.output import JsonOption, print_json
+from drivora_service.cli.options import DataDirOption, GateRuleOption, ServerOption
+from drivora_service.cli.output import JsonOption, fail, note, print_json
+from drivora_service.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from drivora_service.cli.gates import Gate
 
 _MAX_SEED = 2**31 - 1
 
@@ -43,8 +46,14 @@ def run(
         int | None, typer.Option(min=1, help="Worker processes [default: one a core].")
     ] = None,
     gate: Annotated[
-        bool, typer.Option("--gate", help="Exit with 1 if any run broke a rule.")
+        bool,
+        typer.Option(
+            "--gate",
+            help="Exit with 1 if any run broke a rule (observations left out) in a way that an ego "
+            "is accountable for.",
+        ),
     ] = False,
+    gate_rule: GateRuleOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -55,6 +64,7 @@ def run(
     trace_sha256, steps, sim_time_s, wall_time_s, step_cost_us and, by ego, agent_cost_us; several
     print {"runs": […]}.
     """
+    chosen = _gate(gate_rule or ()) if gate or gate_rule else None
     if not server:
         from drivora_service.execution.fork_server import prepare_processes
 
@@ -92,8 +102,24 @@ def run(
         results.print_results(done)
     if any(result["status"] != results.FINISHED for result in done):
         raise typer.Exit(ExitCode.NOT_DONE)
-    if gate and any(results.violations(result) for result in done):
-        raise typer.Exit(ExitCode.GATE_FAILED)
+    if chosen is not None:
+        from drivora_service.cli.gates import broken_in_result
+
+        answer = chosen.judge(broken_in_result(results.violations(result)) for result in done)
+        note(str(answer))
+        if answer.fails:
+            raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+def _gate(rules: Sequence[str]) -> Gate:
+    from drivora_service.cli.gates import read_gate
+    from drivora_service.oracles.plugins import OracleCatalogue
+
+    try:
+        return read_gate(rules, OracleCatalogue().names(), whose="there is")
+    except ConfigurationError as error:
+        fail(str(error))
+        raise typer.Exit(ExitCode.WRONG_USE) from error
 
 
 @contextmanager

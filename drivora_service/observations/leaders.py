@@ -1,0 +1,101 @@
+"""What is in front of an ego, row by row: how far, and how fast it goes along the ego's heading."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.compilation import compiled
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray, IntArray, Role
+
+VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
+
+SAME_WAY = math.radians(45.0)
+"""Difference of headings up to which one vehicle follows another."""
+
+_Z = int(Col.Z)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Leaders:
+    """The nearest actor in the strip that the ego's width sweeps along its heading.
+
+    Attributes:
+        actor: (n,) its row in the trace, -1 where nobody is there.
+        room: (n,) metres between the boxes, inf where nobody is there.
+        speed: (n,) its speed along the ego's heading, m/s, NaN where nobody is there.
+        same_way: (n,) whether it heads as the ego does.
+    """
+
+    actor: IntArray
+    room: FloatArray
+    speed: FloatArray
+    same_way: BoolArray
+
+
+def leaders(ego: EgoView, *, margin: float = 0.0, vehicles_only: bool = False) -> Leaders:
+    """Returns who is in front of an ego.
+
+    Args:
+        ego: Which ego.
+        margin: Metres by which the strip is wider on either side.
+        vehicles_only: Walkers and obstacles do not count.
+    """
+    trace = ego.trace
+    part = slice(ego.first, ego.first + ego.count)
+    counts = np.array(
+        [
+            actor.row != ego.row and (not vehicles_only or actor.role in VEHICLES)
+            for actor in trace.actors
+        ]
+    )
+    sizes = np.array([(actor.length, actor.width) for actor in trace.actors])
+    actor, room, speed, same = _in_front(
+        np.ascontiguousarray(trace.states[part]),
+        trace.present[part] & counts,
+        sizes,
+        ego.row,
+        margin,
+        SAME_WAY,
+    )
+    return Leaders(actor=actor, room=room, speed=speed, same_way=same)
+
+
+@compiled
+def _in_front(
+    states: FloatArray,
+    counts: BoolArray,
+    sizes: FloatArray,
+    row: int,
+    margin: float,
+    same_way: float,
+) -> tuple[IntArray, FloatArray, FloatArray, BoolArray]:
+    rows = states.shape[0]
+    actor = np.full(rows, -1, dtype=np.int32)
+    room = np.full(rows, np.inf)
+    speed = np.full(rows, np.nan)
+    same = np.zeros(rows, dtype=np.bool_)
+    length, width = sizes[row, 0], sizes[row, 1] + 2.0 * margin
+    for t in range(rows):
+        ego = states[t, row]
+        cos, sin = math.cos(ego[2]), math.sin(ego[2])
+        for j in range(states.shape[1]):
+            if not counts[t, j] or abs(states[t, j, _Z] - ego[_Z]) > LEVEL_GAP:
+                continue
+            other = states[t, j]
+            dx, dy = other[0] - ego[0], other[1] - ego[1]
+            ahead = dx * cos + dy * sin
+            turn = other[2] - ego[2]
+            c, s = abs(math.cos(turn)), abs(math.sin(turn))
+            across = abs(-dx * sin + dy * cos)
+            if ahead <= 0.0 or across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
+                continue
+            gap = max(ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s), 0.0)
+            if gap < room[t]:
+                actor[t], room[t] = j, gap
+                speed[t] = other[3] * cos + other[4] * sin
+                same[t] = math.cos(turn) >= math.cos(same_way)
+    return actor, room, speed, same

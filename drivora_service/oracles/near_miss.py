@@ -1,0 +1,107 @@
+"""The ego all but hits another actor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.observations.boxes import time_to_contact
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import LEVEL_GAP, Col
+from drivora_service.oracles.stretches import stretches
+from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NearMiss:
+    """Violated where a time to collision, or the post-encroachment time, is below its bound.
+
+    A conflict with others behind the ego is theirs to keep clear of, and contacts are for
+    ``collision`` to judge.
+
+    Attributes:
+        time_to_collision: Seconds, at constant velocities.
+        duration: Seconds for which it must be below the bound: one row alone may be noise.
+        post_encroachment_time: Seconds between one leaving a place and the other being there.
+        standing_speed: m/s below which an ego endangers nobody.
+    """
+
+    time_to_collision: float = 0.95
+    duration: float = 0.1
+    post_encroachment_time: float = 1.0
+    standing_speed: float = 0.1
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "near_miss"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Returns a verdict for every time that an ego came too near to another."""
+        return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
+
+    def _judge(self, ego: EgoView) -> list[Verdict]:
+        if not ego.count:
+            return [not_started(self.name, ego)]
+        touched = {contact.other for contact in ego.trace.contacts if contact.ego == ego.row}
+        times = ego.proximity.forward_time_to_collision
+        verdicts = []
+        soonest = float(times.min())
+        for first, last in stretches((times < self.time_to_collision) & self._moves(ego)):
+            if (last - first) * ego.step_length < self.duration - 1e-9:
+                continue
+            worst = first + int(np.argmin(times[first:last]))
+            other = _soonest_met(ego, worst)
+            if other in touched:
+                continue
+            verdicts.append(self._near(ego, first, other, "time_to_collision", float(times[worst])))
+        verdicts += self._encroachments(ego, touched)
+        facts = {
+            "time_to_collision": soonest if np.isfinite(soonest) else None,
+            "post_encroachment_time": ego.proximity.post_encroachment_time,
+        }
+        return verdicts or [passed(self.name, ego, "Kept clear of the others.", **facts)]
+
+    def _moves(self, ego: EgoView) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        moves: np.ndarray[tuple[int], np.dtype[np.bool_]] = ego.speed >= self.standing_speed
+        return moves
+
+    def _encroachments(self, ego: EgoView, touched: set[int]) -> list[Verdict]:
+        time, other = ego.proximity.post_encroachment_time, ego.proximity.post_encroachment_actor
+        if time is None or other < 0 or other in touched or time >= self.post_encroachment_time:
+            return []
+        row = ego.proximity.post_encroachment_row
+        return [self._near(ego, row, other, "post_encroachment_time", time)]
+
+    def _near(self, ego: EgoView, k: int, other: int, measure: str, seconds: float) -> Verdict:
+        who = ego.trace.actors[other].id
+        words = measure.replace("_", " ").replace("post encroachment", "post-encroachment")
+        return violated(
+            self.name,
+            ego,
+            k,
+            f"Down to a {words} of {seconds:.2f} s with {who}.",
+            severity=Severity.OBSERVATION,
+            counterpart=who,
+            measure=measure,
+            seconds=seconds,
+        )
+
+
+def _soonest_met(ego: EgoView, k: int) -> int:
+    """Returns the actor that the ego would touch first from row ``k``, at constant velocities."""
+    trace, own = ego.trace, ego.states[k]
+    times = {}
+    for actor in trace.actors:
+        other = trace.states[ego.first + k, actor.row]
+        here = trace.present[ego.first + k, actor.row] and actor.row != ego.row
+        if not here or abs(other[Col.Z] - own[Col.Z]) > LEVEL_GAP:
+            continue
+        times[actor.row] = time_to_contact(
+            other[Col.X] - own[Col.X], other[Col.Y] - own[Col.Y],
+            other[Col.VX] - own[Col.VX], other[Col.VY] - own[Col.VY],
+            own[Col.YAW], ego.actor.length, ego.actor.width,
+            other[Col.YAW], actor.length, actor.width,
+        )  # fmt: skip
+    return min(times, key=times.__getitem__)

@@ -1,0 +1,108 @@
+"""The ego drives past a stop sign without having stood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.networks.road_network import Connection
+from drivora_service.observations.line_crossings import Crossing, line_crossings
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.signals import stop_shown
+from drivora_service.observations.trace import Col
+from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+
+_STOPS = ("s", "w")
+"""SUMO's letters for a movement that must stop: at a stop sign, at an all-way stop."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopSign:
+    """Violated where the ego's front crosses a line at which its movement must stop first.
+
+    Those are movements to which the network gives a stop sign or an all-way stop, and signals that
+    show SUMO's "stop, then go" (``s``) as the front crosses. The ego has stood if it came less far
+    than ``standing_speed`` allows within ``window``, with its front at most ``reach`` before the
+    line: what counts is the place, not the speed that somebody wrote down.
+
+    Attributes:
+        standing_speed: m/s below which it stands.
+        window: Seconds over which it must have stood.
+        reach: Metres before the line within which it must have stood.
+    """
+
+    standing_speed: float = 0.1
+    window: float = 0.5
+    reach: float = 4.0
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "stop_sign"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Returns a verdict for every stop sign that an ego ran."""
+        return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
+
+    def _judge(self, ego: EgoView) -> list[Verdict]:
+        if ego.count < 2:
+            return [not_started(self.name, ego)]
+        verdicts = []
+        lines = unclear = 0
+        for crossing in line_crossings(ego):
+            stops = {_must_stop(ego, crossing, way.connection) for way in crossing.ways}
+            if stops == {False}:
+                continue
+            lines += 1
+            slowest, before = self._slowest(ego, crossing)
+            if slowest < self.standing_speed:
+                continue
+            if False in stops:
+                unclear += 1
+                continue
+            verdicts.append(
+                violated(
+                    self.name,
+                    ego,
+                    crossing.front,
+                    f"Drove past a stop sign at {ego.speed[crossing.front]:.1f} m/s; at its "
+                    f"slowest it came on at {slowest:.1f} m/s, {before:.1f} m before the line.",
+                    at_fault=True,
+                    speed=float(ego.speed[crossing.front]),
+                    slowest=slowest,
+                    slowest_before=before,
+                )
+            )
+        if verdicts:
+            return verdicts
+        if unclear:
+            message = f"Crossed {unclear} lines of which it is not known whether they were its own."
+            return [not_measurable(self.name, ego, message, lines=lines, unclear=unclear)]
+        return [passed(self.name, ego, f"Stood at all of {lines} stop signs.", lines=lines)]
+
+    def _slowest(self, ego: EgoView, crossing: Crossing) -> tuple[float, float]:
+        """Returns the least mean speed over the window before a line, m/s, and where that was.
+
+        An ego that started within reach of the line has stood there.
+        """
+        front = crossing.front
+        way = np.cumsum(ego.moved)
+        near = np.flatnonzero(way[front] - way[: front + 1] <= self.reach)
+        first = int(near[0])
+        if first == 0 and ego.speed[0] < self.standing_speed:
+            return 0.0, float(way[front])
+        rows = max(round(self.window / ego.step_length), 1)
+        if front - first < rows:
+            return float(ego.speed[first : front + 1].min()), float(way[front] - way[first])
+        place = ego.states[first : front + 1][:, [Col.X, Col.Y]]
+        came = np.hypot(*(place[rows:] - place[:-rows]).T) / (rows * ego.step_length)
+        k = int(np.argmin(came))
+        return float(came[k]), float(way[front] - way[first + k + rows])
+
+
+def _must_stop(ego: EgoView, crossing: Crossing, connection: Connection) -> bool:
+    shown = stop_shown(ego, connection)
+    if shown is not None:
+        return bool(shown[crossing.front])
+    return connection.right_of_way in _STOPS

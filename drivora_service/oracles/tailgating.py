@@ -1,0 +1,94 @@
+"""The ego follows another vehicle too closely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.observations.leaders import leaders
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.trace import FloatArray
+from drivora_service.oracles.stretches import stretches
+from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tailgating:
+    """Violated where the ego is nearer to the vehicle that it follows than RSS allows, for long.
+
+    The safe distance is definition 1 of Shalev-Shwartz, Shammah and Shashua, "On a formal model of
+    safe and scalable self-driving cars" (2017): what the ego needs that reacts after the response
+    time and then brakes, while the one in front brakes as hard as it can. Parameters are those of
+    UNECE's competent driver rather than the cautious ones of the metric ``rss_violation_share``,
+    under which everybody tailgates who keeps two seconds.
+
+    Attributes:
+        duration: Seconds for which the distance must be too short.
+        response_time: Seconds.
+        acceleration: m/s² that the ego gains during the response time.
+        own_braking: m/s² with which the ego brakes.
+        other_braking: m/s² with which the one in front brakes.
+    """
+
+    duration: float = 2.0
+    response_time: float = 0.75
+    acceleration: float = 0.0
+    own_braking: float = 6.43
+    other_braking: float = 7.59
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "tailgating"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Returns a verdict for every time that an ego was too near for too long."""
+        return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
+
+    def safe_distance(self, speed: FloatArray, lead: FloatArray) -> FloatArray:
+        """Returns the (n,) metres that must be between the ego and the one in front.
+
+        Args:
+            speed: (n,) of the ego, m/s, not negative.
+            lead: (n,) of the one in front, m/s, not negative.
+        """
+        reached = speed + self.response_time * self.acceleration
+        needed: FloatArray = (
+            speed * self.response_time
+            + 0.5 * self.acceleration * self.response_time**2
+            + reached**2 / (2.0 * self.own_braking)
+            - lead**2 / (2.0 * self.other_braking)
+        )
+        return np.maximum(needed, 0.0)
+
+    def _judge(self, ego: EgoView) -> list[Verdict]:
+        if not ego.count:
+            return [not_started(self.name, ego)]
+        ahead = leaders(ego, vehicles_only=True)
+        speed = np.maximum(ego.forward_speed, 0.0)
+        needed = self.safe_distance(speed, np.nan_to_num(np.maximum(ahead.speed, 0.0)))
+        near = (ahead.room < needed) & ahead.same_way
+        verdicts = []
+        for first, last in stretches(near):
+            seconds = float((last - first) * ego.step_length)
+            if seconds < self.duration - 1e-9:
+                continue
+            k = first + int(np.argmin(ahead.room[first:last] - needed[first:last]))
+            who = ego.trace.actors[ahead.actor[k]].id
+            verdicts.append(
+                violated(
+                    self.name,
+                    ego,
+                    first,
+                    f"{ahead.room[k]:.1f} m behind {who} at {speed[k]:.1f} m/s, where "
+                    f"{needed[k]:.1f} m are safe; too near for {seconds:.1f} s.",
+                    severity=Severity.OBSERVATION,
+                    counterpart=who,
+                    duration=seconds,
+                    distance=float(ahead.room[k]),
+                    safe_distance=float(needed[k]),
+                    speed=float(speed[k]),
+                )
+            )
+        return verdicts or [passed(self.name, ego, "Kept its distance.")]
