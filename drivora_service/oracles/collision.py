@@ -14,6 +14,7 @@ from drivora_service.geometry import wrap_angle
 from drivora_service.observations.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Actor, Col, Contact, EgoCol, FloatArray, Trace
+from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
 
@@ -87,6 +88,7 @@ class Collision:
 
     def _verdict(self, ego: EgoView, k: int, other: Actor) -> Verdict:
         impact = find_impact(ego.trace, ego.actor, other, ego.first + k)
+        replayed = assess(ego, k, other.row)
         at_fault, reason = self._responsible(ego, k, impact)
         return violated(
             self.name,
@@ -94,6 +96,9 @@ class Collision:
             k,
             f"Collided with {other.id} at {impact.relative_speed:.1f} m/s: {reason}.",
             at_fault=at_fault,
+            avoidable=replayed.avoidable,
+            physically_avoidable=replayed.physically_avoidable,
+            avoidability=dict(replayed.evidence),
             counterpart=other.id,
             counterpart_role=str(other.role),
             reason=reason,

@@ -115,5 +115,9 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         ),
         privileged=record.privileged,
         max_sim_time=plan.max_sim_time,
-        meta={"seed": plan.scenario.seed},
+        meta={
+            "seed": plan.scenario.seed,
+            "friction": plan.weather.friction,
+            "perception_range": plan.weather.perception_range,
+        },
     )

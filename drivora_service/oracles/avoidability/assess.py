@@ -1,0 +1,160 @@
+"""Says of a collision whether it was avoidable, from when on that showed, and up to when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from drivora_service.errors import UnknownName
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import FloatArray, Role, Trace
+from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
+from drivora_service.oracles.avoidability.breach import Breach, own_breach
+from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.evasion import steers_clear
+from drivora_service.oracles.avoidability.replay import Replay, cut_out
+from drivora_service.oracles.avoidability.risk import Perceived, perceive_risk
+from drivora_service.oracles.verdict import Answer
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+
+_KINDS = {Role.NPC_WALKER: ActorKind.WALKER, Role.NPC_OBSTACLE: ActorKind.OBSTACLE}
+_HEIGHTS = {ActorKind.VEHICLE: 1.5, ActorKind.WALKER: 1.7, ActorKind.OBSTACLE: 1.0}
+"""Metres, of actors whose model is not known."""
+
+_WHEELBASE_SHARE = 0.6
+_MAX_STEER = 0.6
+"""Of vehicles whose model is not known: share of the length, and radians."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Avoidability:
+    """Whether a collision was avoidable.
+
+    Attributes:
+        avoidable: By the careful and competent driver.
+        physically_avoidable: By braking and steering to the full grip, without delay, from the risk
+            perception point on.
+        evidence: What was measured, by name; SI units.
+    """
+
+    avoidable: Answer
+    physically_avoidable: Answer
+    evidence: Mapping[str, Any]
+
+
+def assess(
+    ego: EgoView, k: int, counterpart: int, driver: CarefulDriver | None = None
+) -> Avoidability:
+    """Assesses a collision by replay of the others' recorded motion.
+
+    Args:
+        ego: The ego.
+        k: Its row at the contact.
+        counterpart: Row in the trace of the one that it touched.
+        driver: The careful driver; the regulation's unless told otherwise.
+    """
+    driver = driver or CarefulDriver()
+    friction = ego.trace.meta.get("friction")
+    if friction is None:
+        return _unknown("the trace does not say how much grip the road had")
+    if k < 1:
+        return _unknown("the contact is in the ego's first row: nothing is recorded before it")
+    grip = float(friction) * GRAVITY
+    replay = cut_out(ego, k, counterpart)
+    model = _model(ego.trace, ego.row)
+    brakes = model.max_deceleration if model is not None else np.inf
+    perceived = perceive_risk(
+        replay,
+        ego.trace,
+        ego.row,
+        driver,
+        grip=grip,
+        heights=_heights(ego.trace),
+        sight=float(ego.trace.meta.get("perception_range", np.inf)),
+    )
+    breach = own_breach(ego, k)
+    # Who drives where no careful driver does knows of the risk from the start of the record on.
+    since = perceived.row if breach is None else 0
+    latest = careful_braking(replay, driver, grip, brakes)
+    avoidable = latest >= since and latest >= 0
+    physically = avoidable or _physically(
+        ego, replay, max(since, 0) if breach is None else perceived.row, grip, brakes, model
+    )
+    return Avoidability(
+        avoidable=Answer.YES if avoidable else Answer.NO,
+        physically_avoidable=Answer.YES if physically else Answer.NO,
+        evidence=_evidence(replay, perceived, breach, latest, float(friction)),
+    )
+
+
+def _unknown(reason: str) -> Avoidability:
+    return Avoidability(
+        avoidable=Answer.NOT_MEASURABLE,
+        physically_avoidable=Answer.NOT_MEASURABLE,
+        evidence={"not_measurable": reason},
+    )
+
+
+def _physically(
+    ego: EgoView, replay: Replay, row: int, grip: float, brakes: float, model: ActorModel | None
+) -> bool:
+    if instant_braking(replay, grip, brakes, row) >= 0:
+        return True
+    return steers_clear(
+        replay,
+        ego.network,
+        min(row, replay.contact - 1),
+        grip=grip,
+        brakes=brakes,
+        wheelbase=model.wheelbase if model is not None else _WHEELBASE_SHARE * replay.length,
+        max_steer=model.max_steer if model is not None else _MAX_STEER,
+    )
+
+
+def _evidence(
+    replay: Replay,
+    perceived: Perceived,
+    breach: tuple[Breach, int] | None,
+    latest: int,
+    friction: float,
+) -> dict[str, Any]:
+    """Returns the seconds before the contact of what counts, and why."""
+
+    def before(row: int) -> float:
+        return round((replay.contact - row) * replay.step, 6)
+
+    risk = None if perceived.risk is None else str(perceived.risk)
+    return {
+        "risk": risk,
+        "risk_perceived_before": None if risk is None else before(perceived.row),
+        "was_hidden": perceived.hidden,
+        "own_breach": None if breach is None else str(breach[0]),
+        "latest_before": None if latest < 0 else before(latest),
+        "friction": friction,
+    }
+
+
+def _model(trace: Trace, row: int) -> ActorModel | None:
+    actor = trace.actors[row]
+    return _known_model(_KINDS.get(actor.role, ActorKind.VEHICLE), actor.model)
+
+
+def _heights(trace: Trace) -> FloatArray:
+    heights = []
+    for actor in trace.actors:
+        kind = _KINDS.get(actor.role, ActorKind.VEHICLE)
+        model = _known_model(kind, actor.model)
+        heights.append(_HEIGHTS[kind] if model is None else model.height)
+    return np.array(heights)
+
+
+@lru_cache(maxsize=512)
+def _known_model(kind: ActorKind, name: str) -> ActorModel | None:
+    try:
+        return actor_model(kind, name)
+    except UnknownName:
+        return None

@@ -1,0 +1,60 @@
+"""Whether the ego was where no careful driver is: over a red light, off its road, or oncoming."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import numpy as np
+
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import BoolArray, Col, EgoCol, Light
+
+OUTSIDE = 0.3
+"""Metres beyond the road of its own direction that a careful driver keeps within (nuPlan)."""
+
+
+class Breach(StrEnum):
+    """What the ego did that a careful driver does not do."""
+
+    RED_LIGHT = "red_light"
+    """It was inside a junction that it had entered on red."""
+    OFF_ITS_SIDE = "off_its_side"
+    """It was off the road, or on the side of the other direction."""
+
+
+def own_breach(ego: EgoView, k: int) -> tuple[Breach, int] | None:
+    """Returns what the ego was doing in row ``k``, and since which row; ``None`` if nothing."""
+    astray = _astray(ego)
+    if astray[k]:
+        begun = k
+        while begun > 0 and astray[begun - 1]:
+            begun -= 1
+        return Breach.OFF_ITS_SIDE, begun
+    entered = _entered_on_red(ego, k)
+    return None if entered is None else (Breach.RED_LIGHT, entered)
+
+
+def _astray(ego: EgoView) -> BoolArray:
+    """Returns (n,) whether it was off the road, or beyond the road of its direction.
+
+    Inside junctions, where lanes of all directions overlap, only the former counts.
+    """
+    turn = np.cos(ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING))
+    with np.errstate(invalid="ignore"):
+        left = ego.room_beside[:, 0] < -OUTSIDE
+        oncoming = (left | (turn < 0.0)) & ~ego.in_junction
+    astray: BoolArray = oncoming | (ego.outside > OUTSIDE)
+    return astray
+
+
+def _entered_on_red(ego: EgoView, k: int) -> int | None:
+    """Returns the row in which it passed the stop line of the junction it is in, on red."""
+    if not ego.in_junction[k]:
+        return None
+    distance = ego.value(EgoCol.LIGHT_DISTANCE)
+    row = k
+    while row > 0 and not (distance[row] < 0.0 <= distance[row - 1]):
+        if not (ego.in_junction[row] or distance[row] < 0.0):
+            return None
+        row -= 1
+    return row if row and ego.lights[row] == Light.RED else None

@@ -1,0 +1,157 @@
+"""Evading to the full grip: braking and steering at once, within the drivable area.
+
+A search over few manoeuvres: aside to the left or right for a time, back to the direction of the
+path, braking all along by a share of the grip; what braking leaves of the friction circle is there
+for steering. The vehicle is a kinematic bicycle with the rate at which a steering wheel is turned.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivora_service.compilation import compiled
+from drivora_service.geometry import box_corners
+from drivora_service.networks.drivable_area import near_area
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.trace import BoolArray, FloatArray
+from drivora_service.oracles.avoidability.braking import meets, place_on, pose_on
+from drivora_service.oracles.avoidability.replay import Replay
+
+BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
+"""Of the grip, for braking while steering."""
+
+ASIDE_TIMES = (0.2, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0)
+"""Seconds for which the ego is steered aside before it is steered back."""
+
+STEER_RATE = 0.7
+"""rad/s of the front wheels (as of the ego's own dynamics)."""
+
+OUTSIDE = 0.3
+"""Metres that a corner may be outside the drivable area (nuPlan)."""
+
+_STRAIGHT_SHARE = 0.95
+"""Of the grip, for braking once the ego is back in direction; the rest keeps it there."""
+
+_LASTS = 4.0
+"""Seconds of a manoeuvre; the ego brakes with what is left from when it is back in direction."""
+
+
+def steers_clear(
+    replay: Replay,
+    network: RoadNetwork,
+    row: int,
+    *,
+    grip: float,
+    brakes: float,
+    wheelbase: float,
+    max_steer: float,
+) -> bool:
+    """Tells whether any manoeuvre from ``row`` on avoids everybody within the drivable area.
+
+    Args:
+        replay: The collision.
+        network: Whose drivable area counts.
+        row: Of the replay.
+        grip: Friction times gravity, m/s².
+        brakes: Full deceleration of the vehicle, m/s².
+        wheelbase: Metres.
+        max_steer: Radians at the front wheels.
+    """
+    rows = min(round(_LASTS / replay.step), len(replay.others) - 1 - row)
+    poses = np.zeros((rows, 3))
+    for share in BRAKING_SHARES:
+        for side in (1.0, -1.0):
+            for time in ASIDE_TIMES:
+                count = _evade(
+                    row,
+                    replay.step,
+                    (min(share * grip, brakes), side, time, grip, brakes, wheelbase, max_steer),
+                    replay.contact,
+                    replay.length,
+                    replay.width,
+                    replay.path,
+                    float(replay.speed[row]),
+                    replay.others,
+                    replay.present,
+                    replay.sizes,
+                    replay.walks,
+                    poses,
+                )
+                if count > 0 and _on_road(network, poses[:count], replay):
+                    return True
+    return False
+
+
+def _on_road(network: RoadNetwork, poses: FloatArray, replay: Replay) -> bool:
+    corners = box_corners(poses[:, 0], poses[:, 1], poses[:, 2], replay.length, replay.width)
+    return bool(near_area(network, corners.reshape(-1, 2), OUTSIDE).all())
+
+
+@compiled
+def _evade(
+    row: int,
+    step: float,
+    manoeuvre: tuple[float, float, float, float, float, float, float],
+    contact: int,
+    length: float,
+    width: float,
+    path: FloatArray,
+    speed: float,
+    others: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    walks: BoolArray,
+    poses: FloatArray,
+) -> int:
+    """Drives one manoeuvre and fills its poses; returns their number, 0 where it meets someone."""
+    braking, side, aside, grip, brakes, wheelbase, max_steer = manoeuvre
+    x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
+    arc, i = path[row, 0], row
+    steer = math.atan(path[row, 4] * wheelbase)
+    followed = np.zeros(sizes.shape[0], dtype=np.bool_)
+    turn_back = False
+    straight = False
+    count = len(poses)
+    for t in range(count):
+        slower = max(speed - braking * step, 0.0)
+        mean = 0.5 * (speed + slower)
+        speed = slower
+        arc += mean * step
+        i = place_on(path, arc, i)
+        heading = pose_on(path, arc, i)[2]
+        turned = side * (yaw - heading)
+        if t * step >= aside:
+            turn_back = True
+        free = math.sqrt(max(grip * grip - braking * braking, 0.0))
+        most = math.atan(wheelbase * free / max(mean * mean, 0.25))
+        most = min(most, max_steer)
+        wanted = side * most
+        if turn_back and not straight:
+            # What it still turns while the steering goes back to the middle.
+            unwound = mean * steer * steer / (2.0 * STEER_RATE * wheelbase)
+            wanted = -wanted
+            straight = turned <= (unwound if steer * side < 0.0 else 0.0)
+        if straight:
+            braking = min(_STRAIGHT_SHARE * grip, brakes)
+            most = min(math.atan(wheelbase * 0.3 * grip / max(mean * mean, 0.25)), max_steer)
+            wanted = min(max((heading - yaw) * wheelbase / max(mean * 0.3, 0.1), -most), most)
+        steer += min(max(wanted - steer, -STEER_RATE * step), STEER_RATE * step)
+        rate = mean * math.tan(steer) / wheelbase
+        if abs(rate * mean) > grip:
+            rate = math.copysign(grip / mean, rate)
+        slip = math.atan(0.5 * wheelbase * rate / max(mean, 0.5))
+        x += mean * math.cos(yaw + slip + 0.5 * rate * step) * step
+        y += mean * math.sin(yaw + slip + 0.5 * rate * step) * step
+        yaw += rate * step
+        poses[t] = x, y, yaw
+        at = row + t + 1
+        if meets(
+            x, y, yaw, length, width, speed <= 0.0 and at > contact,
+            others[at], present[at], sizes, walks, followed,
+        ):  # fmt: skip
+            return 0
+        if speed <= 0.0 and at > contact:
+            return t + 1
+    return count

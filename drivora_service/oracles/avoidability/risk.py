@@ -1,0 +1,343 @@
+"""From when on a collision showed: the risk perception point.
+
+UN Regulation No. 157 states it for what happens on motorways: a vehicle beside that has moved more
+than 0.375 m sideways is cutting in, and one in front that brakes harder than 5 m/s² is a risk. For
+everything else (walkers, crossing and oncoming vehicles, what stands in the way) it states none;
+there, and for what is in front already, it is the moment from which on the other, going on as it
+does, and the ego, going on along its path at its speed, are about to meet. What is hidden behind
+others, or further away than can be seen in the weather, is no risk yet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from drivora_service.compilation import compiled
+from drivora_service.observations.boxes import overlap_depth
+from drivora_service.observations.sight import is_hidden
+from drivora_service.observations.trace import BoolArray, Col, FloatArray, Trace
+from drivora_service.oracles.avoidability.braking import place_on, pose_on
+from drivora_service.oracles.avoidability.driver import CarefulDriver
+from drivora_service.oracles.avoidability.replay import SAME_WAY, Replay
+
+_THINK_STEP = 0.1
+"""Seconds between the moments at which two are asked whether they will have met."""
+
+_MEASURED = 0.2
+"""Seconds over which the turning and braking of others is measured."""
+
+_STANDS = 0.1
+"""m/s below which an actor's direction is its heading."""
+
+_TURNS = 1.0
+"""m/s below which an actor is thought to go straight on."""
+
+
+class Risk(StrEnum):
+    """What showed first."""
+
+    MEETING = "meeting"
+    """Both, going on as they did, were about to meet."""
+    CUTTING_IN = "cutting_in"
+    """The other moved sideways out of its lane, towards the ego's path."""
+    LEADER_BRAKING = "leader_braking"
+    """The vehicle in front braked hard."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Perceived:
+    """The risk perception point.
+
+    Attributes:
+        row: Row of the replay; the contact's own where nothing showed before.
+        risk: What showed; ``None`` where nothing did before the contact.
+        hidden: Whether the other was hidden, or too far away to be seen, in the row before.
+    """
+
+    row: int
+    risk: Risk | None
+    hidden: bool
+
+
+def perceive_risk(
+    replay: Replay,
+    trace: Trace,
+    ego_row: int,
+    driver: CarefulDriver,
+    *,
+    grip: float,
+    heights: FloatArray,
+    sight: float,
+) -> Perceived:
+    """Returns from when on, without a pause, the one that was hit was a risk.
+
+    A risk that goes away for no longer than the evaluation time has not gone away.
+
+    Args:
+        replay: The collision.
+        trace: The run.
+        ego_row: Row of the ego in the trace.
+        driver: Whose rules count.
+        grip: Friction times gravity, m/s².
+        heights: (N,) metres, of all actors of the trace.
+        sight: Metres that can be seen.
+    """
+    rows = replay.contact
+    poses = np.ascontiguousarray(replay.others[:rows, 0])
+    there = np.ascontiguousarray(replay.present[:rows, 0])
+    back = max(round(_MEASURED / replay.step), 1)
+    course = _course(poses, there, replay.step, back)
+    kinds: dict[Risk, BoolArray] = {Risk.MEETING: _meeting(replay, driver, grip, poses, course)}
+    if not replay.walks[0]:
+        beside = _beside(replay.path, poses, there)
+        # What goes the ego's way is thought to keep to it: no risk as long as it wanders beside,
+        # and one that comes over will not drive on across the lane.
+        same_way = np.abs(beside[2]) < SAME_WAY
+        closing = _closing_in(replay, driver, grip, course, beside)
+        kinds[Risk.MEETING] = np.where(same_way, closing, kinds[Risk.MEETING])
+        kinds[Risk.LEADER_BRAKING] = _leader_braking(replay, driver, course, beside)
+        kinds[Risk.CUTTING_IN] = _cutting_in(replay, driver, beside)
+    seen = _seen(replay, trace, ego_row, heights, sight)
+    risky = seen & np.logical_or.reduce(list(kinds.values()))
+    pause = round(driver.evaluation_time / replay.step)
+    first = rows
+    for row in range(rows - 1, -1, -1):
+        if risky[row]:
+            first = row
+        elif first - row > pause:
+            break
+    if first == rows:
+        return Perceived(row=rows, risk=None, hidden=rows > 0 and not seen[rows - 1])
+    named = next(kind for kind, flags in kinds.items() if flags[first])
+    return Perceived(row=first, risk=named, hidden=first > 0 and not seen[first - 1])
+
+
+def _seen(
+    replay: Replay, trace: Trace, ego_row: int, heights: FloatArray, sight: float
+) -> BoolArray:
+    """Returns (contact,) whether the one that was hit was in sight."""
+    other = int(replay.rows[0])
+    sizes = np.array([(actor.length, actor.width) for actor in trace.actors])
+    part = slice(replay.first, replay.first + replay.contact)
+    states = np.ascontiguousarray(trace.states[part])
+    present = np.ascontiguousarray(trace.present[part])
+    away = np.hypot(
+        states[:, other, Col.X] - states[:, ego_row, Col.X],
+        states[:, other, Col.Y] - states[:, ego_row, Col.Y],
+    )
+    with np.errstate(invalid="ignore"):
+        near = present[:, other] & (away <= sight)
+    return near & ~_hidden(ego_row, other, near, states, present, sizes, heights)
+
+
+@compiled
+def _hidden(
+    ego: int,
+    other: int,
+    asked: BoolArray,
+    states: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    heights: FloatArray,
+) -> BoolArray:
+    hidden = np.zeros(states.shape[0], dtype=np.bool_)
+    for t in range(states.shape[0]):
+        if asked[t]:
+            hidden[t] = is_hidden(ego, other, states[t], present[t], sizes, heights)
+    return hidden
+
+
+@compiled
+def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> FloatArray:
+    """Returns (n, 4) speed, direction, turn rate and deceleration of an actor.
+
+    Measured over ``back`` rows before; NaN where it was absent.
+    """
+    course = np.full((poses.shape[0], 4), np.nan)
+    for t in range(poses.shape[0]):
+        if not present[t]:
+            continue
+        begin = t
+        while begin > max(t - back, 0) and present[begin - 1]:
+            begin -= 1
+        course[t] = 0.0
+        course[t, 1] = poses[t, 2]
+        if begin == t:
+            continue
+        span = (t - begin) * step
+        way_x, way_y = poses[t, 0] - poses[t - 1, 0], poses[t, 1] - poses[t - 1, 1]
+        speed = math.hypot(way_x, way_y) / step
+        first_x, first_y = (
+            poses[begin + 1, 0] - poses[begin, 0],
+            poses[begin + 1, 1] - poses[begin, 1],
+        )
+        first = math.hypot(first_x, first_y) / step
+        course[t, 0] = speed
+        if speed > _STANDS:
+            course[t, 1] = math.atan2(way_y, way_x)
+        if speed > _TURNS:
+            turn = (poses[t, 2] - poses[begin, 2] + math.pi) % (2.0 * math.pi) - math.pi
+            course[t, 2] = turn / span
+        if t - begin > 1:
+            course[t, 3] = (first - speed) / (span - step)
+    return course
+
+
+def _meeting(
+    replay: Replay, driver: CarefulDriver, grip: float, poses: FloatArray, course: FloatArray
+) -> BoolArray:
+    """Returns (contact,) whether both were about to meet, going on as they did."""
+    full = driver.full_braking(grip, math.inf)
+    ready = float(driver.time_for(0.0, grip))
+    meeting: BoolArray = _will_meet(
+        replay.contact,
+        (driver.foresight, driver.margin, ready, full),
+        replay.length,
+        replay.width,
+        replay.path,
+        replay.speed,
+        poses,
+        course,
+        replay.sizes[0],
+    )
+    return meeting
+
+
+@compiled
+def _will_meet(
+    rows: int,
+    horizon: tuple[float, float, float, float],
+    length: float,
+    width: float,
+    path: FloatArray,
+    speeds: FloatArray,
+    poses: FloatArray,
+    course: FloatArray,
+    size: FloatArray,
+) -> BoolArray:
+    foresight, margin, ready, full = horizon
+    meeting = np.zeros(rows, dtype=np.bool_)
+    for t in range(rows):
+        if math.isnan(course[t, 0]):
+            continue
+        speed, way, turn = course[t, 0], course[t, 1], course[t, 2]
+        heading = path[t, 3]
+        closing = math.hypot(
+            speeds[t] * math.cos(heading) - speed * math.cos(way),
+            speeds[t] * math.sin(heading) - speed * math.sin(way),
+        )
+        ahead = max(foresight, margin * (ready + 0.5 * closing / full))
+        x, y, yaw = poses[t, 0], poses[t, 1], poses[t, 2]
+        i = t
+        arc = path[t, 0]
+        for _ in range(int(ahead / _THINK_STEP)):
+            arc += speeds[t] * _THINK_STEP
+            i = place_on(path, arc, i)
+            ego_x, ego_y, ego_yaw = pose_on(path, arc, i)
+            middle = way + 0.5 * turn * _THINK_STEP
+            x += speed * math.cos(middle) * _THINK_STEP
+            y += speed * math.sin(middle) * _THINK_STEP
+            way += turn * _THINK_STEP
+            yaw += turn * _THINK_STEP
+            if (
+                overlap_depth(x - ego_x, y - ego_y, ego_yaw, length, width, yaw, size[0], size[1])
+                > 0.0
+            ):
+                meeting[t] = True
+                break
+    return meeting
+
+
+def _closing_in(
+    replay: Replay, driver: CarefulDriver, grip: float, course: FloatArray, beside: FloatArray
+) -> BoolArray:
+    """Returns (contact,) whether both, on one path and going one way, were about to meet.
+
+    Each keeps its speed and keeps to the path; the one behind closes in on the one in front.
+    """
+    along, across, turned = beside
+    ahead = along - replay.path[: replay.contact, 0]
+    room = np.abs(ahead) - 0.5 * (replay.length + replay.sizes[0, 0])
+    closing = np.sign(ahead) * (replay.speed[:-1] - course[:, 0] * np.cos(turned))
+    reach = 0.5 * (replay.width + replay.sizes[0, 1])
+    thought = np.maximum(
+        driver.foresight, driver.margin * driver.time_for(np.maximum(closing, 0.0), grip)
+    )
+    flags: BoolArray = (np.abs(across) < reach) & (
+        (room <= 0.0) | ((closing > 0.0) & (room <= closing * thought))
+    )
+    return flags
+
+
+def _leader_braking(
+    replay: Replay, driver: CarefulDriver, course: FloatArray, beside: FloatArray
+) -> BoolArray:
+    """Returns (contact,) whether the one hit braked hard, in front and within the headway."""
+    along, across, turned = beside
+    reach = 0.5 * (replay.width + replay.sizes[0, 1])
+    room = along - replay.path[: replay.contact, 0] - 0.5 * (replay.length + replay.sizes[0, 0])
+    flags: BoolArray = (
+        (course[:, 3] > driver.leader_braking)
+        & (np.abs(across) < reach)
+        & (np.abs(turned) < SAME_WAY)
+        & (room > 0.0)
+        & (room < driver.headway * replay.speed[:-1])
+    )
+    return flags
+
+
+def _cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> BoolArray:
+    """Returns (contact,) whether the one hit was on its way into the ego's path from beside it.
+
+    From when it has moved by more than the wander towards the path until it is in it.
+    """
+    flags = np.zeros(replay.contact, dtype=np.bool_)
+    away, turned = np.abs(beside[1]), np.abs(beside[2])
+    reach = 0.5 * (replay.width + replay.sizes[0, 1])
+    entered = replay.contact
+    while entered > 0 and away[entered - 1] < reach:
+        entered -= 1
+    begun = entered
+    while (
+        begun > 0
+        and turned[begun - 1] < SAME_WAY
+        and (begun == replay.contact or away[begun - 1] >= away[begun] - 1e-6)
+    ):
+        begun -= 1
+    if begun < entered:
+        flags[begun:entered] = away[begun] - away[begun:entered] > driver.wander
+    return flags
+
+
+@compiled
+def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> FloatArray:
+    """Returns (3, n) where an actor was: along the path, across it, and turned from it.
+
+    Metres, metres to the left, radians; NaN where it was absent.
+    """
+    found = np.full((3, poses.shape[0]), np.nan)
+    for t in range(poses.shape[0]):
+        if not present[t]:
+            continue
+        least = math.inf
+        for i in range(path.shape[0] - 1):
+            way_x, way_y = path[i + 1, 1] - path[i, 1], path[i + 1, 2] - path[i, 2]
+            squared = way_x * way_x + way_y * way_y
+            if squared < 1e-9:
+                continue
+            x, y = poses[t, 0] - path[i, 1], poses[t, 1] - path[i, 2]
+            share = min(max((x * way_x + y * way_y) / squared, 0.0), 1.0)
+            off = (x - share * way_x) ** 2 + (y - share * way_y) ** 2
+            if off >= least:
+                continue
+            least = off
+            piece = math.sqrt(squared)
+            turn = poses[t, 2] - math.atan2(way_y, way_x)
+            found[0, t] = path[i, 0] + share * piece
+            found[1, t] = (way_x * y - way_y * x) / piece
+            found[2, t] = (turn + math.pi) % (2.0 * math.pi) - math.pi
+    return found
