@@ -17,7 +17,8 @@ Every effect is a monotone function of each of CARLA's parameters. Sources and c
   hard to see is found later, too. Chosen here.
 - **Wind.** 100 is 20 m/s (Beaufort 8 to 9). Drag on the side of a car (8 m², coefficient 1, 1.2
   kg/m³, 1500 kg) gives 1.3 m/s² and grows with the square of the wind speed. CARLA's wind has no
-  direction: here it blows towards the north-east, so that roads of either axis feel it.
+  direction: here it blows towards the north-east, so that roads of either axis feel it. The tyres
+  hold against it (``simulation.dynamics``).
 
 Cloudiness, the sun's azimuth and the fog's falloff with height have no effect.
 """
@@ -59,7 +60,7 @@ class WeatherEffects:
         speed_noise: Standard deviation of perceived speeds, m/s.
         dropout: Probability that an object is not perceived at a step.
         latency: Seconds by which what is perceived is old.
-        wind_acceleration: Sideways push, m/s².
+        wind_acceleration: Force of the wind by the mass of a vehicle, m/s².
         wind_direction: Where the wind blows to, radians counter-clockwise from east.
     """
 

@@ -1,11 +1,20 @@
 """How a vehicle under an agent's control moves: kinematic and dynamic bicycle, friction-limited.
 
-The kinematic model (Rajamani, *Vehicle Dynamics and Control*, 2012, section 2.2) turns about the
-box centre; the tyres limit it: braking and driving to the friction circle, the yaw rate to what
-lateral grip is left, so that a bend taken too fast is left on a wider arc. The dynamic model adds
-lateral velocity and yaw inertia with a saturating tyre (Pacejka's formula with B = 10, C = 1.9,
-D = mu, the usual figures for a dry road), so that a vehicle can skid; below 4 m/s, where slip
-angles are not defined, it falls back to the kinematic model.
+The kinematic model (Rajamani, *Vehicle Dynamics and Control*, 2012, section 2.2) moves the box
+centre at the speed ``V`` along ``yaw + slip`` and turns by ``2 V sin(slip) / wheelbase``; the wheel
+angle asks for ``tan(slip) = tan(steer) / 2``. The tyres limit it: the changes of speed and of the
+direction of travel stay together within the friction circle, so that a bend taken too fast is left
+on a wider arc. The dynamic model adds lateral velocity and yaw inertia with a saturating tyre at
+each axle (Pacejka's formula with B = 10, C = 1.9, D = mu, the usual figures for a dry road), so
+that a vehicle can skid; below 4 m/s, where slip angles are not defined, it falls back to the
+kinematic model.
+
+The push of the wind is a force on the body. In the dynamic model the tyres take it up as they can;
+in the kinematic one they do so at the slip angle that the same tyres would need, so that the
+vehicle drifts.
+
+A step is integrated in substeps of the same length whatever the step's, so that a manoeuvre does
+not depend on how often an agent is asked.
 
 Rows of ``bodies`` are egos; all arrays are changed in place. SI units, radians.
 """
@@ -29,10 +38,17 @@ STEER_RATE = 0.7
 second through a ratio of 15."""
 SLIDE_SLOPE = 0.7
 """A pose is reached sideways by at most this many metres a metre driven (35 degrees of wheel)."""
-_SUBSTEPS = 5
+SUBSTEP = 0.01
+"""Seconds of integration at most."""
 _DYNAMIC_FROM_SPEED = 4.0
 _TYRE_B = 10.0
 _TYRE_C = 1.9
+_SIDE_RESERVE = 0.2
+"""Share of the grip that braking and driving leave to the steering where it asks for it."""
+_CROSSWISE = 0.25
+"""Share of its speed along its heading below which a vehicle slides crosswise: 75 degrees."""
+_STILL = 1e-6
+"""m/s below which a vehicle has no direction of travel."""
 
 
 class Body(IntEnum):
@@ -47,6 +63,8 @@ class Body(IntEnum):
     STEER = 6
     ACCELERATION = 7
     HEIGHT = 8
+    DRIFT = 9
+    """Slip angle by the wind, as far as ``SPEED`` and ``SIDE_SPEED`` contain it."""
 
 
 class Limit(IntEnum):
@@ -81,52 +99,105 @@ def _wrap(angle: float) -> float:
 
 
 @compiled
+def _clip(value: float, low: float, high: float) -> float:
+    return float(min(max(value, low), high))
+
+
+@compiled
 def _drive_kinematic(
-    body: FloatArray, wheelbase: float, steer: float, grip: float, speed: float, dt: float
+    body: FloatArray, limits: FloatArray, asked: float, grip: float, wind: FloatArray, dt: float
 ) -> None:
-    slip = math.atan(0.5 * math.tan(steer))
-    mean_speed = 0.5 * (body[3] + speed)
-    yaw_rate = mean_speed * math.cos(slip) * math.tan(steer) / wheelbase
-    side_grip = math.sqrt(max(grip * grip - ((speed - body[3]) / dt) ** 2, (0.2 * grip) ** 2))
-    if abs(mean_speed * yaw_rate) > side_grip:
-        yaw_rate = math.copysign(side_grip / abs(mean_speed), yaw_rate)
-        slip = math.copysign(min(abs(slip), abs(0.5 * wheelbase * yaw_rate / mean_speed)), slip)
-    heading = body[2] + slip + 0.5 * yaw_rate * dt
-    body[0] += mean_speed * math.cos(heading) * dt
-    body[1] += mean_speed * math.sin(heading) * dt
+    drift = _drift(body, grip, wind)
+    v = math.hypot(body[3], body[4])
+    wanted_slip = math.atan(0.5 * math.tan(body[6]))
+    slip = math.atan2(body[4], body[3]) - body[9] if v > _STILL else wanted_slip
+    turn = 2.0 * math.sin(slip) / limits[0]
+    # What the steering asks of the tyres sideways; the wheels stand, the body has yet to follow.
+    wanted = abs(v * (v * turn + (wanted_slip - slip) / dt))
+    reserve = min(wanted, _SIDE_RESERVE * grip)
+    most = math.sqrt(grip * grip - reserve * reserve)
+    acceleration = _clip(asked, -most, most)
+    side_grip = math.sqrt(max(grip * grip - acceleration * acceleration, 0.0))
+    v_next = min(max(v + acceleration * dt, 0.0), limits[4])
+    way = 0.5 * (v + v_next) * dt
+    if v_next == 0.0:
+        # It stands before the substep ends.
+        way = 0.5 * v * v / -acceleration if acceleration < 0.0 else 0.0
+    mean = way / dt
+    yaw_rate = mean * turn
+    slip_rate = (wanted_slip - slip) / dt
+    if mean > _STILL:
+        most_turn = side_grip / max(v, v_next)
+        slip_rate = _clip(slip_rate, -most_turn - yaw_rate, most_turn - yaw_rate)
+    course = body[2] + slip + drift + 0.5 * (yaw_rate + slip_rate) * dt
+    body[0] += way * math.cos(course)
+    body[1] += way * math.sin(course)
     body[2] = _wrap(body[2] + yaw_rate * dt)
-    body[3] = speed
-    body[4] = speed * math.sin(slip)
+    body[9] = _drift(body, grip, wind)
+    slip += slip_rate * dt + body[9]
+    body[3] = v_next * math.cos(slip)
+    body[4] = v_next * math.sin(slip)
     body[5] = yaw_rate
 
 
 @compiled
+def _drift(body: FloatArray, grip: float, wind: FloatArray) -> float:
+    """Gives the slip angle at which the tyres hold against the wind; their curve is straight."""
+    across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
+    return float(across / (_TYRE_B * _TYRE_C * grip))
+
+
+@compiled
 def _drive_dynamic(
-    body: FloatArray, limits: FloatArray, steer: float, mu: float, acceleration: float, dt: float
+    body: FloatArray, limits: FloatArray, asked: float, mu: float, wind: FloatArray, dt: float
 ) -> None:
     half = 0.5 * limits[0]
-    mass, inertia = limits[5], limits[6]
-    step = dt / _SUBSTEPS
-    load = 0.5 * mass * GRAVITY
-    for _ in range(_SUBSTEPS):
-        vx, vy, r = body[3], body[4], body[5]
-        front = steer - math.atan2(vy + half * r, vx)
-        rear = -math.atan2(vy - half * r, vx)
-        # What the tyres spend lengthwise is not left for sideways: the friction circle.
-        share = min(abs(acceleration) / (mu * GRAVITY), 0.98)
-        peak = mu * load * math.sqrt(1.0 - share * share)
-        force_front = peak * math.sin(_TYRE_C * math.atan(_TYRE_B * front))
-        force_rear = peak * math.sin(_TYRE_C * math.atan(_TYRE_B * rear))
-        vx_rate = acceleration - force_front * math.sin(steer) / mass + vy * r
-        vy_rate = (force_front * math.cos(steer) + force_rear) / mass - vx * r
-        r_rate = half * (force_front * math.cos(steer) - force_rear) / inertia
-        body[3] = min(max(vx + vx_rate * step, 0.0), limits[4])
-        body[4] = vy + vy_rate * step
-        body[5] = r + r_rate * step
-        body[2] = _wrap(body[2] + body[5] * step)
-        cos, sin = math.cos(body[2]), math.sin(body[2])
-        body[0] += (body[3] * cos - body[4] * sin) * step
-        body[1] += (body[3] * sin + body[4] * cos) * step
+    vx, vy, r, steer = body[3], body[4], body[5], body[6]
+    ahead_cos, ahead_sin = math.cos(steer), math.sin(steer)
+    # Forces in units of what one axle's tyres can hold, half the weight times mu.
+    front = math.sin(_TYRE_C * math.atan(_TYRE_B * (steer - math.atan2(vy + half * r, vx))))
+    rear = math.sin(_TYRE_C * math.atan(-_TYRE_B * math.atan2(vy - half * r, vx)))
+    push = asked / (mu * GRAVITY)
+    front_push, rear_push = _along_tyre(push, front), _along_tyre(push, rear)
+    front *= math.sqrt(1.0 - front_push * front_push)
+    rear *= math.sqrt(1.0 - rear_push * rear_push)
+    scale = 0.5 * mu * GRAVITY
+    front_ahead = scale * (front_push * ahead_cos - front * ahead_sin)
+    front_side = scale * (front_push * ahead_sin + front * ahead_cos)
+    across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
+    vx_rate = front_ahead + scale * rear_push + vy * r
+    vy_rate = front_side + scale * rear + across - vx * r
+    r_rate = half * limits[5] * (front_side - scale * rear) / limits[6]
+    body[3] = min(vx + vx_rate * dt, limits[4])
+    body[4] = vy + vy_rate * dt
+    body[5] = r + r_rate * dt
+    body[2] = _wrap(body[2] + body[5] * dt)
+    cos, sin = math.cos(body[2]), math.sin(body[2])
+    body[0] += (body[3] * cos - body[4] * sin) * dt
+    body[1] += (body[3] * sin + body[4] * cos) * dt
+    body[9] = across / (_TYRE_B * _TYRE_C * mu * GRAVITY)
+
+
+@compiled
+def _slide(body: FloatArray, grip: float, dt: float) -> None:
+    """Moves a vehicle that slides crosswise: straight on, slowed by its tyres, not turning."""
+    v = math.hypot(body[3], body[4])
+    v_next = max(v - grip * dt, 0.0)
+    course = body[2] + math.atan2(body[4], body[3])
+    way = 0.5 * (v + v_next) * dt
+    body[0] += way * math.cos(course)
+    body[1] += way * math.sin(course)
+    body[3] *= v_next / v
+    body[4] *= v_next / v
+    body[5] = 0.0
+
+
+@compiled
+def _along_tyre(push: float, side: float) -> float:
+    """Gives the force along a tyre within its circle, less what the steering keeps in reserve."""
+    reserve = min(abs(side), _SIDE_RESERVE)
+    most = math.sqrt(1.0 - reserve * reserve)
+    return float(min(max(push, -most), most))
 
 
 @compiled
@@ -144,7 +215,10 @@ def _drive_to_pose(
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
     turn = 0.0 if math.isnan(command[2]) else _wrap(command[2] - body[2])
-    most = (grip / speed if speed > 1.0 else grip) * dt
+    # What braking and driving take of the grip is not left for turning.
+    taken = min(abs(speed - body[3]) / dt, grip)
+    side_grip = max(math.sqrt(grip * grip - taken * taken), _SIDE_RESERVE * grip)
+    most = (side_grip / speed if speed > 1.0 else side_grip) * dt
     turn = min(max(turn, -most), most)
     if speed < 0.05:
         turn = 0.0
@@ -157,6 +231,7 @@ def _drive_to_pose(
         speed = min(max(command[3], low, 0.0), max(high, 0.0))
     body[3] = speed
     body[4] = 0.0
+    body[9] = 0.0
     body[5] = turn / dt
     body[6] = math.atan(body[5] * limits[0] / speed) if speed > 0.5 else 0.0
 
@@ -168,18 +243,18 @@ def drive_vehicles(
     modes: IntArray,
     commands: FloatArray,
     friction: float,
-    wind_side: FloatArray,
+    wind: FloatArray,
     dt: float,
 ) -> None:
     """Moves every ego by one step.
 
     Args:
-        bodies: (M, 9), columns ``Body``; changed in place.
+        bodies: (M, 10), columns ``Body``; changed in place.
         limits: (M, 8), columns ``Limit``.
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.
         friction: Tyre-road friction coefficient.
-        wind_side: (2,) acceleration by the wind in m/s², x and y.
+        wind: (2,) force of the wind by mass in m/s², x and y; what of it is across a vehicle acts.
         dt: Seconds.
     """
     grip = friction * GRAVITY
@@ -193,24 +268,43 @@ def drive_vehicles(
             body[4] = 0.0
             body[5] = 0.0
             body[7] = 0.0
+            body[9] = 0.0
             continue
         if modes[m] == 2:
+            drift = body[3] * _drift(body, grip, wind) * dt
+            body[0] -= drift * math.sin(body[2])
+            body[1] += drift * math.cos(body[2])
             _drive_to_pose(body, limit, commands[m], grip, dt)
         else:
-            asked = min(max(commands[m, 0], -min(limit[2], grip)), min(limit[1], grip))
-            # A motor of constant power: less pull at speed; none beyond the top speed.
-            if asked > 0.0:
-                asked *= max(0.0, 1.0 - before / limit[4])
-            steer = min(max(commands[m, 1], -limit[3]), limit[3])
-            most = STEER_RATE * dt
-            body[6] += min(max(steer - body[6], -most), most)
-            if limit[7] > 0.5 and before > _DYNAMIC_FROM_SPEED:
-                _drive_dynamic(body, limit, body[6], friction, asked, dt)
-            else:
-                speed = min(max(before + asked * dt, 0.0), limit[4])
-                _drive_kinematic(body, limit[0], body[6], grip, speed, dt)
-        if body[3] > 1.0:
-            # Wind pushes the body off its line; tyres and driver take the rest of it up.
-            body[0] += 0.5 * wind_side[0] * dt * dt
-            body[1] += 0.5 * wind_side[1] * dt * dt
+            _drive(body, limit, commands[m], friction, wind, dt)
         body[7] = (body[3] - before) / dt
+
+
+@compiled
+def _drive(
+    body: FloatArray,
+    limit: FloatArray,
+    command: FloatArray,
+    friction: float,
+    wind: FloatArray,
+    dt: float,
+) -> None:
+    """Moves an ego by acceleration and wheel angle."""
+    grip = friction * GRAVITY
+    braking, pull = min(limit[2], grip), min(limit[1], grip)
+    steer = _clip(command[1], -limit[3], limit[3])
+    count = max(math.ceil(dt / SUBSTEP - 1e-9), 1)
+    step = dt / count
+    turned = STEER_RATE * step
+    for _ in range(count):
+        # The motor pulls less the faster it goes, and not at all at the top speed.
+        most = min(pull, limit[1] * max(0.0, 1.0 - body[3] / limit[4]))
+        asked = _clip(command[0], -braking, most)
+        body[6] += _clip(steer - body[6], -turned, turned)
+        v = math.hypot(body[3], body[4])
+        if limit[7] < 0.5 or v <= _DYNAMIC_FROM_SPEED:
+            _drive_kinematic(body, limit, asked, grip, wind, step)
+        elif body[3] > _CROSSWISE * v:
+            _drive_dynamic(body, limit, asked, friction, wind, step)
+        else:
+            _slide(body, grip, step)

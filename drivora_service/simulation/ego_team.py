@@ -46,7 +46,7 @@ class EgoTeam:
     """All egos. Rows of the arrays are egos, as in the world.
 
     Attributes:
-        bodies: (M, 9), columns ``dynamics.Body``.
+        bodies: (M, 10), columns ``dynamics.Body``.
         limits: (M, 8), columns ``dynamics.Limit``.
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.

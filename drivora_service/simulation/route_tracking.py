@@ -114,7 +114,7 @@ def follow_egos(
         frame: (N, 9) this frame; the egos' heights are filled in.
         present: (N,) of this frame.
         sizes: (N, 2) metres.
-        bodies: (M, 9); their heights are filled in too.
+        bodies: (M, 10); their heights are filled in too.
         active: (M,) egos that are driving.
         points, signals, parts: As in ``arrays.RouteArrays``.
         progress: (M, 11), columns ``Progress``; changed in place.

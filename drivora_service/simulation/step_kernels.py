@@ -126,7 +126,7 @@ def finish_frame(
         states: (rows, N, 9) frames of the world.
         present: (rows, N).
         sizes: (N, 2) metres.
-        bodies: (M, 9) of the egos.
+        bodies: (M, 10) of the egos.
         active: (M,) egos that are driving.
         seen, found: As in ``contacts.find_contacts``.
         points, signals, parts, progress, ends: As in ``route_tracking.follow_egos``.

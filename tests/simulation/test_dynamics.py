@@ -37,8 +37,10 @@ def drive(
     friction: float = 1.0,
     dynamic: bool = False,
     mode: CommandMode = CommandMode.DRIVE,
+    dt: float = DT,
+    wind: tuple[float, float] = (0.0, 0.0),
 ) -> np.ndarray:
-    """Gives the (steps + 1, 8) bodies of one car under a constant command."""
+    """Returns the (steps + 1, 10) bodies of one car under a constant command."""
     bodies = np.zeros((1, len(Body)))
     bodies[0, Body.SPEED] = speed
     limits = vehicle_limits([CAR], [dynamic])
@@ -46,7 +48,9 @@ def drive(
     commands[0, : len(command)] = command
     seen = [bodies[0].copy()]
     for _ in range(steps):
-        drive_vehicles(bodies, limits, np.array([int(mode)]), commands, friction, np.zeros(2), DT)
+        drive_vehicles(
+            bodies, limits, np.array([int(mode)]), commands, friction, np.array(wind), dt
+        )
         seen.append(bodies[0].copy())
     return np.array(seen)
 
@@ -114,7 +118,8 @@ def test_motion_stays_finite_forward_and_within_grip(
     track = drive(40, (acceleration, steer), speed=speed, friction=friction, dynamic=dynamic)
     assert np.isfinite(track).all()
     assert (track[:, Body.SPEED] >= 0.0).all()
-    change = np.abs(np.diff(track[:, Body.SPEED])) / DT
+    pace = np.hypot(track[:, Body.SPEED], track[:, Body.SIDE_SPEED])
+    change = np.abs(np.diff(pace)) / DT
     slip = np.abs(track[1:, Body.SIDE_SPEED] * track[1:, Body.YAW_RATE])
     front = friction * GRAVITY
     assert (change <= 2.0 * front + slip + 1e-6).all()
