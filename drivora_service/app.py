@@ -105,7 +105,7 @@ def create_app(settings: Settings) -> FastAPI:
         campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,
         wake_campaigns=campaigns.wake,
-        workers_alive=lambda: dispatcher.is_alive,
+        worker_fault=lambda: dispatcher.fault,
         campaigns_alive=lambda: campaigns.is_alive,
     )
     return create_api(context, lifespan)

@@ -11,6 +11,7 @@ The tree::
     ├── PluginError            code of a package cannot be loaded, raised or answered garbage
     │   └── OracleError        it is an oracle
     ├── SimulatorError         libsumo refused a call that should have worked
+    ├── WorkersCannotStart     no worker process can be started
     ├── SearchError            a gene space or a tester cannot be used as asked
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
@@ -119,6 +120,10 @@ class OracleError(PluginError):
 
 class SimulatorError(DrivoraError):
     """libsumo refused a call that should have worked."""
+
+
+class WorkersCannotStart(DrivoraError):
+    """No worker process can be started: a fault of the machine or the installation, of no run."""
 
 
 class SearchError(DrivoraError):

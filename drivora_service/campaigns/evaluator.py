@@ -36,6 +36,9 @@ class Evaluator(Protocol):
         """Gives the answers since the last call; waits for one, ``timeout`` seconds at most.
 
         Gives none at once where nothing is under way.
+
+        Raises:
+            WorkersCannotStart: Nothing can be run.
         """
         ...
 

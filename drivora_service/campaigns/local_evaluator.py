@@ -25,7 +25,11 @@ class LocalEvaluator:
         self._runs.submit(spec)
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
-        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most."""
+        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most.
+
+        Raises:
+            WorkersCannotStart: Nothing can be run.
+        """
         until = None if timeout is None else time.monotonic() + timeout
         while len(self._runs):
             left = None if until is None else until - time.monotonic()

@@ -13,7 +13,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.preparing import prepare_search, search_versions
 from drivora_service.campaigns.reading import Catalogues, ValidCampaign, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.errors import CampaignError
+from drivora_service.errors import CampaignError, WorkersCannotStart
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignState,
@@ -63,6 +63,7 @@ def run_stored(
         CampaignError: It cannot go on; the store knows why.
         InvalidDocument: What it names is not there any more.
         UnknownName: There is no such campaign.
+        WorkersCannotStart: Nothing can be run on this machine; the campaign is paused.
     """
     lock = folder.lock()
     try:
@@ -79,6 +80,10 @@ def run_stored(
                 state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
         except KeyboardInterrupt:
             _end(database, campaign_id, CampaignState.PAUSED, journal)
+            raise
+        except WorkersCannotStart as error:
+            # A fault of this machine, not of the campaign, which goes on from here once it is gone.
+            _end(database, campaign_id, CampaignState.PAUSED, journal, str(error))
             raise
         except Exception as error:
             message = str(error) or type(error).__name__

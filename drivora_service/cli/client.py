@@ -66,6 +66,19 @@ class ServiceClient:
         """
         return self._send("GET", path, headers={"Accept": accept}).content
 
+    def expect_workers(self) -> None:
+        """Makes sure that the service can begin runs; what is queued stays queued otherwise.
+
+        Raises:
+            ServiceError: It cannot begin runs, or did not answer.
+        """
+        fault = worker_fault(self._request("GET", "/readyz"))
+        if fault:
+            raise ServiceError(
+                f"the service at {self._url} cannot begin runs: {fault}\n"
+                "What is queued there stays queued, and begins once that is mended"
+            )
+
     def validate(
         self, document: str | bytes, *, form: Literal["json", "yaml"] = "json", agent: str = ""
     ) -> Any:
@@ -151,13 +164,35 @@ class ServiceClient:
         return response.json()
 
     def _send(self, method: str, path: str, **request: Any) -> httpx.Response:
-        try:
-            response = self._http.request(method, path, **request)
-        except httpx.HTTPError as error:
-            raise ServiceError(f"the service at {self._url} does not answer: {error}") from error
+        response = self._request(method, path, **request)
         if response.is_error:
             raise _refusal(response)
         return response
+
+    def _request(self, method: str, path: str, **request: Any) -> httpx.Response:
+        try:
+            try:
+                return self._http.request(method, path, **request)
+            except httpx.RemoteProtocolError:
+                # The service closes connections that rest for some seconds; on a busy machine the
+                # next request may cross that on its way. To ask again for the same does no harm.
+                if method != "GET":
+                    raise
+                return self._http.request(method, path, **request)
+        except httpx.HTTPError as error:
+            raise ServiceError(f"the service at {self._url} does not answer: {error}") from error
+
+
+def worker_fault(readiness: httpx.Response) -> str:
+    """Returns why a service cannot begin runs, "" if it can, from what ``/readyz`` answered."""
+    if readiness.is_success:
+        return ""
+    try:
+        checks = readiness.json()["checks"]
+    except (ValueError, KeyError):
+        # Not the service itself, but for example a proxy before it.
+        return ""
+    return next((c["detail"] for c in checks if c["name"] == "workers" and not c["ok"]), "")
 
 
 def _given(parameters: dict[str, object]) -> list[tuple[str, str]]:

@@ -36,6 +36,7 @@ def run_locally(
 
     Raises:
         UnknownName: There is no agent of that name.
+        WorkersCannotStart: Nothing can be run on this machine.
     """
     settings = settings_for(data_dir, workers=workers)
     networks = network_catalogue(settings)

@@ -26,7 +26,11 @@ def run_remotely(
     out: Path | None,
     on_result: Callable[[dict[str, Any]], None],
 ) -> list[dict[str, Any]]:
-    """Runs scenarios on a service and gives their results in order."""
+    """Runs scenarios on a service and gives their results in order.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
     if not files:
         return []
     with ServiceClient(server) as client:
@@ -56,6 +60,7 @@ def run_remotely(
                 on_result(results[index])
             if len(results) == len(files):
                 return [results[index] for index in range(len(files))]
+            client.expect_workers()
             time.sleep(_POLL_S)
 
 

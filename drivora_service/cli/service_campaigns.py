@@ -77,12 +77,13 @@ class ServiceCampaigns:
         """Shows a campaign until it has ended or rests.
 
         Raises:
-            ServiceError: The service refused or did not answer.
+            ServiceError: The service refused, did not answer, or cannot begin runs.
         """
         answer = self._client.get(f"/campaigns/{campaign_id}")
         with campaign_display(answer["budget"]) as display:
             while (record := _record(answer)).state in _ON_THE_WAY:
                 display.show(_progress(record, answer))
+                self._client.expect_workers()
                 time.sleep(_POLL_S)
                 answer = self._client.get(f"/campaigns/{campaign_id}")
             display.show(_progress(record, answer))

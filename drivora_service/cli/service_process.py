@@ -13,6 +13,7 @@ from pathlib import Path
 
 import httpx
 
+from drivora_service.cli.client import worker_fault
 from drivora_service.errors import ServiceError
 
 _START_S = 60.0
@@ -27,7 +28,7 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
     Its log is ``service.log`` in the data folder.
 
     Raises:
-        ServiceError: It does not start.
+        ServiceError: It does not start, or cannot start workers.
     """
     data_dir.mkdir(parents=True, exist_ok=True)
     announcement = data_dir / "service.json"
@@ -58,9 +59,13 @@ def _wait_until_ready(process: subprocess.Popen[bytes], announcement: Path) -> s
         if announcement.is_file():
             url: str = json.loads(announcement.read_text())["url"]
             try:
-                if httpx.get(f"{url}/readyz").is_success:
-                    return url
+                readiness = httpx.get(f"{url}/readyz")
             except httpx.HTTPError:
                 pass
+            else:
+                if readiness.is_success:
+                    return url
+                if fault := worker_fault(readiness):
+                    raise ServiceError(fault)
         time.sleep(_POLL_S)
     raise ServiceError(f"the service was not ready within {_START_S:g} s")

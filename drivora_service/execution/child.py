@@ -13,7 +13,7 @@ from multiprocessing.process import BaseProcess
 import psutil
 
 from drivora_service.execution.fork_server import exit_code, kill_process, start_process
-from drivora_service.execution.worker import Ready, WorkerFiles, serve
+from drivora_service.execution.worker import NotReady, Ready, WorkerFiles, serve
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunReport, RunSpec
 
@@ -29,14 +29,16 @@ class WorkerDiedError(Exception):
 
     Attributes:
         exit_code: Its exit code; the negative number of the signal that ended it, if one did.
-        was_ready: Whether it had been set up, so that it was at the run that it had been given.
     """
 
-    def __init__(self, exit_code: int, *, was_ready: bool) -> None:
-        """Takes the attributes."""
+    def __init__(self, exit_code: int) -> None:
+        """Takes the attribute."""
         super().__init__(f"the worker process ended with {exit_code}")
         self.exit_code = exit_code
-        self.was_ready = was_ready
+
+
+class NotReadyError(Exception):
+    """The worker process has found that it cannot work; its message says why."""
 
 
 class Child:
@@ -74,52 +76,63 @@ class Child:
         return None if self._process is None else self._process.pid
 
     @property
+    def lives(self) -> bool:
+        """Whether there is a process that has not ended."""
+        return self._process is not None and not wait([self._process.sentinel], 0)
+
+    @property
     def worn(self) -> bool:
         """Whether the process has had its runs and is to be replaced."""
         return self._runs >= self._runs_per_worker
 
-    def begin(self, spec: RunSpec) -> None:
-        """Gives the process a run, which it begins once it is ready; the last one has ended.
+    def wait_until_ready(self, timeout: float) -> bool:
+        """Waits until the process is ready; ``False`` after ``timeout`` seconds.
 
         Raises:
-            RuntimeError: No process could be started.
+            NotReadyError: It cannot work.
+            WorkerDiedError: It has ended and did not say why.
         """
-        if self._process is None or wait([self._process.sentinel], 0):
-            # It died while it had nothing to do, which is no run's fault.
-            self.replace()
-        if self._channel is None:
-            raise RuntimeError("no worker process could be started")
+        message = self._receive(timeout)
+        if isinstance(message, NotReady):
+            raise NotReadyError(message.reason)
+        self.ready = isinstance(message, Ready)
+        return self.ready
+
+    def begin(self, spec: RunSpec) -> None:
+        """Gives the process, which is ready, a run; the last one has ended."""
         if self.log_size() > _LOG_BYTES:
             os.truncate(self._files.log, 0)
         self._runs += 1
-        # A process that has died since then is found by whoever waits for the report.
+        # A process that has died since it was looked at is found by whatever waits for the report.
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-            self._channel.send(spec)
+            if self._channel is not None:
+                self._channel.send(spec)
 
     def wait(self, timeout: float) -> RunReport | None:
-        """Waits for the report of the run; ``None`` after ``timeout`` seconds or when ready.
+        """Waits for the report of the run; ``None`` after ``timeout`` seconds.
 
         Raises:
             WorkerDiedError: The process has ended and left no report.
         """
+        message = self._receive(timeout)
+        return message if isinstance(message, RunReport) else None
+
+    def _receive(self, timeout: float) -> RunReport | Ready | NotReady | None:
         process, channel = self._process, self._channel
         if process is None or channel is None:
-            raise WorkerDiedError(1, was_ready=False)
+            raise WorkerDiedError(1)
         if not wait([channel, process.sentinel], timeout):
             return None
         # What it sent before it died counts.
         if channel.poll():
             try:
-                message: RunReport | Ready = channel.recv()
+                message: RunReport | Ready | NotReady = channel.recv()
             except (EOFError, ConnectionResetError):
                 # Closed by its end, which the system tells a little later.
                 wait([process.sentinel])
             else:
-                if not isinstance(message, Ready):
-                    return message
-                self.ready = True
-                return None
-        raise WorkerDiedError(exit_code(process) or 0, was_ready=self.ready)
+                return message
+        raise WorkerDiedError(exit_code(process) or 0)
 
     def memory_bytes(self) -> int:
         """Resident memory of the process, 0 if there is none."""
@@ -133,7 +146,7 @@ class Child:
         return self._files.log.stat().st_size if self._files.log.exists() else 0
 
     def log_tail(self, begin: int) -> str:
-        """Gives the last lines printed after ``begin``, or since the start of one not yet ready."""
+        """Returns the last lines printed after ``begin``; of a worker not yet ready, all."""
         if not self._files.log.exists():
             return ""
         if not self.ready:

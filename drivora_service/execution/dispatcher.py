@@ -62,6 +62,8 @@ class Dispatcher:
         self._owner_id = ""
         self._in_flight: set[str] = set()
         self._unwritten: list[AttemptEnd] = []
+        self._withdrawn: set[str] = set()
+        self._fault = ""
         self._cancelling: set[str] = set()
         self._pace = Pace(executor.capacity)
         self._next_beat = 0.0
@@ -85,6 +87,14 @@ class Dispatcher:
     def is_alive(self) -> bool:
         """Whether runs are being handed out."""
         return self._thread.is_alive() and self._stop_at is None
+
+    @property
+    def fault(self) -> str:
+        """Why no run can be handed out and what to do, "" while they are."""
+        if not self.is_alive:
+            return "no runs are handed out: the thread that does it has ended; restart the service"
+        fault = self._executor.fault
+        return f"no worker can be started: {fault}" if fault else ""
 
     def wake(self) -> None:
         """Tells that something was queued or cancelled; otherwise it is seen within a second."""
@@ -124,6 +134,7 @@ class Dispatcher:
 
     def _turn(self) -> None:
         self._collect()
+        self._look_for_a_fault()
         if self._unwritten or self._has_room_and_work():
             for spec in self._write_and_claim():
                 self._executor.submit(spec)
@@ -152,7 +163,7 @@ class Dispatcher:
 
     def _room(self) -> int:
         """Runs that may be claimed now."""
-        if self._stop_at is not None:
+        if self._stop_at is not None or self._executor.fault:
             return 0
         return self._pace.wanted_in_flight() - len(self._in_flight)
 
@@ -197,6 +208,23 @@ class Dispatcher:
             specs = self._commit([replace(end, report=_unwritable(end.report, error))])
         for spec in specs:
             self._executor.submit(spec)
+
+    def _look_for_a_fault(self) -> None:
+        """Puts runs that cannot be begun back into the queue, unharmed; the log is told once."""
+        before, self._fault = self._fault, self._executor.fault
+        if self._fault:
+            self._withdrawn.update(self._executor.withdraw())
+            if not before:
+                _log.error("workers_cannot_start", reason=self._fault)
+        elif before:
+            _log.info("workers_start_again")
+        if not self._withdrawn:
+            return
+        with self._database.write() as transaction:
+            transaction.queue.release(self._owner_id, sorted(self._withdrawn))
+        self._in_flight -= self._withdrawn
+        self._cancelling -= self._withdrawn
+        self._withdrawn.clear()
 
     def _cancel(self) -> None:
         if not self._in_flight:

@@ -35,13 +35,21 @@ class Executor(Protocol):
     """Runs attempts on a number of slots.
 
     Every submitted spec comes back exactly once from :meth:`wait`, whatever happens to its worker,
-    unless the executor is closed before. Nothing is repeated here: whether another attempt follows
-    is for the caller and ``runs.lifecycle`` to say.
+    unless it is withdrawn or the executor is closed before. Nothing is repeated here: whether
+    another attempt follows is for the caller and ``runs.lifecycle`` to say.
     """
 
     @property
     def capacity(self) -> int:
         """Slots: attempts that can go on at once."""
+        ...
+
+    @property
+    def fault(self) -> str:
+        """Why no worker can be started and what to do, "" if one can or has not been tried.
+
+        Specs wait meanwhile; none of them fails. :meth:`wait` returns when a fault is found.
+        """
         ...
 
     def submit(self, spec: RunSpec) -> None:
@@ -50,6 +58,13 @@ class Executor(Protocol):
 
     def cancel(self, run_id: str) -> None:
         """Ends an attempt; it comes back as ``cancelled``, or as it ended just before."""
+        ...
+
+    def withdraw(self) -> tuple[str, ...]:
+        """Takes back every spec that was not begun; returns the ids of their runs.
+
+        They do not come from :meth:`wait`.
+        """
         ...
 
     def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:

@@ -11,6 +11,7 @@ from types import TracebackType
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.fork_server import prepare_processes
 from drivora_service.execution.slot import Slot
+from drivora_service.execution.starts import WorkerStarts
 from drivora_service.execution.worker import PERFORM, WARM_UP, WorkerFiles
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
@@ -49,6 +50,8 @@ class LocalExecutor:
         self._ended: deque[AttemptEnd] = deque()
         self._woken = False
         self._closed = False
+        names = [f"slot-{number}" for number in range(slots)]
+        self._starts = WorkerStarts(names, on_fault=self.wake)
         self._slots = tuple(
             Slot(
                 name,
@@ -60,16 +63,22 @@ class LocalExecutor:
                     board=folder / f"{name}.board",
                 ),
                 limits=limits,
+                starts=self._starts,
                 source=self,
                 sink=self._put_end,
             )
-            for name in (f"slot-{number}" for number in range(slots))
+            for name in names
         )
 
     @property
     def capacity(self) -> int:
         """Slots: attempts that can go on at once."""
         return len(self._slots)
+
+    @property
+    def fault(self) -> str:
+        """Why no worker can be started and what to do, "" if one can or has not been tried."""
+        return self._starts.fault
 
     def submit(self, spec: RunSpec) -> None:
         """Starts an attempt as soon as a slot is free; specs wait in the order of their coming."""
@@ -92,6 +101,13 @@ class LocalExecutor:
                     return
         for slot in self._slots:
             slot.cancel(run_id)
+
+    def withdraw(self) -> tuple[str, ...]:
+        """Takes back every spec that no slot has begun; returns the ids of their runs."""
+        with self._changed:
+            run_ids = tuple(spec.run_id for spec in self._waiting)
+            self._waiting.clear()
+        return run_ids
 
     def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
         """Gives the attempts that have ended since the last call.
@@ -131,6 +147,13 @@ class LocalExecutor:
         with self._changed:
             self._changed.wait_for(lambda: self._waiting or self._closed)
             return None if self._closed else self._waiting.popleft()
+
+    def put_back(self, spec: RunSpec) -> None:
+        """Takes back a run that a slot has not begun; it is the next one again."""
+        with self._changed:
+            if not self._closed:
+                self._waiting.appendleft(spec)
+                self._changed.notify_all()
 
     def _put_end(self, end: AttemptEnd) -> None:
         with self._changed:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import islice
 
+from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
 from drivora_service.runs import lifecycle
 from drivora_service.runs.lifecycle import RetryPolicy, RunState
@@ -40,9 +41,17 @@ class Runs:
         self._attempt(spec, RunState())
 
     def wait(self, timeout: float | None = None) -> tuple[RunReport, ...]:
-        """Waits for the end of an attempt, and gives the reports of runs that are over with it."""
+        """Waits for the end of an attempt, and gives the reports of runs that are over with it.
+
+        Raises:
+            WorkersCannotStart: Nothing can be run; the runs that are under way have not failed.
+        """
         over: list[RunReport] = []
-        for end in self._executor.wait(timeout):
+        # What has ended before the fault is told first.
+        ends = self._executor.wait(0.0 if self._executor.fault else timeout)
+        if not ends and self._running and self._executor.fault:
+            raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
+        for end in ends:
             spec, state = self._running.pop(end.report.run_id)
             transition = lifecycle.end(state, end.report, self._policy)
             if transition.report is not None:
@@ -69,6 +78,9 @@ def run_all(
         executor: Used by nobody else meanwhile.
         specs: With run ids of their own.
         policy: How often a run may fail for reasons that are not its own.
+
+    Raises:
+        WorkersCannotStart: Nothing can be run.
     """
     coming = iter(specs)
     runs = Runs(executor, policy)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from drivora_service.errors import SimulatorError
+from drivora_service.errors import DrivoraError, SimulatorError
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.runs.lifecycle import SIMULATOR_ERROR
 from drivora_service.runs.progress import ProgressBoard
@@ -49,12 +49,23 @@ class Ready:
     """What a worker sends when it has been set up."""
 
 
+@dataclass(frozen=True, slots=True)
+class NotReady:
+    """What a worker sends instead when it cannot be set up; it ends then.
+
+    Attributes:
+        reason: What was found and, where it is known, what to do.
+    """
+
+    reason: str
+
+
 def serve(
     channel: Connection, perform: str, warm_up: str, setup: object, files: WorkerFiles
 ) -> None:
     """Is the worker: does the runs that come through the channel until that is closed.
 
-    Sends :class:`Ready` once, and then the report of each run.
+    Sends :class:`Ready` once, and then the report of each run; or :class:`NotReady`, and ends.
 
     Args:
         channel: The worker's end of the connection with its slot.
@@ -74,13 +85,15 @@ def serve(
     faulthandler.enable()
     board = ProgressBoard(files.board)
     board.cells[:] = 0
-    if warm_up:
-        try:
+    try:
+        if warm_up:
             pkgutil.resolve_name(warm_up)(setup)
-        except Exception:
-            # The runs will show what is wrong, each for itself.
-            traceback.print_exc()
-    do: Perform = pkgutil.resolve_name(perform)
+        do: Perform = pkgutil.resolve_name(perform)
+    except Exception as error:
+        traceback.print_exc()
+        known = isinstance(error, DrivoraError)
+        channel.send(NotReady(str(error) if known else f"{type(error).__name__}: {error}"))
+        return
     channel.send(Ready())
     while True:
         try:

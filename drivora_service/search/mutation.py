@@ -184,7 +184,7 @@ class RedrawSlice:
             if not blocks:
                 break
             slices = slices_of(blocks[random.integers(len(blocks))], effective)
-            chosen = random.choice(slices[random.integers(len(slices))])
+            chosen = int(random.choice(slices[random.integers(len(slices))]))
             changed = redrawn(changed, space, random, _mask([chosen], space))
         return changed.copy()
 

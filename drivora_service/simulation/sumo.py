@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-import libsumo
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +22,12 @@ from drivora_service.errors import SimulatorError
 from drivora_service.networks.road_network import SignalPhase
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.lights import RunningProgram
+from drivora_service.system_libraries import explain
+
+try:
+    import libsumo
+except ImportError as error:
+    raise SimulatorError(explain(error)) from error
 
 FloatArray = NDArray[np.float64]
 

@@ -150,7 +150,11 @@ def open_database(url: str) -> Database:
         if engine.dialect.name == "sqlite":
             event.listen(engine, "connect", _configure_sqlite)
             event.listen(engine, "begin", _begin_sqlite)
-        migrate(engine)
+        try:
+            migrate(engine)
+        except BaseException:
+            engine.dispose()
+            raise
     return Database(engine)
 
 
@@ -158,12 +162,17 @@ def _configure_sqlite(connection: sqlite3.Connection, _record: object) -> None:
     # sqlite3 would begin transactions by itself, and too late for consistent reads.
     connection.isolation_level = None
     cursor = connection.cursor()
-    cursor.execute("PRAGMA journal_mode = WAL")
-    # FULL: what was answered with 202 also survives a loss of power.
-    cursor.execute("PRAGMA synchronous = FULL")
-    cursor.execute("PRAGMA foreign_keys = ON")
-    cursor.execute(f"PRAGMA busy_timeout = {_BUSY_TIMEOUT_MS}")
-    cursor.execute("PRAGMA cache_size = -65536")
+    try:
+        cursor.execute("PRAGMA journal_mode = WAL")
+        # FULL: what was answered with 202 also survives a loss of power.
+        cursor.execute("PRAGMA synchronous = FULL")
+        cursor.execute("PRAGMA foreign_keys = ON")
+        cursor.execute(f"PRAGMA busy_timeout = {_BUSY_TIMEOUT_MS}")
+        cursor.execute("PRAGMA cache_size = -65536")
+    except sqlite3.Error:
+        # The pool has not taken it yet, so that nothing else would close it.
+        connection.close()
+        raise
     cursor.close()
 
 

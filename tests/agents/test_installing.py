@@ -215,6 +215,16 @@ def test_files_of_a_package_are_fetched(tmp_path: Path, packages: Path) -> None:
     assert not changed.entry("learned").installed
 
 
+def test_files_are_fetched_from_packages_that_this_version_of_python_could_not_install(
+    tmp_path: Path, packages: Path
+) -> None:
+    write_wheel(packages, "Requires-Python: <3.11\n")
+    plugin = fetched((package_file(packages),))
+    catalogue = AgentCatalogue(fetched=(plugin,), folder=tmp_path / "agents")
+    assert catalogue.install("learned")
+    assert catalogue.entry("learned").installed
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [

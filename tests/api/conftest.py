@@ -102,7 +102,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             campaign_folder=lambda campaign_id: CampaignFolder(tmp_path / "campaigns", campaign_id),
             wake=lambda: woken.append(1),
             wake_campaigns=lambda: woken.append(1),
-            workers_alive=lambda: False,
+            worker_fault=lambda: "there are none",
             campaigns_alive=lambda: False,
         )
         app = create_api(context)

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+from pathlib import Path
 
 from drivora_service.errors import SimulatorError
 from drivora_service.runs.progress import ProgressBoard
@@ -82,3 +83,21 @@ def _call_agent(board: ProgressBoard) -> None:
 
 def _finished(spec: RunSpec, versions: dict[str, str]) -> RunReport:
     return RunReport(run_id=spec.run_id, status=RunStatus.FINISHED, versions=versions)
+
+
+def start_if_there(needed: Path) -> None:
+    """A warm-up that fails as long as a file is not there."""
+    if not needed.exists():
+        raise OSError(f"a worker needs {needed.name}")
+
+
+def die(_needed: Path) -> None:
+    """A warm-up in which the system ends the worker."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def die_once(needed: Path) -> None:
+    """The same, the first time."""
+    if not needed.exists():
+        needed.touch()
+        die(needed)

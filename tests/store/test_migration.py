@@ -4,6 +4,7 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+import psutil
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
@@ -118,8 +119,11 @@ def test_addresses_that_cannot_work_are_refused(url: str) -> None:
 def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.sqlite3"
     path.write_bytes(b"this is not a database" * 100)
-    with pytest.raises(StoreError, match="cannot be used"):
+    # What was raised is kept, and with it all that its frames hold.
+    with pytest.raises(StoreError, match="cannot be used") as refusal:
         open_database(f"sqlite:///{path}")
+    assert refusal.value.__traceback__ is not None
+    assert str(path) not in {file.path for file in psutil.Process().open_files()}
 
 
 def test_the_database_is_safe_against_a_killed_process(database: Database) -> None:

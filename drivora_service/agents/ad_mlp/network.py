@@ -54,6 +54,6 @@ class AdMlpNetwork:
         np.maximum(hidden, 0.0, out=hidden)
         steps = hidden @ w.steps
         steps += w.steps_bias
-        points: Float32Array = steps.reshape(WAYPOINTS, 2).cumsum(axis=0)
+        points: Float32Array = steps.reshape(WAYPOINTS, 2).cumsum(axis=0, dtype=np.float32)
         points *= np.float32(STEP_SCALE)
         return points

@@ -32,7 +32,7 @@ def healthz() -> Health:
     },
 )
 def readyz(context: Context, response: Response) -> Readiness:
-    """Answers 200 if runs can be taken and handed out and campaigns started, else 503."""
+    """Answers 200 if runs can be taken and begun and campaigns started, else 503 and why."""
     checks = (_database(context), _workers(context), _campaigns(context))
     ready = all(check.ok for check in checks)
     response.status_code = 200 if ready else 503
@@ -69,8 +69,8 @@ def _database(context: Context) -> Check:
 
 
 def _workers(context: Context) -> Check:
-    alive = context.workers_alive()
-    return Check(name="workers", ok=alive, detail="" if alive else "no worker hands out runs")
+    fault = context.worker_fault()
+    return Check(name="workers", ok=not fault, detail=fault)
 
 
 def _campaigns(context: Context) -> Check:

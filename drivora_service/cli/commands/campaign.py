@@ -12,7 +12,7 @@ from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateRuleOption, ServerOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
-from drivora_service.errors import ConfigurationError, InvalidDocument
+from drivora_service.errors import ConfigurationError, InvalidDocument, WorkersCannotStart
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -285,7 +285,13 @@ def _work(
 ) -> None:
     from drivora_service.cli.local_campaigns import run_campaign
 
-    record = run_campaign(campaigns, campaign_id, workers=workers, evaluator=evaluator or "local")
+    try:
+        record = run_campaign(
+            campaigns, campaign_id, workers=workers, evaluator=evaluator or "local"
+        )
+    except WorkersCannotStart:
+        note(f"paused; go on with: drivora campaign resume {campaign_id}")
+        raise
     _conclude(campaigns, record, out=out, gate=gate, as_json=as_json)
 
 

@@ -101,6 +101,7 @@ def _follow(client: ServiceClient, batch_id: str, total: int) -> None:
             progress.update(task, completed=total - open_runs)
             if batch["done"]:
                 return
+            client.expect_workers()
             time.sleep(_POLL_S)
 
 

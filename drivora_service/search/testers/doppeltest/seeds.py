@@ -32,6 +32,7 @@ def _draw_egos(chromosome: Chromosome, values: FloatArray, random: np.random.Gen
         egos.fill(values, [egos.draw(chromosome.space, random) for _ in range(count)])
         if chromosome.conflicts.among(chromosome.paths(values)):
             return
-    pair = random.choice(chromosome.conflicts.pairs())
+    pairs = chromosome.conflicts.pairs()
+    pair = pairs[random.choice(len(pairs))]
     for slot, path in zip(egos.taken(values), pair, strict=False):
         values[egos.blocks[slot].index(PATH)] = path

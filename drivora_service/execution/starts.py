@@ -1,0 +1,77 @@
+"""Whether workers can be started: what is wrong with that is a fault of the service, of no run."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+
+_LOSSES = 3
+"""Starts in a row that are lost, to a signal or a lack of memory, before that counts as a fault."""
+
+_FIRST_PAUSE_S = 1.0
+_LONGEST_PAUSE_S = 30.0
+
+
+def pause_s(failures: int) -> float:
+    """Returns the seconds to wait before the next start.
+
+    Args:
+        failures: Starts in a row that have failed, at least one.
+    """
+    # An exponent beyond some 1,000 is no float any more.
+    return float(min(_FIRST_PAUSE_S * 2.0 ** min(failures - 1, 30), _LONGEST_PAUSE_S))
+
+
+class WorkerStarts:
+    """The starts of the workers of all slots of an executor. Safe to use from several threads.
+
+    Workers cannot start if the last starts of every slot have failed.
+    """
+
+    def __init__(self, slots: Iterable[str], *, on_fault: Callable[[], None]) -> None:
+        """Begins with no fault.
+
+        Args:
+            slots: Their names.
+            on_fault: Called, from the thread of a slot, when workers cannot start.
+        """
+        self._reasons = dict.fromkeys(slots, "")
+        self._failures = dict.fromkeys(self._reasons, 0)
+        self._on_fault = on_fault
+        self._fault = ""
+        self._lock = threading.Lock()
+
+    @property
+    def fault(self) -> str:
+        """Why no worker can be started and what to do, "" if one can or has not been tried."""
+        return self._fault
+
+    def succeeded(self, slot: str) -> None:
+        """A worker of the slot is ready."""
+        with self._lock:
+            self._reasons[slot], self._failures[slot] = "", 0
+            self._fault = ""
+
+    def failed(self, slot: str, reason: str, *, certain: bool) -> float:
+        """A worker of the slot did not get ready.
+
+        Args:
+            slot: Its name.
+            reason: What was found and what to do.
+            certain: Whether the worker itself has found it, so that it need not come again to be
+                believed.
+
+        Returns:
+            The seconds after which to try again.
+        """
+        with self._lock:
+            self._failures[slot] += 1
+            failures = self._failures[slot]
+            if certain or failures >= _LOSSES:
+                self._reasons[slot] = reason
+            new = not self._fault and all(self._reasons.values())
+            if new:
+                self._fault = reason
+        if new:
+            self._on_fault()
+        return pause_s(failures)
