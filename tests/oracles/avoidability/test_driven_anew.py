@@ -1,0 +1,105 @@
+"""The latest moment to brake, against the simulation: the same run with an ego that brakes then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from drivora_service.agents.interface import AccelerationControl, Observation
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Trace
+from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.collision import Collision
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.scenario.model import Scenario, Waypoint, Weather
+from tests.simulation.episodes import (
+    Scripted,
+    car,
+    contacts,
+    ego,
+    network,
+    obstacle,
+    place,
+    run,
+    scenario,
+    walker,
+)
+
+TOWN, ROAD = "signal-grid", "grand_1_1"
+"""112 m of it, straight east."""
+DRIVER = CarefulDriver()
+SLIPPERY = Weather(precipitation_deposits=100.0)
+
+
+def spot(s: float, right: float = 0.0, speed: float | None = None) -> Waypoint:
+    return place(ROAD, s, on=TOWN, right=right, speed=speed)
+
+
+def standing() -> Scenario:
+    return drive(npc_obstacles=(obstacle(spot(95.0)),))
+
+
+def on_a_slippery_road() -> Scenario:
+    return replace(standing(), weather=SLIPPERY)
+
+
+def crossing_walker() -> Scenario:
+    """It is hit by the front's corner, 7 s after the start."""
+    way = (spot(90.0, right=9.5, speed=1.4), spot(90.0, right=-4.0, speed=1.4))
+    return drive(npc_walkers=(walker(*way),))
+
+
+def slower_leader() -> Scenario:
+    way = (spot(30.0, speed=5.0), spot(110.0, speed=5.0))
+    return drive(npc_vehicles=(car(*way, behavior="replay"),))
+
+
+def drive(**others: Any) -> Scenario:
+    """An ego at 12 m/s, and others that do what they do whatever it does."""
+    driver = ego(spot(5.0), spot(110.0), initial_speed=12.0)
+    return scenario(driver, on=TOWN, seconds=14.0, **others)
+
+
+def braking_from(row: int, friction: float) -> Scripted:
+    """Keeps its speed; from a row on it does as the careful driver who sees the risk there."""
+    full = DRIVER.full_braking(friction * GRAVITY, 100.0)
+
+    def answer(observation: Observation) -> AccelerationControl:
+        since = (observation.step + 0.5 - row) * 0.05 - DRIVER.delay
+        return AccelerationControl(-min(max(DRIVER.jerk * since, 0.0), full), 0.0)
+
+    return Scripted(answer)
+
+
+def judged(trace: Trace) -> Verdict:
+    (verdict,) = Collision().judge(RunView(trace, network(TOWN)))
+    return verdict
+
+
+@pytest.mark.parametrize(
+    "make", [standing, on_a_slippery_road, crossing_walker, slower_leader], ids=lambda f: f.__name__
+)
+def test_braking_at_the_latest_moment_avoids_it_and_braking_later_does_not(
+    make: Callable[[], Scenario],
+) -> None:
+    blind = run(make(), braking_from(10_000, 1.0))
+    verdict = judged(blind)
+    evidence = verdict.evidence["avoidability"]
+    assert verdict.step is not None
+    latest = verdict.step - round(evidence["latest_before"] / blind.step_length)
+    assert latest > 0
+    friction = blind.meta["friction"]
+    assert contacts(run(make(), braking_from(latest, friction))) == []
+    assert contacts(run(make(), braking_from(latest + 2, friction))) != []
+    assert evidence["friction"] == friction
+
+
+def test_a_trace_says_how_much_grip_the_road_had_and_how_far_could_be_seen() -> None:
+    dry = run(standing(), braking_from(0, 1.0)).meta
+    slippery = run(on_a_slippery_road(), braking_from(0, 0.4)).meta
+    assert dry["friction"] == 1.0
+    assert slippery["friction"] == pytest.approx(0.4)
+    assert dry["perception_range"] >= 100.0
