@@ -1,0 +1,229 @@
+"""How many collisions of campaigns were avoidable.
+
+Random campaigns are drawn on two scenes of the method study, for three ADSs; each collision is a
+line of the results: what the verdict says of it, and where its scenario came from.
+
+    python -m benchmarks.avoidability collect --out benchmarks/results/avoidability.jsonl
+    python -m benchmarks.avoidability show benchmarks/results/avoidability.jsonl
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.method_study import (
+    ARMS,
+    SCENES,
+    Scene,
+    campaign_document,
+    catalogues,
+)
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import read_campaign
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Trace
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.oracles.avoidability.assess import assess
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.performing import perform
+from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.worker_setup import WorkerSetup
+
+RANDOM = next(arm for arm in ARMS if arm.tester == "random" and arm.egos == "one ego")
+SIMULATIONS = 300
+"""Of a campaign; further collisions come from campaigns with further seeds."""
+
+MANY = {"vehicles": 8, "walkers": 2, "weather": False}
+"""What varies on the wet arterial: more than in the method study, where few runs collide."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """The collisions of one ADS on one scene.
+
+    Attributes:
+        wanted: Collisions that are enough.
+        seed: Of the first campaign; every ADS meets scenarios of its own.
+    """
+
+    agent: str
+    scene: str
+    wanted: int
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """Names it in the results."""
+        return f"{self.agent}, {self.scene}"
+
+
+PARTS = (
+    Part(agent="idm", scene="wet arterial", wanted=20, seed=1),
+    Part(agent="idm", scene="motorway in rain", wanted=20, seed=1),
+    Part(agent="pdm-closed", scene="wet arterial", wanted=15, seed=101),
+    Part(agent="pdm-closed", scene="motorway in rain", wanted=15, seed=101),
+    Part(agent="ad-mlp", scene="wet arterial", wanted=15, seed=201),
+    Part(agent="ad-mlp", scene="motorway in rain", wanted=15, seed=201),
+)
+
+
+def scenes() -> dict[str, Scene]:
+    """Returns the scenes by name."""
+    known = {scene.name: scene for scene in SCENES}
+    return {**known, "wet arterial": replace(known["wet arterial"], space=MANY)}
+
+
+def candidates(part: Part, repetition: int) -> Iterator[tuple[int, str]]:
+    """Gives numbers and documents of the candidates that a random campaign draws."""
+    text = json.dumps(_document(scenes()[part.scene], part.agent, repetition))
+    search = prepare_search(
+        read_campaign(text, catalogues()), catalogues(), run_prefix="avoidability"
+    )
+    for number in range(SIMULATIONS):
+        (proposal,) = search.tester.ask(1)
+        candidate = search.candidates.prepare(proposal.values)
+        if not candidate.problem:
+            yield number, candidate.document
+
+
+def _document(scene: Scene, agent: str, repetition: int) -> dict[str, Any]:
+    document = campaign_document(scene, RANDOM, repetition, SIMULATIONS)
+    for ego in document["scenario"]["ego_vehicles"]:
+        ego["agent"] = {"name": agent}
+    return document
+
+
+def collect(options: argparse.Namespace) -> None:
+    """Runs campaigns until there are enough collisions of each part; goes on where it stopped."""
+    for part in PARTS:
+        if options.agents and part.agent not in options.agents:
+            continue
+        lines = list(_lines(options.out)) if options.out.exists() else []
+        mine = [line for line in lines if line["part"] == part.name]
+        found = len(mine)
+        done = max(((line["repetition"], line["number"]) for line in mine), default=(0, 0))
+        for repetition in itertools.count(max(done[0], part.seed)):
+            if found >= part.wanted:
+                break
+            for number, document in candidates(part, repetition):
+                if (repetition, number) <= done:
+                    continue
+                if found >= part.wanted:
+                    break
+                for line in collide(part, repetition, number, document, options.traces):
+                    found += 1
+                    with options.out.open("a") as file:
+                        file.write(json.dumps(line) + "\n")
+                    print(part.name, repetition, number, found, line["message"], flush=True)
+
+
+def collide(
+    part: Part, repetition: int, number: int, document: str, traces: Path
+) -> Iterator[dict[str, Any]]:
+    """Runs a candidate and gives a line for each of its collisions."""
+    traces.mkdir(parents=True, exist_ok=True)
+    name = f"{part.agent}-{part.scene.replace(' ', '-')}-{repetition}-{number}"
+    path = traces / f"{name}.parquet"
+    report = _perform(RunSpec(run_id=name, document=document, trace_path=str(path)))
+    collisions = [
+        v for v in report.verdicts if v.oracle == "collision" and v.outcome is Outcome.VIOLATED
+    ]
+    if not collisions:
+        path.unlink(missing_ok=True)
+    for verdict in collisions:
+        yield {
+            "part": part.name,
+            "agent": part.agent,
+            "scene": part.scene,
+            "repetition": repetition,
+            "number": number,
+            "trace": path.name,
+            "trace_sha256": report.trace_sha256,
+            **_said(verdict),
+            "milliseconds": _cost(read_trace(path), verdict),
+        }
+
+
+def _perform(spec: RunSpec) -> RunReport:
+    return perform(spec, WorkerSetup(shipped_networks=shipped_networks()))
+
+
+def _said(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "ego": verdict.ego,
+        "counterpart": verdict.counterpart,
+        "message": verdict.message,
+        "at_fault": verdict.at_fault,
+        "avoidable": verdict.avoidable,
+        "physically_avoidable": verdict.physically_avoidable,
+        "step": verdict.step,
+        "time": verdict.time,
+        "evidence": dict(verdict.evidence),
+    }
+
+
+def _cost(trace: Trace, verdict: Verdict) -> float:
+    """Gives the milliseconds that the assessment takes, of three the least."""
+    network = catalogues().networks.get(trace.network)
+    row = next(actor.row for actor in trace.actors if actor.id == verdict.counterpart)
+    spent = []
+    for _ in range(3):
+        ego = next(ego for ego in RunView(trace, network).egos if ego.id == verdict.ego)
+        begun = time.perf_counter()
+        assess(ego, (verdict.step or 0) - ego.first, row)
+        spent.append(1000.0 * (time.perf_counter() - begun))
+    return round(min(spent), 2)
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    with path.open() as file:
+        for line in file:
+            yield json.loads(line)
+
+
+def show(options: argparse.Namespace) -> None:
+    """Prints the counts as Markdown."""
+    lines = list(_lines(options.results))
+    print("| ADS and scene | collisions | at fault | avoidable | not avoidable | physically |")
+    print("|---|---|---|---|---|---|")
+    for name in dict.fromkeys(line["part"] for line in lines):
+        here = [line for line in lines if line["part"] == name]
+        fault = [line for line in here if line["at_fault"]]
+        answers = Counter(line["avoidable"] for line in fault)
+        full = sum(line["physically_avoidable"] == "yes" for line in fault)
+        print(
+            f"| {name} | {len(here)} | {len(fault)} | {answers['yes']} | {answers['no']} | {full} |"
+        )
+    costs = np.array([line["milliseconds"] for line in lines])
+    print(f"\nassessing one: median {np.median(costs):.0f} ms, at most {costs.max():.0f} ms")
+
+
+def main() -> None:
+    """Collects or shows."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(required=True)
+    collecting = commands.add_parser("collect")
+    collecting.add_argument("--out", type=Path, required=True)
+    collecting.add_argument("--traces", type=Path, required=True, help="folder for the traces")
+    collecting.add_argument("--agents", nargs="*", default=[], help="only these")
+    collecting.set_defaults(do=collect)
+    showing = commands.add_parser("show")
+    showing.add_argument("results", type=Path)
+    showing.set_defaults(do=show)
+    options = parser.parse_args()
+    options.do(options)
+
+
+if __name__ == "__main__":
+    main()
