@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
 
 from drivora_service.geometry import box_corners
 from drivora_service.networks.drivable_area import outside_distance
+from drivora_service.networks.lane_bends import tangent_gap
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
@@ -23,6 +25,9 @@ from drivora_service.observations.trace import (
     TerminalEvent,
     Trace,
 )
+
+_BEND_SHARE = 2.0
+"""Times that the border of a road may leave its tangents further than the centre of a lane."""
 
 
 class EgoView:
@@ -175,9 +180,24 @@ class EgoView:
         return room
 
     def _within_lanes(self) -> BoolArray:
-        """Tells the rows in which the box lies within its edge's lanes for sure."""
-        left, right = self.room_beside.T
-        within: BoolArray = (left >= 0.0) & (right >= 0.0)
+        """Tells the rows in which the box lies within its edge's lanes for sure.
+
+        The room beside it is that of a straight lane. So no row counts in which the box may reach
+        over an end of its lane, nor one with less room than the lane's bends may take.
+        """
+        reach = 0.5 * math.hypot(self.actor.length, self.actor.width)
+        room = self.room_beside.min(axis=1, initial=np.inf)
+        within = np.zeros(self.count, dtype=np.bool_)
+        for index in np.unique(self.lanes).tolist():
+            if index < 0:
+                continue
+            here = np.flatnonzero(self.lanes == index)
+            states, inside = self.states[here], np.ones(len(here), dtype=np.bool_)
+            for x, y in self.network.lanes[index].shape[[0, -1]].tolist():
+                away = (states[:, Col.X] - x) ** 2 + (states[:, Col.Y] - y) ** 2
+                inside &= away > reach**2 + self.value(EgoCol.LANE_LATERAL)[here] ** 2
+            allowance = _BEND_SHARE * tangent_gap(self.network, index, reach)
+            within[here] = inside & (room[here] >= allowance)
         return within
 
     @cached_property
