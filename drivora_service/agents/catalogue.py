@@ -32,6 +32,7 @@ from drivora_service.parameters import (
 )
 from drivora_service.plugin_table import PluginTable
 from drivora_service.scenario.agent_checks import AgentDirectory
+from drivora_service.scenario.model import AgentChoice
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -155,6 +156,16 @@ class AgentCatalogue:
         """
         type_ = self._parameters(name)
         return None if type_ is None else describe_parameters(type_)
+
+    def completed(self, choice: AgentChoice) -> AgentChoice:
+        """Returns a choice with the defaults of the parameters that it does not set.
+
+        Raises:
+            UnknownName: If there is no such agent.
+        """
+        type_ = self._parameters(choice.name)
+        defaults = {} if type_ is None else _defaults(type_)
+        return AgentChoice(name=choice.name, parameters={**defaults, **choice.parameters})
 
     def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
         """Finds what is wrong with the parameters of an agent; none where it declares none.
@@ -300,6 +311,11 @@ class _Availability(AgentDirectory):
 
     def __len__(self) -> int:
         return len(self._names)
+
+
+@cache
+def _defaults(type_: type[DataclassInstance]) -> Mapping[str, Any]:
+    return {described.name: described.default for described in describe_parameters(type_)}
 
 
 @cache

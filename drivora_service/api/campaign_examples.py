@@ -8,7 +8,7 @@ from typing import Any
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.schemas import campaigns, comparisons
 from drivora_service.api.schemas.base import PageOf
-from drivora_service.api.schemas.runs import VerdictView
+from drivora_service.api.schemas.runs import AgentView, VerdictView
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
@@ -204,6 +204,7 @@ EVALUATION = campaigns.EvaluationDetail(
     steps=421,
     step_cost_us=118.0,
     agent_cost_us={"ego_0": 31.0},
+    agents={"ego_0": AgentView(name="idm", parameters={"speed_factor": 1.0})},
     privileged=(),
     trace_sha256=_SHA256,
     versions={"drivora": "0.1.0", "libsumo": "1.28.0"},

@@ -111,6 +111,7 @@ RUN = runs.Run(
     scores={"minimum_gap": 0.0, "time_to_collision": None},
     step_cost_us=118.0,
     agent_cost_us={"ego_0": 31.0},
+    agents={"ego_0": runs.AgentView(name="idm", parameters={"speed_factor": 1.0})},
     privileged=(),
     versions={"drivora": "0.1.0", "sumo": "1.28.0"},
     tries=(

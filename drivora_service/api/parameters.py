@@ -11,6 +11,7 @@ from drivora_service.api.submission import Overrides
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
+from drivora_service.scenario.agent_parameters import read_agent_parameter
 from drivora_service.store.records import JobFilter
 
 _SEED_MAX = 2**31 - 1
@@ -24,11 +25,20 @@ def _overrides(
     agent: Annotated[
         str, Query(max_length=200, description="Drives every ego in place of the documented one.")
     ] = "",
+    agent_parameter: Annotated[
+        list[str] | None,
+        Query(
+            max_length=100,
+            description="Sets a parameter of every ego's agent: `NAME=VALUE`; of one's: "
+            "`EGO:NAME=VALUE`. May be repeated. A value that is no JSON is text.",
+        ),
+    ] = None,
     seed: Annotated[
         int | None, Query(ge=0, le=_SEED_MAX, description="Seed in place of the document's.")
     ] = None,
 ) -> Overrides:
-    return Overrides(agent=agent, seed=seed)
+    parameters = tuple(read_agent_parameter(text) for text in agent_parameter or ())
+    return Overrides(agent=agent, parameters=parameters, seed=seed)
 
 
 RunOverrides = Annotated[Overrides, Depends(_overrides)]

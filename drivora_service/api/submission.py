@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.store.records import NewRun
@@ -20,10 +21,12 @@ class Overrides:
 
     Attributes:
         agent: Drives every ego; "": as documented.
+        parameters: Of the agents.
         seed: Seeds the run; ``None``: as documented.
     """
 
     agent: str = ""
+    parameters: tuple[AgentParameter, ...] = ()
     seed: int | None = None
 
 
@@ -56,7 +59,11 @@ def validated(
         InvalidDocument: It cannot be run; every problem is named.
     """
     agents = context.agents.availability()
-    return validate_data(data, context.networks, agents, form, driven_by=overrides.agent)
+    valid = validate_data(data, context.networks, agents, form, driven_by=overrides.agent)
+    scenario = with_agent_parameters(
+        valid.scenario, overrides.parameters, agents, driven_by=overrides.agent
+    )
+    return replace(valid, scenario=scenario)
 
 
 def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:

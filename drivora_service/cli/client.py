@@ -101,6 +101,7 @@ class ServiceClient:
         *,
         name: str = "",
         agent: str = "",
+        agent_parameters: Sequence[str] = (),
         seed: int | None = None,
         priority: str = "interactive",
     ) -> Any:
@@ -112,7 +113,14 @@ class ServiceClient:
         """
         body = f"[{','.join(documents)}]"
         return self._post(
-            "/batches", body, "json", name=name, agent=agent, seed=seed, priority=priority
+            "/batches",
+            body,
+            "json",
+            name=name,
+            agent=agent,
+            agent_parameter=list(agent_parameters),
+            seed=seed,
+            priority=priority,
         )
 
     def post_campaign(self, document: str) -> Any:

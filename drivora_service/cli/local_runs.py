@@ -15,6 +15,7 @@ from drivora_service.errors import InvalidDocument
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
 from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import with_agent
 from drivora_service.scenario.validation import validate_document
@@ -26,6 +27,7 @@ def run_locally(
     files: Sequence[ScenarioFile],
     *,
     agent: str,
+    parameters: Sequence[AgentParameter],
     seed: int | None,
     out: Path | None,
     workers: int | None,
@@ -52,6 +54,7 @@ def run_locally(
         try:
             document = with_agent(file.document, agent) if agent else file.document
             valid = validate_document(document, networks, agents.availability())
+            scenario = with_agent_parameters(valid.scenario, parameters, agents.availability())
         except InvalidDocument as error:
             results[file.name] = invalid_result(file.name, error.problems)
             on_result(results[file.name])
@@ -61,7 +64,7 @@ def run_locally(
         specs.append(
             RunSpec(
                 run_id=file.name,
-                document=canonical_json(valid.scenario),
+                document=canonical_json(scenario),
                 trace_path=trace,
                 seed=seed,
             )

@@ -22,6 +22,7 @@ def run_remotely(
     files: Sequence[ScenarioFile],
     *,
     agent: str,
+    parameters: Sequence[str],
     seed: int | None,
     out: Path | None,
     on_result: Callable[[dict[str, Any]], None],
@@ -36,7 +37,9 @@ def run_remotely(
     with ServiceClient(server) as client:
         documents = [document_text(file.document) for file in files]
         try:
-            answer = client.post_batch(documents, name="drivora run", agent=agent, seed=seed)
+            answer = client.post_batch(
+                documents, name="drivora run", agent=agent, agent_parameters=parameters, seed=seed
+            )
         except InvalidDocument as error:
             return [
                 invalid_result(file.name, _of_item(error.problems, item))

@@ -41,6 +41,7 @@ def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str])
         "wall_time_s": content["wall_time_s"],
         "step_cost_us": content["step_cost_us"],
         "agent_cost_us": content["agent_cost_us"],
+        "agents": content["agents"],
         "privileged": content["privileged"],
         "versions": content["versions"],
         "trace": trace,
@@ -64,6 +65,7 @@ def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, An
         "wall_time_s": run["wall_time_s"] or 0.0,
         "step_cost_us": run["step_cost_us"] or 0.0,
         "agent_cost_us": run["agent_cost_us"],
+        "agents": run["agents"],
         "privileged": run["privileged"],
         "versions": run["versions"],
         "trace": trace,
@@ -92,6 +94,7 @@ def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
         "wall_time_s": 0.0,
         "step_cost_us": 0.0,
         "agent_cost_us": {},
+        "agents": {},
         "privileged": [],
         "versions": {},
         "trace": "",
@@ -148,6 +151,9 @@ def print_result(result: dict[str, Any]) -> None:
     if result["metrics"]:
         metrics = ((name, number(value, 3)) for name, value in result["metrics"].items())
         print_table("Metrics", ("metric", "value"), metrics)
+    for ego, agent in result["agents"].items():
+        parameters = (f"{name} {json.dumps(value)}" for name, value in agent["parameters"].items())
+        print(f"Agent of {ego}: {', '.join((agent['name'], *parameters))}")
     if result["trace"]:
         print(f"Trace: {result['trace']}  (draw it: drivora plot {result['trace']})")
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
@@ -74,10 +74,12 @@ class _Course:
         started: Wall time at its begin, seconds.
         stepping: Wall time that its steps took, seconds.
         versions: Of what takes part, by name.
+        agents: As in the report.
     """
 
     started: float
     versions: Mapping[str, str]
+    agents: Mapping[str, AgentChoice] = field(default_factory=dict)
     stepping: float = 0.0
 
 
@@ -134,6 +136,7 @@ def _perform(
     if installed:
         rules = (oracle.name for oracle in installed)
         course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
+    course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else make_feedback(spec.feedback)
     episode = Episode(
@@ -150,6 +153,10 @@ def _perform(
     cells[0] = Phase.JUDGING
     trace = episode.finish()
     trace.meta["versions"] = course.versions
+    trace.meta["agents"] = {
+        ego: {"name": agent.name, "parameters": dict(agent.parameters)}
+        for ego, agent in course.agents.items()
+    }
     if spec.trace_path:
         write_trace(trace, Path(spec.trace_path))
     steps = max(trace.step_count - 1, 1)
@@ -172,6 +179,7 @@ def _perform(
             for ego, sees_all in zip(scenario.ego_vehicles, trace.privileged, strict=True)
             if sees_all
         ),
+        agents=course.agents,
         versions=course.versions,
     )
     try:
@@ -232,5 +240,6 @@ def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, course: _Cour
         status=status,
         failure=failure,
         wall_time_s=time.perf_counter() - course.started,
+        agents=course.agents,
         versions=course.versions,
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.scenario.model import AgentChoice
 
 
 class RunStatus(StrEnum):
@@ -88,6 +89,8 @@ class RunReport:
             the same steps, so that the rest is the simulation's. Egos that SUMO drives are left
             out.
         privileged: Ids of the egos that saw more than the perception model lets through.
+        agents: The agent of each ego by the ego's id, with the values of all its parameters, the
+            defaults among them.
         versions: Versions of what took part, by name.
     """
 
@@ -105,4 +108,5 @@ class RunReport:
     agent_cost_us: Mapping[str, float] = field(default_factory=dict)
     privileged: tuple[str, ...] = ()
     failure: RunFailure | None = None
+    agents: Mapping[str, AgentChoice] = field(default_factory=dict)
     versions: Mapping[str, Any] = field(default_factory=dict)

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, failure_of
-from drivora_service.api.schemas.runs import VerdictView, verdict_view
+from drivora_service.api.schemas.runs import AgentView, VerdictView, agent_views, verdict_view
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.genes import FloatArray, GeneKind, GeneSpace, Part
@@ -185,6 +185,7 @@ class EvaluationDetail(Evaluation):
     agent_cost_us: dict[str, float] = Field(
         description="What each ego's agent took of a step, by the ego's id."
     )
+    agents: dict[str, AgentView] = Field(description="The agent of each ego.")
     privileged: tuple[str, ...] = Field(
         description="Egos that saw everything, not only what the perception model lets through."
     )
@@ -290,6 +291,7 @@ def evaluation_detail(
         steps=report.steps,
         step_cost_us=report.step_cost_us,
         agent_cost_us=dict(report.agent_cost_us),
+        agents=agent_views(report.agents),
         privileged=report.privileged,
         trace_sha256=report.trace_sha256,
         versions=dict(report.versions),

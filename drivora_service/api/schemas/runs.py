@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import Field
@@ -10,6 +11,7 @@ from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, JobSummary, failure_of, job_summary
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.report import RunReport
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.records import AttemptRecord, JobRecord
 
 
@@ -51,6 +53,13 @@ class Attempt(Schema):
     log: str
 
 
+class AgentView(Schema):
+    """The agent that drove an ego."""
+
+    name: str
+    parameters: dict[str, Any] = Field(description="Values of all, the defaults among them.")
+
+
 class Run(JobSummary):
     """A run and, once it has ended, everything that was found out about it."""
 
@@ -62,6 +71,9 @@ class Run(JobSummary):
     agent_cost_us: dict[str, float] = Field(
         description="What each ego's agent took of that, by the ego's id; the rest is the "
         "simulation's. Egos that SUMO drives are left out."
+    )
+    agents: dict[str, AgentView] = Field(
+        description="By ego; empty for runs of versions that did not record it."
     )
     privileged: tuple[str, ...] = Field(
         description="Ids of the egos that saw more than the perception model lets through."
@@ -92,6 +104,14 @@ def verdict_view(verdict: Verdict) -> VerdictView:
     )
 
 
+def agent_views(agents: Mapping[str, AgentChoice]) -> dict[str, AgentView]:
+    """Returns the agents of a report as the API shows them."""
+    return {
+        ego: AgentView(name=agent.name, parameters=dict(agent.parameters))
+        for ego, agent in agents.items()
+    }
+
+
 def run_of(
     record: JobRecord, report: RunReport | None, attempts: tuple[AttemptRecord, ...], base: str
 ) -> Run:
@@ -104,6 +124,7 @@ def run_of(
         scores=dict(report.scores) if report else {},
         step_cost_us=report.step_cost_us if report and report.steps else None,
         agent_cost_us=dict(report.agent_cost_us) if report else {},
+        agents=agent_views(report.agents) if report else {},
         privileged=report.privileged if report else (),
         versions=dict(report.versions) if report else {},
         tries=tuple(

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from drivora_service.cli.gates import Gate
+    from drivora_service.scenario.agent_parameters import AgentParameter
 
 _MAX_SEED = 2**31 - 1
 
@@ -35,6 +36,14 @@ def run(
     agent: Annotated[
         str, typer.Option(help="Drives every ego in place of the documented one.")
     ] = "",
+    agent_parameter: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="Set a parameter of every ego's agent, or of one's: EGO:NAME=VALUE. Repeatable; "
+            "a value that is no JSON is text.",
+        ),
+    ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed in place of the documents'.")
     ] = None,
@@ -73,19 +82,29 @@ def run(
     from drivora_service.cli import results
     from drivora_service.cli.scenario_files import read_files
 
+    parameters = _parameters(agent_parameter or ())
     files, unreadable = read_files(scenarios, agent=agent)
     done = [results.invalid_result(str(file.path), file.problems) for file in unreadable]
     with _progress(len(files), shown=len(files) > 1) as step:
         if server:
             from drivora_service.cli.remote_runs import run_remotely
 
-            done += run_remotely(server, files, agent=agent, seed=seed, out=out, on_result=step)
+            done += run_remotely(
+                server,
+                files,
+                agent=agent,
+                parameters=agent_parameter or (),
+                seed=seed,
+                out=out,
+                on_result=step,
+            )
         else:
             from drivora_service.cli.local_runs import run_locally
 
             done += run_locally(
                 files,
                 agent=agent,
+                parameters=parameters,
                 seed=seed,
                 out=out,
                 workers=workers,
@@ -120,6 +139,17 @@ def _gate(rules: Sequence[str]) -> Gate:
     except ConfigurationError as error:
         fail(str(error))
         raise typer.Exit(ExitCode.WRONG_USE) from error
+
+
+def _parameters(texts: Sequence[str]) -> tuple[AgentParameter, ...]:
+    from drivora_service.errors import InvalidDocument
+    from drivora_service.scenario.agent_parameters import read_agent_parameter
+
+    try:
+        return tuple(read_agent_parameter(text) for text in texts)
+    except InvalidDocument as error:
+        message = error.problems[0].message
+        raise typer.BadParameter(message, param_hint="--agent-parameter") from error
 
 
 @contextmanager
