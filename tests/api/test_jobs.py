@@ -56,6 +56,44 @@ ego_vehicles:
     assert (job["status"], job["agent"], job["seed"]) == ("finished", "sumo-idm", 7)
 
 
+def test_parameters_of_agents_are_taken_from_the_request(
+    http: httpx.Client, scenario: dict[str, Any]
+) -> None:
+    setting = {"agent_parameter": ["speed_factor=0.5", "ego:speed_factor=0.6"]}
+    posted = http.post("/api/v1/jobs", json=scenario, params=setting)
+    assert posted.status_code == 202, posted.text
+    job = wait_until_final(http, posted.json()["id"])
+    run = http.get(f"/api/v1/runs/{job['id']}").json()
+    assert run["agents"] == {"ego": {"name": "idm", "parameters": {"speed_factor": 0.6}}}
+    document = http.get(run["scenario_url"]).json()
+    assert document["ego_vehicles"][0]["agent"]["parameters"] == {"speed_factor": 0.6}
+    driven = {"agent": "sumo-idm", "agent_parameter": "lane_change_model=SL2015"}
+    posted = http.post("/api/v1/jobs", json=scenario, params=driven)
+    job = wait_until_final(http, posted.json()["id"])
+    agents = http.get(f"/api/v1/runs/{job['id']}").json()["agents"]
+    assert agents["ego"]["name"] == "sumo-idm"
+    assert agents["ego"]["parameters"]["lane_change_model"] == "SL2015"
+
+
+@pytest.mark.parametrize(
+    ("setting", "pointer", "said"),
+    [
+        ("pace=1", "/ego_vehicles/0/agent/parameters/pace", "has no parameter 'pace'"),
+        ("speed_factor=fast", "/ego_vehicles/0/agent/parameters/speed_factor", "allowed: a number"),
+        ("speed_factor", "", "allowed: NAME=VALUE"),
+        ("ego_9:speed_factor=1", "", "its egos: ego"),
+    ],
+)
+def test_wrong_parameters_in_a_request_are_named(
+    offline: Offline, scenario: dict[str, Any], setting: str, pointer: str, said: str
+) -> None:
+    posted = offline.client.post("/api/v1/jobs", json=scenario, params={"agent_parameter": setting})
+    assert posted.status_code == 422
+    (problem,) = posted.json()["problems"]
+    assert problem["pointer"] == pointer
+    assert said in problem["message"]
+
+
 @pytest.mark.parametrize(
     ("query", "pointers"),
     [

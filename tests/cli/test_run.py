@@ -22,6 +22,7 @@ PROMISED = {
     "wall_time_s",
     "step_cost_us",
     "agent_cost_us",
+    "agents",
     "privileged",
 }
 
@@ -43,6 +44,29 @@ def test_one_scenario_prints_one_object_and_leaves_its_trace(
     assert trace_sha256(trace) == result["trace_sha256"]
     assert trace.step_count == result["steps"]
     assert json.loads((out / "crossing.report.json").read_text()) == result
+
+
+def test_parameters_of_agents_are_set_and_kept_with_the_trace(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    setting = ("--agent-parameter", "speed_factor=0.5", "--agent-parameter", "ego:speed_factor=0.6")
+    ended = drivora("run", scenario_file, *setting, "--out", out, "--json")
+    assert ended.code == 0, ended.err
+    agents = {"ego": {"name": "idm", "parameters": {"speed_factor": 0.6}}}
+    assert ended.json()["agents"] == agents
+    assert read_trace(out / "crossing.trace.parquet").meta["agents"] == agents
+    usual = drivora("run", scenario_file, "--json").json()
+    assert usual["agents"] == {"ego": {"name": "idm", "parameters": {"speed_factor": 1.0}}}
+    assert usual["sim_time_s"] < ended.json()["sim_time_s"]
+
+    wrong = drivora("run", scenario_file, "--agent-parameter", "speed=1", "--json")
+    assert wrong.code == 3
+    (problem,) = wrong.json()["error"]["problems"]
+    assert problem["pointer"] == "/ego_vehicles/0/agent/parameters/speed"
+    malformed = drivora("run", scenario_file, "--agent-parameter", "speed")
+    assert malformed.code == 2
+    assert "allowed: NAME=VALUE" in " ".join(malformed.err.split())
 
 
 def test_a_folder_is_a_batch_in_which_broken_files_harm_nobody(

@@ -83,7 +83,13 @@ def test_the_metadata_are_those_of_a_real_file(trace_file: Path) -> None:
 def _entries(value: Any, name: str) -> Iterator[str]:
     """Yields the places of all values, as the page writes them."""
     if isinstance(value, dict):
-        named = name in ("lights.changes", "meta.versions", "lane_ids")
+        named = name in (
+            "lights.changes",
+            "meta.agents",
+            "meta.agents.NAME.parameters",
+            "meta.versions",
+            "lane_ids",
+        )
         for key, inner in value.items():
             part = "NAME" if named else key
             yield from _entries(inner, f"{name}.{part}" if name else part)

@@ -52,7 +52,7 @@ def given(*texts: str) -> list[AgentParameter]:
 
 def test_a_later_one_replaces_an_earlier_one(scenario: Scenario) -> None:
     changed = with_agent_parameters(
-        scenario, given("speed_factor=1.1", "ego_0:speed_factor=0.9"), AGENTS
+        scenario, given("speed_factor=1.1", "ego:speed_factor=0.9"), AGENTS
     )
     (ego,) = changed.ego_vehicles
     assert (ego.agent.name, dict(ego.agent.parameters)) == ("idm", {"speed_factor": 0.9})
@@ -73,8 +73,8 @@ def test_every_problem_is_named_with_its_place(scenario: Scenario) -> None:
     with pytest.raises(InvalidDocument) as caught:
         with_agent_parameters(scenario, wrong, AGENTS)
     ego, unknown, kind = caught.value.problems
-    assert (ego.code, "its egos: ego_0" in ego.message) == ("unknown_ego", True)
+    assert (ego.code, "its egos: ego" in ego.message) == ("unknown_ego", True)
     assert unknown.pointer == "/ego_vehicles/0/agent/parameters/speed"
-    assert "agent 'idm' has no parameter 'speed'; did you mean 'speed_factor'?" in unknown.message
+    assert "agent 'idm' has no parameter 'speed'; known: speed_factor" in unknown.message
     assert kind.pointer == "/ego_vehicles/0/agent/parameters/speed_factor"
     assert 'speed_factor is "fast"; allowed: a number from 0.1 to 2' in kind.message
