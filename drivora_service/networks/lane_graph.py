@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.tight_turns import tight_turns
 
 CHANGE_COST = 25.0
 """Metres of detour that one lane change is worth."""
@@ -48,13 +49,16 @@ class LaneGraph:
     Attributes:
         lengths: Arc length of each lane's centre line, metres.
         siblings: Lanes of the same edge that can be reached, the lane itself first.
-        successors: Drivable lanes behind each lane's end.
+        successors: Drivable lanes behind each lane's end, without those that only a turn leads to
+            which no car can drive.
+        tight: Those.
         steps: Cheapest ways from a lane's start to the start of each lane behind its edge.
     """
 
     lengths: tuple[float, ...]
     siblings: tuple[tuple[Sibling, ...], ...]
     successors: tuple[tuple[int, ...], ...]
+    tight: tuple[tuple[int, ...], ...]
     steps: tuple[tuple[Step, ...], ...]
 
 
@@ -73,7 +77,7 @@ def lane_graph(network: RoadNetwork) -> LaneGraph:
     """Gives the graph of a network, built on the first call for this network object."""
     lengths = tuple(float(lane.arc[-1]) for lane in network.lanes)
     siblings = tuple(_siblings(network, lane) for lane in network.lanes)
-    successors = tuple(
+    behind = tuple(
         tuple(
             dict.fromkeys(
                 link.to_lane for link in lane.connections if network.lanes[link.to_lane].drivable
@@ -83,8 +87,18 @@ def lane_graph(network: RoadNetwork) -> LaneGraph:
         else ()
         for lane in network.lanes
     )
+    turns = tight_turns(network)
+    successors, tight = (
+        tuple(
+            tuple(to for to in lanes if ((lane, to) in turns) is wanted)
+            for lane, lanes in enumerate(behind)
+        )
+        for wanted in (False, True)
+    )
     steps = tuple(leaving(lengths, siblings, successors, lane.index, 0.0) for lane in network.lanes)
-    return LaneGraph(lengths=lengths, siblings=siblings, successors=successors, steps=steps)
+    return LaneGraph(
+        lengths=lengths, siblings=siblings, successors=successors, tight=tight, steps=steps
+    )
 
 
 def leaving(

@@ -1,7 +1,8 @@
 """The cheapest way through the lanes that passes places in order.
 
 Every place may be on one of several lanes. The search goes from place to place and keeps, for each
-lane that the place may be on, the cheapest way there from any lane of the place before.
+lane that the place may be on, the cheapest way there from any lane of the place before. A turn that
+no car can drive is part of a leg only where the leg begins before it and ends in or behind it.
 """
 
 from __future__ import annotations
@@ -11,10 +12,17 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 
-from drivora_service.networks.lane_graph import LaneGraph, change_cost, leaving
+from drivora_service.networks.lane_graph import LaneGraph, Step, change_cost, leaving
 
 BEHIND_TOLERANCE = 1.0
 """Metres that a place may lie behind the one before on the same lane and still count as reached."""
+
+NAMED_COST = 20.0
+"""Metres by which a candidate may cost more than the cheapest of its place and still be the lane
+that the place names."""
+
+_TURN_LANES = 4
+"""Lanes of a turn, at most, with the one behind it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,6 +161,13 @@ def _search_leg(
             if extra is not None:
                 doors.setdefault(sibling.lane, []).append((j, target.s + extra))
 
+    dearest = min(target.cost for target in targets) + NAMED_COST
+    ends = {
+        sibling.lane
+        for target in targets
+        if target.cost <= dearest
+        for sibling in graph.siblings[target.lane]
+    }
     # parent: (lane before or -1, source or -1, lane at the end of the edge before)
     parent: dict[int, tuple[int, int, int]] = {}
     cost_to: dict[int, float] = {}
@@ -160,7 +175,8 @@ def _search_leg(
     for i, source in enumerate(sources):
         if math.isinf(source_costs[i]):
             continue
-        for step in leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s):
+        first = leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s)
+        for step in (*first, *_turns_asked_for(graph, source, ends)):
             if allowed is not None and step.lane not in allowed:
                 continue
             cost = source_costs[i] + step.cost
@@ -196,6 +212,22 @@ def _search_leg(
         else _arrival(graph, sources, target, best[j], entry[j], parent)
         for j, target in enumerate(targets)
     ]
+
+
+def _turns_asked_for(graph: LaneGraph, source: Candidate, ends: Container[int]) -> list[Step]:
+    """Returns the tight turns from the edge of a source that lead to lanes of ``ends``."""
+    turns = leaving(graph.lengths, graph.siblings, graph.tight, source.lane, source.s)
+    return [turn for turn in turns if _leads_into(graph, turn.lane, ends)]
+
+
+def _leads_into(graph: LaneGraph, lane: int, ends: Container[int]) -> bool:
+    for _ in range(_TURN_LANES):
+        if lane in ends:
+            return True
+        if not graph.successors[lane]:
+            return False
+        lane = graph.successors[lane][0]
+    return False
 
 
 def _straight_on(graph: LaneGraph, source: Candidate, target: Candidate) -> float:

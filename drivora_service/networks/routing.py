@@ -16,6 +16,7 @@ from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.networks.route_line import build_route
 from drivora_service.networks.route_matching import MIN_TRACK, Place, RouteMatch, match_places
 from drivora_service.networks.route_search import Candidate, EdgePass, Way, search
+from drivora_service.networks.tight_turns import tight_turns
 
 MAX_DISTANCE = 20.0
 """Metres from a point to the nearest drivable lane."""
@@ -132,9 +133,18 @@ def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> RouteMatc
         raise NoRoute(
             f"{_named(points, match)} cannot be reached from {_named(points, match - 1)} on "
             f"network {network.name!r}: no drivable way leads there; move one of them, or check "
-            "that they lie on the side of the road that leads that way"
+            f"that they lie on the side of the road that leads that way{_turn_hint(network)}"
         )
     return match
+
+
+def _turn_hint(network: RoadNetwork) -> str:
+    if not tight_turns(network):
+        return ""
+    return (
+        "; a turn that is tighter than a car can drive is used only between two waypoints, one on "
+        "the road before it and one on the road behind it"
+    )
 
 
 def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> Place:

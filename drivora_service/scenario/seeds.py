@@ -17,6 +17,7 @@ import numpy as np
 from drivora_service.errors import InvalidDocument, NetworkError, NoRoute, Problem
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.tight_turns import tight_turns, uses_tight_turn
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import (
     AgentDocument,
@@ -126,14 +127,18 @@ _DEAD_END = "the road ends before the wanted length"
 def _walk(
     network: RoadNetwork, lane: Lane, wanted: float, random: np.random.Generator
 ) -> tuple[RoutePoint, RoutePoint] | None:
-    """Drives ``wanted`` metres from a random place on ``lane``; ``None`` in a dead end."""
+    """Drives ``wanted`` metres from a random place on ``lane``; ``None`` in a dead end.
+
+    A turn that no car can drive leads nowhere.
+    """
+    tight = tight_turns(network)
     margin = min(_END_MARGIN, 0.25 * float(lane.arc[-1]))
     s = float(random.uniform(margin, float(lane.arc[-1]) - margin))
     start = _point(lane, s)
     left = wanted
     while s + left > float(lane.arc[-1]):
         ways = [c for c in lane.connections if network.lanes[c.to_lane].drivable]
-        ways = [c for c in ways if c.direction != "t"] or ways
+        ways = [c for c in ways if (lane.index, c.to_lane) not in tight]
         if not ways:
             return None
         left -= float(lane.arc[-1]) - s
@@ -168,9 +173,12 @@ def _refusal(
         if near_start and math.hypot(destination.x - to_x, destination.y - to_y) < _MIN_DIFFERENCE:
             return "much like an earlier seed"
     try:
-        length = plan_route(network, route).length
+        planned = plan_route(network, route)
     except NoRoute:
         return "no drivable way"
+    if uses_tight_turn(network, planned):
+        return "the way turns round more tightly than a car can"
+    length = planned.length
     if length < min_length:
         return "the direct way is too short"
     return "the way is too long" if length > max_length else None

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.tight_turns import tight_turns
 from drivora_service.scenario.model import Region
 
 FloatArray = NDArray[np.float64]
@@ -49,10 +50,11 @@ class Wanderers:
         route = [edge]
         while len(route) < _ROUTE_EDGES:
             choices = self._next.get(route[-1], ())
-            # Turning round on the spot is what a lost driver does, not traffic.
-            onward = tuple(c for c in choices if not _is_turn_around(route[-1], c)) or choices
-            if not onward:
+            # Where the road ends, a vehicle leaves: turning round there leads off the road.
+            if not choices:
                 break
+            # Turning round elsewhere is what a lost driver does, not traffic.
+            onward = tuple(c for c in choices if not _is_turn_around(route[-1], c)) or choices
             route.append(onward[int(self._rng.integers(len(onward)))])
         return route
 
@@ -86,9 +88,15 @@ def clearance_points(x: float, y: float) -> FloatArray:
 
 
 def _edges_behind(network: RoadNetwork, lane: Lane) -> list[str]:
-    """Gives the edges that the lane's movements lead to, through internal lanes."""
+    """Returns the edges that the lane's movements lead to, through internal lanes.
+
+    Turns that no car can drive are left out.
+    """
+    turns = tight_turns(network)
     found = []
     for connection in lane.connections:
+        if (lane.index, connection.to_lane) in turns:
+            continue
         target = network.lanes[connection.to_lane]
         while target.is_internal and target.drivable and target.connections:
             target = network.lanes[target.connections[0].to_lane]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.tight_turns import tight_turns
 
 MAX_CHOICES = 3
 """Junctions at which a way divides into all directions; behind them it takes the straightest."""
@@ -33,8 +34,8 @@ class LaneWalk:
 def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iterator[LaneWalk]:
     """Gives the ways of ``length`` metres from a place on a lane, in a fixed order.
 
-    A way never changes lanes or passes a lane twice, and turns around only where there is no other
-    way; it is shorter where the road ends. None ends inside a junction.
+    A way never changes lanes, passes a lane twice or turns more tightly than a car can; it is
+    shorter where the road ends. None ends inside a junction.
     """
     lengths = lane_graph(network).lengths
     waiting: list[tuple[tuple[int, ...], float, int]] = [((lane,), lengths[lane] - s, 0)]
@@ -67,6 +68,7 @@ def _least_end(lanes: tuple[int, ...], lengths: tuple[float, ...], s: float) -> 
 def _ways(network: RoadNetwork, lane: Lane) -> list[int]:
     """Gives the lanes behind a lane, the straightest first."""
     links = [link for link in lane.connections if network.lanes[link.to_lane].drivable]
-    links = [link for link in links if link.direction != "t"] or links
+    turns = tight_turns(network)
+    links = [link for link in links if (lane.index, link.to_lane) not in turns]
     links.sort(key=lambda link: "sRLrlt".find(link.direction))
     return list(dict.fromkeys(link.to_lane for link in links))
