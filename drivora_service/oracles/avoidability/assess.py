@@ -15,7 +15,7 @@ from drivora_service.observations.trace import FloatArray, Role, Trace
 from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
 from drivora_service.oracles.avoidability.breach import Breach, own_breach
 from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
-from drivora_service.oracles.avoidability.evasion import steers_clear
+from drivora_service.oracles.avoidability.evasion import find_evasion
 from drivora_service.oracles.avoidability.replay import Replay, cut_out
 from drivora_service.oracles.avoidability.risk import Perceived, perceive_risk
 from drivora_service.oracles.verdict import Answer
@@ -104,7 +104,7 @@ def _physically(
 ) -> bool:
     if instant_braking(replay, grip, brakes, row) >= 0:
         return True
-    return steers_clear(
+    evasion = find_evasion(
         replay,
         ego.network,
         min(row, replay.contact - 1),
@@ -113,6 +113,7 @@ def _physically(
         wheelbase=model.wheelbase if model is not None else _WHEELBASE_SHARE * replay.length,
         max_steer=model.max_steer if model is not None else _MAX_STEER,
     )
+    return evasion is not None
 
 
 def _evidence(

@@ -15,7 +15,7 @@ from drivora_service.oracles.avoidability.replay import Replay
 _LEAST_SHARE = 0.2
 """Of the grip that bends leave for braking (as of the ego's own dynamics)."""
 
-_WAIT = 2.0
+WAIT = 2.0
 """Seconds for which others may still run into the ego once it stands."""
 
 
@@ -192,6 +192,6 @@ def _brakes_clear(
             return False
         if standing:
             stood += step
-            if t >= contact and stood >= _WAIT:
+            if t >= contact and stood >= WAIT:
                 return True
     return True

@@ -16,7 +16,7 @@ from drivora_service.geometry import box_corners
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import BoolArray, FloatArray
-from drivora_service.oracles.avoidability.braking import meets, place_on, pose_on
+from drivora_service.oracles.avoidability.braking import WAIT, meets, place_on, pose_on
 from drivora_service.oracles.avoidability.replay import Replay
 
 BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
@@ -34,11 +34,8 @@ OUTSIDE = 0.3
 _STRAIGHT_SHARE = 0.95
 """Of the grip, for braking once the ego is back in direction; the rest keeps it there."""
 
-_LASTS = 4.0
-"""Seconds of a manoeuvre; the ego brakes with what is left from when it is back in direction."""
 
-
-def steers_clear(
+def find_evasion(
     replay: Replay,
     network: RoadNetwork,
     row: int,
@@ -47,8 +44,8 @@ def steers_clear(
     brakes: float,
     wheelbase: float,
     max_steer: float,
-) -> bool:
-    """Tells whether any manoeuvre from ``row`` on avoids everybody within the drivable area.
+) -> FloatArray | None:
+    """Returns a manoeuvre from ``row`` on that avoids everybody within the drivable area.
 
     Args:
         replay: The collision.
@@ -58,9 +55,11 @@ def steers_clear(
         brakes: Full deceleration of the vehicle, m/s².
         wheelbase: Metres.
         max_steer: Radians at the front wheels.
+
+    Returns:
+        (n, 3) x, y and heading, one a row after ``row``; ``None`` where no manoeuvre does.
     """
-    rows = min(round(_LASTS / replay.step), len(replay.others) - 1 - row)
-    poses = np.zeros((rows, 3))
+    poses = np.zeros((len(replay.others) - 1 - row, 3))
     for share in BRAKING_SHARES:
         for side in (1.0, -1.0):
             for time in ASIDE_TIMES:
@@ -80,8 +79,8 @@ def steers_clear(
                     poses,
                 )
                 if count > 0 and _on_road(network, poses[:count], replay):
-                    return True
-    return False
+                    return poses[:count]
+    return None
 
 
 def _on_road(network: RoadNetwork, poses: FloatArray, replay: Replay) -> bool:
@@ -111,6 +110,7 @@ def _evade(
     arc, i = path[row, 0], row
     steer = math.atan(path[row, 4] * wheelbase)
     followed = np.zeros(sizes.shape[0], dtype=np.bool_)
+    stood = 0.0
     turn_back = False
     straight = False
     count = len(poses)
@@ -152,6 +152,8 @@ def _evade(
             others[at], present[at], sizes, walks, followed,
         ):  # fmt: skip
             return 0
-        if speed <= 0.0 and at > contact:
-            return t + 1
+        if speed <= 0.0:
+            stood += step
+            if at > contact and stood >= WAIT:
+                return t + 1
     return count

@@ -1,4 +1,4 @@
-"""The latest moment to brake, against the simulation: the same run with an ego that brakes then."""
+"""What would have avoided a collision, against the simulation: the same run with such an ego."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from drivora_service.agents.interface import AccelerationControl, Observation
+from drivora_service.agents.interface import AccelerationControl, Control, Observation, PoseControl
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
+from drivora_service.oracles.avoidability.braking import instant_braking
 from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.evasion import find_evasion
+from drivora_service.oracles.avoidability.replay import cut_out
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.model import Scenario, Waypoint, Weather
@@ -103,3 +107,47 @@ def test_a_trace_says_how_much_grip_the_road_had_and_how_far_could_be_seen() -> 
     assert dry["friction"] == 1.0
     assert slippery["friction"] == pytest.approx(0.4)
     assert dry["perception_range"] >= 100.0
+
+
+@pytest.mark.parametrize("weather", [Weather(), SLIPPERY], ids=["dry", "slippery"])
+def test_an_evasion_can_be_driven_and_passes_what_braking_no_longer_avoids(
+    weather: Weather,
+) -> None:
+    motorway = "highway"
+    way = (place("eb_1_1", 5.0, on=motorway), place("eb_1_1", 300.0, on=motorway))
+    what = scenario(
+        ego(*way, initial_speed=25.0),
+        on=motorway,
+        seconds=14.0,
+        weather=weather,
+        npc_obstacles=(obstacle(place("eb_1_1", 150.0, on=motorway)),),
+    )
+    blind = run(what, braking_from(10_000, 1.0))
+    grip = blind.meta["friction"] * GRAVITY
+    (contact,) = blind.contacts
+    view = RunView(blind, network(motorway)).egos[0]
+    replay = cut_out(view, contact.step - view.first, contact.other)
+    row = instant_braking(replay, grip, 100.0, 0) + 1
+    poses = find_evasion(
+        replay, network(motorway), row, grip=grip, brakes=8.0, wheelbase=2.9, max_steer=0.7
+    )
+    assert poses is not None
+
+    def answer(observation: Observation) -> Control:
+        ahead = observation.step - replay.first - row
+        if ahead < 0:
+            return AccelerationControl(0.0, 0.0)
+        if ahead >= len(poses):
+            return AccelerationControl(-8.0, 0.0)
+        x, y, yaw = poses[ahead].tolist()
+        return PoseControl(x, y, yaw)
+
+    trace = run(what, Scripted(answer))
+    assert contacts(trace) == []
+    driven = trace.states[replay.first + row + 1 :][: len(poses), 0, :2]
+    off = np.hypot(*(driven - poses[: len(driven), :2]).T)
+    assert off.max() < 0.5
+    # The grip that it took, over fifths of a second.
+    velocity = np.diff(driven, axis=0)[::4] / trace.step_length
+    took = np.hypot(*np.diff(velocity, axis=0).T) / (4 * trace.step_length)
+    assert took.max() < 1.1 * grip

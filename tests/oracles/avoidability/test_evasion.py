@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drivora_service.oracles.avoidability.driver import GRAVITY
-from drivora_service.oracles.avoidability.evasion import steers_clear
+from drivora_service.oracles.avoidability.evasion import find_evasion
 from drivora_service.testing.traces import Motion
 from tests.oracles.avoidability.collisions import (
     LENGTH,
@@ -18,7 +18,7 @@ from tests.oracles.avoidability.collisions import (
 
 
 def steers(*motions: Motion, friction: float = 1.0, row: int = 0) -> bool:
-    return steers_clear(
+    found = find_evasion(
         cut(collision(*motions)),
         ROAD,
         row,
@@ -27,6 +27,7 @@ def steers(*motions: Motion, friction: float = 1.0, row: int = 0) -> bool:
         wheelbase=2.7,
         max_steer=0.6,
     )
+    return found is not None
 
 
 def needed(speed: float, friction: float) -> float:
