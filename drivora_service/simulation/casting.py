@@ -48,14 +48,14 @@ def cast_actors(plan: EpisodePlan) -> Cast:
     first_follower = len(actors)
     for follower in plan.followers:
         actors.append(follower_actor(follower, len(actors)))
-        bodies.append(body_of(actors[-1], follower.edges, on_lanes=follower.on_lanes))
+        bodies.append(follower_body(follower, actors[-1]))
     for driven in plan.driven:
         size = driven.model
         add(driven.id, Role.NPC_VEHICLE, size.name, size.length, size.width)
     first_obstacle = len(actors)
     for item in plan.obstacles:
         actor = add(item.obstacle.id, Role.NPC_OBSTACLE, item.model.name, item.length, item.width)
-        bodies.append(body_of(actor, (item.edge,), on_lanes=False))
+        bodies.append(body_of(actor, (item.edge,), on_lanes=False, is_fixed=True))
     flow = plan.scenario.background_traffic
     count = 0 if flow is None else flow.count
     for number in range(count):
@@ -94,14 +94,20 @@ def follower_actor(plan: FollowerPlan, row: int) -> Actor:
     )
 
 
-def body_of(actor: Actor, edges: Sequence[str], *, on_lanes: bool) -> Body:
-    """Gives the body with which an actor that the service moves enters SUMO."""
+def follower_body(plan: FollowerPlan, actor: Actor) -> Body:
+    """Returns the body with which a follower enters SUMO; a vehicle that stays is parked."""
+    return body_of(actor, plan.edges, on_lanes=plan.on_lanes, is_fixed=plan.stays)
+
+
+def body_of(actor: Actor, edges: Sequence[str], *, on_lanes: bool, is_fixed: bool = False) -> Body:
+    """Returns the body with which an actor that the service moves enters SUMO."""
     return Body(
         row=actor.row,
         id=actor.id,
         edges=tuple(edges),
         on_lanes=on_lanes,
         is_walker=actor.role is Role.NPC_WALKER,
+        is_fixed=is_fixed,
         length=actor.length,
         width=actor.width,
     )

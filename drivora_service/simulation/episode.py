@@ -25,7 +25,7 @@ from drivora_service.simulation.arrays import (
     lay_obstacles,
     wind_of,
 )
-from drivora_service.simulation.casting import body_of, cast_actors, follower_actor
+from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
 from drivora_service.simulation.look import Look, look_at
@@ -37,6 +37,7 @@ from drivora_service.simulation.plan import (
     plan_walker,
 )
 from drivora_service.simulation.route_tracking import ENDS
+from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.step_kernels import (
     finish_frame,
     make_frame,
@@ -121,7 +122,11 @@ class Episode:
         # SUMO switches at the beginning of a step: what it shows after the step that makes row 0 is
         # what the programmes say of time 0.
         self._sumo.set_programs(plan.programs, 0.0)
-        self._traffic = Traffic(self._sumo, cast.bodies, len(actors), lane_change_model)
+        stand_ins = StandIns(self._sumo, plan.network, self._dt)
+        self._traffic = Traffic(self._sumo, stand_ins, cast.bodies, len(actors), lane_change_model)
+        for m, agent in enumerate(agents):
+            if isinstance(agent, SumoDriver):
+                self._traffic.reserve(m)
         self._announce(actors)
         self._bind()
         self._make_first_frame()
@@ -273,6 +278,7 @@ class Episode:
     def _end(self, m: int, event: TerminalEvent, step: int) -> None:
         if self._team.modes[m] == CommandMode.EXTERNAL:
             self._traffic.take_back(m, on_road=bool(self._world.present[step, m]))
+        self._traffic.fix(m)
         self._team.end(m, event, step)
 
     def look(self) -> Look:
@@ -309,7 +315,7 @@ class Episode:
     def _add_follower(self, plan: FollowerPlan) -> None:
         actor = follower_actor(plan, len(self._world.actors))
         append_follower(self._followers, plan, actor.row)
-        self._traffic.add_body(body_of(actor, plan.edges, on_lanes=plan.on_lanes))
+        self._traffic.add_body(follower_body(plan, actor))
         self._join(actor, plan.model.height)
 
     def _check_new(self, actor_id: str) -> None:

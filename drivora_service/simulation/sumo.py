@@ -42,6 +42,11 @@ who may use a lane, SUMO 1.28 crashed under a walker on a junction with crossing
 _MOVED_TYPE = "DEFAULT_VEHTYPE"
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
+_NO_REACH = -1.0
+"""With it SUMO finds no lane, not even under the pose itself."""
+_FREE_STEPS = 2
+"""Steps for which a vehicle that is new on the lanes is placed freely: mapping onto its route, and
+holding it, work only once it is on the road."""
 _RETRY_AFTER = 40
 """Steps after which a vehicle that was off its route is tried on it again."""
 _ARRIVAL_ZONE = 1.0
@@ -67,17 +72,23 @@ class MovedActor:
     Attributes:
         row: Its row in the world's arrays.
         half_length: Metres from the centre to the front bumper.
+        width: Metres.
+        is_walker: Whether it is a walker.
         follows_route: Whether it is expected on its route, where placing it is cheapest.
         retry_in: Steps until the route is tried again.
         stands: Whether SUMO holds it at its pose without being told each step.
+        off_lanes: Whether it is on no lane in SUMO, wherever its pose is: stand-ins are, for it.
     """
 
     row: int
     id: str
     half_length: float
+    width: float
+    is_walker: bool
     follows_route: bool
     retry_in: int = 0
     stands: bool = False
+    off_lanes: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -87,11 +98,13 @@ class DrivenActor:
     Attributes:
         row: Its row in the world's arrays.
         half_length: Metres from the centre to the front bumper.
+        width: Metres.
     """
 
     row: int
     id: str
     half_length: float
+    width: float
 
 
 class SumoWorld:
@@ -140,9 +153,34 @@ class SumoWorld:
         self._add(actor_id, edges, vehicle_type)
         libsumo.vehicle.setSpeedMode(actor_id, 0)
         libsumo.vehicle.setLaneChangeMode(actor_id, 0)
-        # Mapping onto the route works only once the vehicle is on the road: the first placements
-        # are free.
-        return MovedActor(row, actor_id, 0.5 * length, follows_route, retry_in=2)
+        return MovedActor(
+            row, actor_id, 0.5 * length, width, is_walker, follows_route, retry_in=_FREE_STEPS
+        )
+
+    def add_stand_in(
+        self, stand_in_id: str, edges: Sequence[str], *, length: float, width: float
+    ) -> None:
+        """Adds a vehicle that stands on a lane; ``move_stand_in`` puts it there.
+
+        Args:
+            stand_in_id: A new id.
+            edges: The edge of the lane alone, so that it approaches no junction, or the edges
+                before and behind an internal lane.
+            length: Metres.
+            width: Metres.
+        """
+        self._add(stand_in_id, edges, self._sized_type(_MOVED_TYPE, length, width, False))
+        libsumo.vehicle.setSpeedMode(stand_in_id, 0)
+        libsumo.vehicle.setLaneChangeMode(stand_in_id, 0)
+        libsumo.vehicle.setSpeed(stand_in_id, 0.0)
+
+    def move_stand_in(self, stand_in_id: str, lane: str, position: float) -> None:
+        """Puts a stand-in with its front bumper at ``position`` metres of a lane on its route."""
+        libsumo.vehicle.moveTo(stand_in_id, lane, position)
+
+    def lane_of(self, actor_id: str) -> str:
+        """Returns the id of the lane that SUMO has a vehicle on; "" where it is on none."""
+        return str(libsumo.vehicle.getLaneID(actor_id))
 
     def add_driven(
         self,
@@ -173,7 +211,7 @@ class SumoWorld:
             departSpeed="last",
         )
         libsumo.vehicle.subscribe(actor_id, _READ)
-        return DrivenActor(row, actor_id, 0.5 * length)
+        return DrivenActor(row, actor_id, 0.5 * length, width)
 
     def _add(self, actor_id: str, edges: Sequence[str], vehicle_type: str, **depart: str) -> None:
         route = f"route:{self._routes}"
@@ -205,16 +243,16 @@ class SumoWorld:
         """Sets the speed from which a vehicle's next step goes on, m/s."""
         libsumo.vehicle.setPreviousSpeed(actor_id, speed)
 
-    def hand_over(self, actor: MovedActor, speed: float, driver: str, width: float) -> DrivenActor:
+    def hand_over(self, actor: MovedActor, speed: float, driver: str) -> DrivenActor:
         """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""
-        driven = self._sized_type(driver, 2.0 * actor.half_length, width, is_walker=False)
+        driven = self._sized_type(driver, 2.0 * actor.half_length, actor.width, is_walker=False)
         libsumo.vehicle.setType(actor.id, driven)
         libsumo.vehicle.setSpeed(actor.id, -1.0)
         libsumo.vehicle.setPreviousSpeed(actor.id, speed)
         libsumo.vehicle.setSpeedMode(actor.id, _OBEYS_ALL)
         libsumo.vehicle.setLaneChangeMode(actor.id, _CHANGES_LANES)
         libsumo.vehicle.subscribe(actor.id, _READ)
-        return DrivenActor(actor.row, actor.id, actor.half_length)
+        return DrivenActor(actor.row, actor.id, actor.half_length, actor.width)
 
     def take_back(self, actor: DrivenActor) -> MovedActor:
         """Moves a vehicle again that SUMO drove until now.
@@ -224,7 +262,9 @@ class SumoWorld:
         libsumo.vehicle.unsubscribe(actor.id)
         libsumo.vehicle.setSpeedMode(actor.id, 0)
         libsumo.vehicle.setLaneChangeMode(actor.id, 0)
-        return MovedActor(actor.row, actor.id, actor.half_length, follows_route=False, retry_in=1)
+        return MovedActor(
+            actor.row, actor.id, actor.half_length, actor.width, False, False, retry_in=1
+        )
 
     def place(self, actors: Sequence[MovedActor], placements: Sequence[Sequence[float]]) -> None:
         """Puts moved actors at their poses for the next step.
@@ -237,6 +277,11 @@ class SumoWorld:
         move = libsumo.vehicle.moveToXY
         for actor in actors:
             x, y, angle, moved = placements[actor.row]
+            if actor.off_lanes:
+                actor.stands = False
+                actor.retry_in = _FREE_STEPS
+                move(actor.id, "", -1, x, y, angle, _ANYWHERE, _NO_REACH)
+                continue
             if moved == 0.0:
                 if not actor.stands and actor.retry_in <= 0 and not _at_route_end(actor.id):
                     libsumo.vehicle.setSpeed(actor.id, 0.0)

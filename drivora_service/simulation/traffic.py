@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivora_service.agents.sumo_driver import LaneChangeModel
 from drivora_service.simulation.background import LENGTH, WIDTH, Wanderers
 from drivora_service.simulation.plan import DrivenPlan
+from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
 
 FloatArray = NDArray[np.float64]
@@ -23,13 +24,19 @@ _EDGES_LEFT = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
-    """How a moved row enters SUMO."""
+    """How a moved row enters SUMO.
+
+    Attributes:
+        on_lanes: Whether it keeps to ``edges``.
+        is_fixed: Whether it never moves.
+    """
 
     row: int
     id: str
     edges: tuple[str, ...]
     on_lanes: bool
     is_walker: bool
+    is_fixed: bool
     length: float
     width: float
 
@@ -62,14 +69,18 @@ class Traffic:
     def __init__(
         self,
         sumo: SumoWorld,
+        stand_ins: StandIns,
         bodies: Sequence[Body],
         count: int,
         lane_change_model: LaneChangeModel = "LC2013",
     ) -> None:
         """Takes the bodies of a world of ``count`` rows, and how SUMO's vehicles change lanes."""
         self._sumo = sumo
+        self._stand_ins = stand_ins
         self._driver = f"{_DRIVER}-{lane_change_model}"
-        self._bodies = {body.row: body for body in bodies}
+        self._bodies: dict[int, Body] = {}
+        for body in bodies:
+            self.add_body(body)
         self._moved: dict[int, MovedActor] = {}
         self._moved_list: list[MovedActor] = []
         self.driven: list[DrivenActor] = []
@@ -83,6 +94,16 @@ class Traffic:
     def add_body(self, body: Body) -> None:
         """Announces a row that the service moves."""
         self._bodies[body.row] = body
+        if body.is_fixed:
+            self._stand_ins.fixed.add(body.row)
+
+    def reserve(self, row: int) -> None:
+        """Announces that a row will be handed over."""
+        self._stand_ins.reserved.add(row)
+
+    def fix(self, row: int) -> None:
+        """Announces that a moved row is a wreck from now on."""
+        self._stand_ins.fix(row)
 
     def make_room(self, count: int) -> None:
         """Fits the arrays to a world of ``count`` rows, after bodies have been added."""
@@ -108,7 +129,7 @@ class Traffic:
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
         self.is_moved[row] = False
-        self.driven.append(self._sumo.hand_over(actor, speed, driver, self._bodies[row].width))
+        self.driven.append(self._sumo.hand_over(actor, speed, driver))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
         """Moves a row again that SUMO drove until now, or forgets it if it has left the road.
@@ -139,7 +160,9 @@ class Traffic:
         """
         if changes:
             self._enter_and_leave(present)
-        self._sumo.place(self._moved_list, self.placements.tolist())
+        placements = self.placements.tolist()
+        self._stand_ins.tend(self._moved_list, placements, frame)
+        self._sumo.place(self._moved_list, placements)
         if self._waiting:
             self._start_driven(time)
         if self._background is not None and time >= self._background.start_time - 1e-9:
@@ -178,6 +201,7 @@ class Traffic:
             else:
                 actor = self._moved.pop(row)
                 self._moved_list.remove(actor)
+                self._stand_ins.forget(row)
                 self._sumo.remove(body.id)
             self.known[row] = next_present[row]
 

@@ -1,0 +1,212 @@
+"""Stand-ins: what reaches into a lane from another, or from beside the road, made known to SUMO.
+
+A vehicle in SUMO is on one lane, that of its front bumper, and reaches back along it by its length.
+So SUMO's drivers do not see a wreck that lies across two lanes in more than one, nor a parked
+vehicle that reaches in from the verge, while they stop for what only touches their lane. Standing
+actors, and all walkers, are therefore looked at as boxes: where that differs from what SUMO has,
+the actor itself is taken off SUMO's lanes (it stays at its place), and on every lane that it
+reaches into stands a vehicle that covers the part under the box. Stand-ins are in SUMO only: they
+have no row, agents and followers do not see them, and nothing is recorded of them.
+
+On the lanes inside a junction a standing vehicle also stops traffic that crosses its lane behind
+or before it. There, stand-ins are only for what does not drive off again by itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.simulation.footprint import Overlap, lanes_under
+from drivora_service.simulation.sumo import MovedActor, SumoWorld
+
+FloatArray = NDArray[np.float64]
+
+_SETTLED = 1.0
+"""Seconds for which a vehicle must stand that may drive on; what never moves counts at once."""
+_ALIGNED = 0.3
+"""Radians: as SUMO has a vehicle, it lies along its lane."""
+_ROUNDING = 0.25
+"""Metres: lengths of stand-ins are multiples, so that a moving walker needs few."""
+_ARRIVAL_ZONE = 1.0
+"""Metres before the end of a lane that stay free: SUMO would take a stand-in there as arrived."""
+
+
+@dataclass(slots=True, eq=False)
+class _Stance:
+    """What is known of a moved actor.
+
+    Attributes:
+        stood: Steps for which it has stood.
+        seen: Whether its box has been looked at since it moved last.
+        held: Its stand-ins: id and length in metres, by lane index.
+    """
+
+    stood: int = 0
+    seen: bool = False
+    held: dict[int, tuple[str, float]] = field(default_factory=dict)
+
+
+class StandIns:
+    """The stand-ins of all actors that the service moves.
+
+    Attributes:
+        fixed: Rows that never drive on: wrecks, parked vehicles, obstacles.
+        reserved: Rows that SUMO is going to drive: they stay on their lanes.
+    """
+
+    def __init__(self, sumo: SumoWorld, network: RoadNetwork, step_length: float) -> None:
+        self._sumo = sumo
+        self._network = network
+        self._patience = math.ceil(_SETTLED / step_length - 1e-9)
+        self._made = 0
+        self.reserved: set[int] = set()
+        self.fixed: set[int] = set()
+        self._stances: dict[int, _Stance] = {}
+        self._before: dict[int, tuple[int, ...]] = {}
+        for lane in network.lanes:
+            for link in lane.connections:
+                if lane.drivable:
+                    before = self._before.get(link.to_lane, ())
+                    self._before[link.to_lane] = (*before, lane.index)
+
+    def tend(
+        self,
+        actors: Sequence[MovedActor],
+        placements: Sequence[Sequence[float]],
+        frame: FloatArray,
+    ) -> None:
+        """Brings the stand-ins up to date before SUMO steps.
+
+        Args:
+            actors: All that the service moves now.
+            placements: As for ``SumoWorld.place``.
+            frame: (N, 9) the frame that SUMO is about to be shown.
+        """
+        for actor in actors:
+            row = actor.row
+            if row in self.reserved:
+                continue
+            stance = self._stances.get(row)
+            if stance is None:
+                stance = self._stances[row] = _Stance()
+            moved = placements[row][3] != 0.0
+            if actor.is_walker:
+                if moved or not stance.seen:
+                    stance.seen = True
+                    actor.off_lanes = True
+                    self._stand(stance, self._under(actor, frame))
+            elif moved:
+                if stance.stood:
+                    self._let_go(actor, stance)
+            else:
+                stance.stood += 1
+                if not stance.seen and (row in self.fixed or stance.stood >= self._patience):
+                    stance.seen = True
+                    self._settle(actor, stance, frame)
+
+    def forget(self, row: int) -> None:
+        """Removes the stand-ins of an actor that leaves, or that SUMO drives from now on."""
+        stance = self._stances.pop(row, None)
+        if stance is not None:
+            self._stand(stance, ())
+
+    def fix(self, row: int) -> None:
+        """Has an actor looked at anew that will not drive on from now on."""
+        self.fixed.add(row)
+        self.reserved.discard(row)
+        stance = self._stances.get(row)
+        if stance is not None:
+            stance.seen = False
+
+    def _let_go(self, actor: MovedActor, stance: _Stance) -> None:
+        stance.stood, stance.seen = 0, False
+        if actor.off_lanes:
+            actor.off_lanes = False
+            self._stand(stance, ())
+
+    def _settle(self, actor: MovedActor, stance: _Stance, frame: FloatArray) -> None:
+        """Takes a standing vehicle or obstacle off its lane where its box says otherwise."""
+        under = self._under(actor, frame)
+        lanes = self._network.lanes
+        if actor.row not in self.fixed and any(lanes[one.lane].is_internal for one in under):
+            return
+        known = "" if actor.off_lanes else self._sumo.lane_of(actor.id)
+        yaw = float(frame[actor.row, 2])
+        expected = [
+            lanes[one.lane].id for one in under if math.cos(one.heading - yaw) > math.cos(_ALIGNED)
+        ]
+        if (
+            not actor.off_lanes
+            and len(expected) == len(under)
+            and expected == [known] * bool(known)
+        ):
+            return
+        actor.off_lanes = True
+        self._stand(stance, under)
+
+    def _under(self, actor: MovedActor, frame: FloatArray) -> tuple[Overlap, ...]:
+        """Returns the stretches of lanes under an actor that traffic reaches before its others."""
+        x, y, yaw = frame[actor.row, :3].tolist()
+        height = float(frame[actor.row, 8])
+        length = 2.0 * actor.half_length
+        under = lanes_under(self._network, (x, y, yaw), height, length, actor.width)
+        if len(under) < 2:
+            return under
+        lanes = {one.lane for one in under}
+        # Behind a lane that is blocked, its continuation needs no stand-in, unless others lead
+        # there.
+        return tuple(
+            one
+            for one in under
+            if not self._before.get(one.lane) or not lanes.issuperset(self._before[one.lane])
+        )
+
+    def _stand(self, stance: _Stance, under: Sequence[Overlap]) -> None:
+        """Puts stand-ins on the given stretches, and takes all others of the actor away."""
+        wanted = {one.lane: one for one in under}
+        for lane_index in [lane for lane in stance.held if lane not in wanted]:
+            self._sumo.remove(stance.held.pop(lane_index)[0])
+        for lane_index, one in wanted.items():
+            lane = self._network.lanes[lane_index]
+            scale = lane.length / float(lane.arc[-1])
+            begin, end = one.begin * scale, one.end * scale
+            last = lane.length - (
+                0.1 if lane.is_internal else min(_ARRIVAL_ZONE, 0.5 * lane.length)
+            )
+            length = max(math.ceil((end - begin) / _ROUNDING) * _ROUNDING, _ROUNDING)
+            held = stance.held.get(lane_index)
+            if held is not None and held[1] != length:
+                self._sumo.remove(held[0])
+                held = None
+            if held is None:
+                edges = self._edges(lane)
+                if not edges:
+                    continue
+                held = (f"stand-in:{self._made}", length)
+                self._made += 1
+                stance.held[lane_index] = held
+                self._sumo.add_stand_in(held[0], edges, length=length, width=lane.width)
+            # Its back where the box begins, or as near as the lane allows.
+            self._sumo.move_stand_in(held[0], lane.id, min(begin + length, last))
+
+    def _edges(self, lane: Lane) -> tuple[str, ...]:
+        """Returns a route for a stand-in on a lane; empty for one that leads nowhere."""
+        if not lane.is_internal:
+            return (lane.edge_id,)
+        first, last = lane, lane
+        while first.is_internal:
+            before = self._before.get(first.index)
+            if not before:
+                return ()
+            first = self._network.lanes[before[0]]
+        while last.is_internal:
+            if not last.connections:
+                return ()
+            last = self._network.lanes[last.connections[0].to_lane]
+        return (first.edge_id, last.edge_id)
