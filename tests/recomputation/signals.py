@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.ops import substring
 
 from tests.recomputation.recording import Drive, Floats, Recording
@@ -116,14 +117,15 @@ def _crossings(drive: Drive, lane: RoadLane, ahead: float, width: float) -> list
     along /= abs(along)
     half = 0.5 * width * lane.width
     line = shapely.LineString([_xy(end + 1j * half * along), _xy(end - 1j * half * along)])
-    point = drive.x + 1j * drive.y + ahead * np.exp(1j * drive.yaw)
+    axis = np.exp(1j * drive.yaw)
+    point = np.asarray(drive.x + 1j * drive.y + ahead * axis, dtype=np.complex128)
     near = np.flatnonzero(np.abs(point[1:] - end) < half + 5.0)
     steps = shapely.linestrings(
         np.stack((_plane(point[near]), _plane(point[near + 1])), axis=1).reshape(-1, 2, 2)
     )
     met = near[shapely.intersects(steps, line)] + 1
     place = ((point - end) * np.conj(along)).real
-    heads_on = (np.exp(1j * drive.yaw) * np.conj(along)).real > 0.0
+    heads_on = (axis * np.conj(along)).real > 0.0
     return [int(k) for k in met if place[k - 1] <= 0.0 < place[k] and heads_on[k]]
 
 
@@ -131,7 +133,7 @@ def _xy(point: complex) -> tuple[float, float]:
     return point.real, point.imag
 
 
-def _plane(points: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> Floats:
+def _plane(points: NDArray[np.complex128]) -> Floats:
     return np.stack((points.real, points.imag), axis=-1)
 
 
