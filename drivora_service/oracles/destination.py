@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
+from drivora_service.observations.trace import Col, EgoCol, FloatArray, TerminalEvent
+from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 
@@ -17,6 +18,7 @@ class Destination:
     """Violated if the ego does not reach the end of its route within the time limit.
 
     Arrival is CARLA Leaderboard's, the limit is that of its routes, from the ego's start time on.
+    Its clock pauses while the ego waits at a signal that is not green, as that of ``Blocked``.
 
     Attributes:
         progress: Share of the route's length that must be behind.
@@ -40,10 +42,22 @@ class Destination:
         return tuple(self._judge(ego) for ego in run.egos)
 
     def time_limit(self, ego: EgoView) -> float:
-        """Gives the seconds from its start time within which an ego must arrive."""
-        allowed = self.time_per_metre * ego.route.length + self.time_to_start
+        """Returns the seconds from its start time within which an ego had to arrive.
+
+        What it has waited at signals is part of them.
+        """
+        return float(self._limits(ego)[-1]) if ego.count else self._allowed(ego)
+
+    def _allowed(self, ego: EgoView) -> float:
+        return self.time_per_metre * ego.route.length + self.time_to_start
+
+    def _limits(self, ego: EgoView) -> FloatArray:
+        """Returns the (n,) limits in every row: later by what the ego has waited at signals."""
+        waiting = (ego.speed < STANDING_SPEED) & waiting_at_signal(ego)
+        limits = self._allowed(ego) + np.cumsum(waiting) * ego.step_length
         left = ego.trace.max_sim_time - ego.trace.ego_start_times[ego.row]
-        return min(allowed, max(left, 0.0))
+        allowed: FloatArray = np.minimum(limits, max(left, 0.0))
+        return allowed
 
     def _judge(self, ego: EgoView) -> Verdict:
         if not ego.count:
@@ -52,7 +66,8 @@ class Destination:
         away = np.hypot(ego.states[:, Col.X] - goal_x, ego.states[:, Col.Y] - goal_y)
         done = ego.value(EgoCol.ROUTE_S) / ego.route.length
         arrived = np.flatnonzero((done > self.progress) & (away < self.distance))
-        limit = self.time_limit(ego)
+        limits = self._limits(ego)
+        limit = float(limits[-1])
         elapsed = ego.times - ego.times[0]
         facts: dict[str, Any] = {
             "time_limit": limit,
@@ -61,12 +76,12 @@ class Destination:
         }
         if len(arrived):
             took = float(elapsed[arrived[0]])
-            if took <= limit + 1e-9:
+            if took <= limits[arrived[0]] + 1e-9:
                 return passed(self.name, ego, f"Arrived after {took:.1f} s.", time=took, **facts)
             return violated(
                 self.name,
                 ego,
-                int(np.argmax(elapsed > limit)),
+                int(np.argmax(elapsed > limits)),
                 f"Arrived after {took:.1f} s; the limit is {limit:.1f} s.",
                 severity=Severity.MINOR,
                 reason="late",
@@ -76,7 +91,7 @@ class Destination:
             # Whoever SUMO drives leaves the road at the end of its last edge, behind the goal.
             return passed(self.name, ego, "Left the road at the end of its route.", **facts)
         ended = f"{away[-1]:.1f} m from the goal after {elapsed[-1]:.1f} s"
-        late = np.flatnonzero(elapsed > limit - 1e-9)
+        late = np.flatnonzero(elapsed > limits - 1e-9)
         if ego.end is TerminalEvent.TIME_LIMIT or len(late):
             k = int(late[0]) if len(late) else ego.count - 1
             message = f"Not there when its time was up: {ended}; the limit is {limit:.1f} s."

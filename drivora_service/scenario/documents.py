@@ -78,7 +78,11 @@ class ScenarioDocument(EntityDocument):
     seed: fields.Seed = Field(0, description="Seeds every random draw of the run.")
     step_length: fields.StepLength = Field(0.05, description="Simulated time of one step.")
     max_sim_time: fields.SimTime | None = Field(
-        None, description="End of the episode. Without it, derived from the ego routes."
+        None,
+        description=(
+            "End of the episode. Without it, derived from the ego routes and the longest waits at "
+            "the signals on them."
+        ),
     )
     stuck_after: fields.SimTime | None = Field(
         None,

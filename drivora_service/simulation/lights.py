@@ -65,6 +65,24 @@ class RunningProgram:
         return phase, max(ends[phase] - in_cycle, 1e-3)
 
 
+def longest_wait(program: RunningProgram, link_index: int) -> float:
+    """Returns the seconds for which a movement sees no green at most, 0 for one without a signal.
+
+    A movement that never sees green costs no time: nothing can pass it in time.
+    """
+    lights = [light_of(phase.state[link_index]) for phase in program.phases]
+    waiting = [light in (Light.YELLOW, Light.RED) for light in lights]
+    if all(waiting) or not any(waiting):
+        return 0.0
+    first = waiting.index(False)
+    longest = wait = 0.0
+    for i in range(first, first + len(waiting)):
+        at = i % len(waiting)
+        wait = wait + program.phases[at].duration if waiting[at] else 0.0
+        longest = max(longest, wait)
+    return longest
+
+
 def _is_yellow(phase: SignalPhase) -> bool:
     return "y" in phase.state or "u" in phase.state
 

@@ -34,7 +34,7 @@ from drivora_service.scenario.model import (
 )
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
 from drivora_service.simulation.follower_path import FollowerPath, build_path
-from drivora_service.simulation.lights import RunningProgram, run_programs
+from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
 
 FloatArray = NDArray[np.float64]
@@ -58,7 +58,8 @@ class EgoPlan:
     Attributes:
         heights: (n,) metres up along the route's reference line.
         start: x, y, yaw of the box centre at the start.
-        time_limit: Seconds of simulation by which it must have arrived.
+        time_limit: Seconds of simulation by which it must have arrived, without what it waits at
+            signals.
     """
 
     ego: EgoVehicle
@@ -156,14 +157,15 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
     followers = [plan_npc(npc, network, weather.friction) for npc in vehicles]
     followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
-    latest = max(ego.time_limit for ego in egos)
+    programs = run_programs(
+        network.programs, scenario.traffic_lights, step_length=scenario.step_length
+    )
+    latest = max(ego.time_limit + signal_time(ego.route, programs) for ego in egos)
     return EpisodePlan(
         scenario=scenario,
         network=network,
         weather=weather,
-        programs=run_programs(
-            network.programs, scenario.traffic_lights, step_length=scenario.step_length
-        ),
+        programs=programs,
         egos=egos,
         followers=tuple(followers),
         driven=tuple(
@@ -174,6 +176,16 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
         obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
         stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
+    )
+
+
+def signal_time(route: LaneRoute, programs: Sequence[RunningProgram]) -> float:
+    """Returns the seconds that the signals on a route may cost: the longest wait at each."""
+    by_id = {program.id: program for program in programs}
+    return sum(
+        longest_wait(by_id[signal.traffic_light], signal.link_index)
+        for signal in route.signals
+        if signal.traffic_light in by_id
     )
 
 

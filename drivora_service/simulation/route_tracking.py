@@ -53,7 +53,7 @@ class Progress(IntEnum):
     STUCK = 1
     """Seconds stuck."""
     TIME_LIMIT = 2
-    """Seconds by which the ego must have arrived."""
+    """Seconds by which the ego must have arrived; later by what it has waited at signals."""
     ROUTE_S = 3
     """Metres along the route; NaN before the start."""
     ROUTE_LATERAL = 4
@@ -158,6 +158,9 @@ def follow_egos(
             mine[_STUCK] = 0.0
         elif not (mine[_LIGHT] >= 2.0 and mine[_LIGHT_DISTANCE] < QUEUE_REACH):
             mine[_STUCK] += dt
+        else:
+            # What the lights cost is not the ego's time.
+            mine[_TIME_LIMIT] += dt
         last = route[route.shape[0] - 1]
         goal = math.hypot(x - last[0], y - last[1])
         if s > ARRIVED_SHARE * last[2] and goal < ARRIVED_DISTANCE:

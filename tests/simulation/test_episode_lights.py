@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
+from drivora_service.oracles.destination import Destination
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.model import LightTimes, TrafficLights
+from drivora_service.simulation.plan import plan_episode, signal_time
 from tests.simulation.episodes import (
     ego,
+    network,
     place,
     run,
     scenario,
@@ -66,3 +72,36 @@ def test_a_junctions_own_times_and_offset_count_for_it_alone() -> None:
         for trace in traces
     )
     assert {light for light in plain if plain[light] != changed[light]} == {"b2"}
+
+
+@pytest.mark.parametrize("offset", [0.0, 15.0, 30.0, 45.0])
+def test_a_red_that_lasts_as_long_as_the_time_limit_does_not_use_it_up(offset: float) -> None:
+    """42 s of red on a route of 54 m, for which an ego without lights has 48 s."""
+    town = "signal-grid"
+    lights = TrafficLights(times=LightTimes(green=10.0, yellow=3.0, red=42.0, offset=offset))
+    what = scenario(
+        ego(place(AVENUE, 85, on=town), place("grand_2_1", 12, on=town)),
+        on=town, traffic_lights=lights, seconds=None,
+    )  # fmt: skip
+    plan = plan_episode(what, network(town))
+    (own,) = plan.egos
+    assert own.time_limit == pytest.approx(48.0, abs=6.0)
+    assert signal_time(own.route, plan.programs) == pytest.approx(45.0, abs=0.5)
+    assert plan.max_sim_time == pytest.approx(own.time_limit + 45.0, abs=0.5)
+    trace = run(what)
+    assert trace.ego_ends == (TerminalEvent.ARRIVED,)
+    (verdict,) = Destination().judge(RunView(trace, network(town)))
+    assert verdict.outcome is Outcome.PASSED
+
+
+def test_an_ego_that_never_leaves_a_green_signal_runs_out_of_time() -> None:
+    town = "signal-grid"
+    lights = TrafficLights(times=LightTimes(green=10.0, yellow=3.0, red=42.0))
+    what = scenario(
+        ego(place(AVENUE, 85, on=town), place("grand_2_1", 12, on=town)),
+        on=town, traffic_lights=lights, seconds=None, stuck_after=600.0,
+    )  # fmt: skip
+    trace = run(what, standing())
+    assert trace.ego_ends == (TerminalEvent.TIME_LIMIT,)
+    (verdict,) = Destination().judge(RunView(trace, network(town)))
+    assert verdict.evidence["reason"] == "timeout"
