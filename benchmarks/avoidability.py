@@ -35,7 +35,9 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.avoidability.assess import assess
+from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.plotting.strip import draw_strip
 from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -192,21 +194,55 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
             yield json.loads(line)
 
 
-def show(options: argparse.Namespace) -> None:
-    """Prints the counts as Markdown."""
+def judge(options: argparse.Namespace) -> None:
+    """Judges the stored traces under today's rules, and writes their lines anew."""
     lines = list(_lines(options.results))
-    print("| ADS and scene | collisions | at fault | avoidable | not avoidable | physically |")
-    print("|---|---|---|---|---|---|")
-    for name in dict.fromkeys(line["part"] for line in lines):
-        here = [line for line in lines if line["part"] == name]
-        fault = [line for line in here if line["at_fault"]]
-        answers = Counter(line["avoidable"] for line in fault)
-        full = sum(line["physically_avoidable"] == "yes" for line in fault)
-        print(
-            f"| {name} | {len(here)} | {len(fault)} | {answers['yes']} | {answers['no']} | {full} |"
-        )
+    with options.results.open("w") as file:
+        for line in lines:
+            trace = read_trace(options.traces / line["trace"])
+            network = catalogues().networks.get(trace.network)
+            verdict = next(
+                verdict
+                for verdict in Collision().judge(RunView(trace, network))
+                if (verdict.ego, verdict.counterpart) == (line["ego"], line["counterpart"])
+            )
+            new = {**line, **_said(verdict), "milliseconds": _cost(trace, verdict)}
+            file.write(json.dumps(new) + "\n")
+
+
+def draw(options: argparse.Namespace) -> None:
+    """Draws collisions as strips of moments, named after their traces."""
+    for line in _lines(options.results):
+        name = Path(line["trace"]).stem
+        if name not in options.names:
+            continue
+        trace = read_trace(options.traces / line["trace"])
+        network = catalogues().networks.get(trace.network)
+        verdicts = Collision().judge(RunView(trace, network))
+        options.folder.mkdir(parents=True, exist_ok=True)
+        draw_strip(trace, network, verdicts, options.folder / f"{name}.png", count=5)
+
+
+COLUMNS = ("collisions", "avoidable", "not", "not measurable", "physically avoidable")
+
+
+def show(options: argparse.Namespace) -> None:
+    """Prints the counts as Markdown: of all collisions, and of those at fault."""
+    lines = list(_lines(options.results))
+    for title, some in (
+        ("all", lines),
+        ("at fault", [line for line in lines if line["at_fault"]]),
+    ):
+        print(f"\n| {title} | {' | '.join(COLUMNS)} |")
+        print("|---" * (len(COLUMNS) + 1) + "|")
+        for name in (*dict.fromkeys(line["part"] for line in lines), "together"):
+            here = [line for line in some if name in (line["part"], "together")]
+            answers = Counter(line["avoidable"] for line in here)
+            full = sum(line["physically_avoidable"] == "yes" for line in here)
+            told = [answers[answer] for answer in ("yes", "no", "not_measurable")]
+            print(f"| {name} | " + " | ".join(str(n) for n in (len(here), *told, full)) + " |")
     costs = np.array([line["milliseconds"] for line in lines])
-    print(f"\nassessing one: median {np.median(costs):.0f} ms, at most {costs.max():.0f} ms")
+    print(f"\nassessing one: median {np.median(costs):.1f} ms, at most {costs.max():.0f} ms")
 
 
 def main() -> None:
@@ -221,6 +257,16 @@ def main() -> None:
     showing = commands.add_parser("show")
     showing.add_argument("results", type=Path)
     showing.set_defaults(do=show)
+    judging = commands.add_parser("judge")
+    judging.add_argument("results", type=Path)
+    judging.add_argument("--traces", type=Path, required=True)
+    judging.set_defaults(do=judge)
+    drawing = commands.add_parser("draw")
+    drawing.add_argument("results", type=Path)
+    drawing.add_argument("--traces", type=Path, required=True)
+    drawing.add_argument("--folder", type=Path, required=True, help="for the pictures")
+    drawing.add_argument("--names", nargs="+", required=True, help="of traces, without .parquet")
+    drawing.set_defaults(do=draw)
     options = parser.parse_args()
     options.do(options)
 
