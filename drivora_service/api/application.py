@@ -6,13 +6,14 @@ from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from importlib.metadata import version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
 from drivora_service.api.documentation import install_openapi, problem_answer
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
+from drivora_service.api.query_guard import refuse_unknown_parameters
 from drivora_service.api.routes import (
     batches,
     campaigns,
@@ -58,7 +59,12 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         catalogues,
     )
     for module in modules:
-        api.include_router(module.router, prefix=PREFIX, responses={422: problem_answer(422)})
+        api.include_router(
+            module.router,
+            prefix=PREFIX,
+            dependencies=[Depends(refuse_unknown_parameters)],
+            responses={422: problem_answer(422)},
+        )
     api.include_router(health.router)
     api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
     install_problem_handlers(api)

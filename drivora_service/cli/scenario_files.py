@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,14 @@ from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.importers.reading import read_scenarios
 
 SUFFIXES = frozenset({".json", ".yaml", ".yml", ".xml"})
+
+
+_RESULTS = {
+    "campaign.json": {"tester", "budget", "failures"},
+    "cards.json": {"cards"},
+    "comparison.json": {"baseline"},
+}
+"""Files that commands write, by name, with keys that no scenario has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +55,12 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
-            inside = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
+            files = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
+            inside = [file for file in files if not written_by_drivora(file)]
+            if files and not inside:
+                raise ConfigurationError(
+                    f"{path} holds results and no scenario: {', '.join(f.name for f in files[:5])}"
+                )
             if not inside:
                 raise ConfigurationError(
                     f"{path} holds no scenario file ({', '.join(sorted(SUFFIXES))})"
@@ -76,6 +90,9 @@ def read_files(
     taken: set[str] = set()
     for path in find_files(paths):
         try:
+            result = written_by_drivora(path)
+            if result:
+                raise InvalidDocument((Problem(pointer="", code="no_scenario", message=result),))
             imported = read_scenarios(path.read_bytes(), name=path.stem, agent=agent or "idm")
         except InvalidDocument as error:
             unreadable.append(UnreadableFile(path=path, problems=error.problems))
@@ -88,6 +105,22 @@ def read_files(
                 ScenarioFile(name=name, path=path, document=scenario.document, notes=scenario.notes)
             )
     return tuple(scenarios), tuple(unreadable)
+
+
+def written_by_drivora(path: Path) -> str:
+    """Says what a file of results is, which commands write beside scenarios; "" of any other."""
+    if path.name.endswith(".report.json"):
+        return "found the report of a run; run the scenario that it is about"
+    keys = _RESULTS.get(path.name)
+    if keys is None or not path.is_file():
+        return ""
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return ""
+    if not isinstance(content, dict) or not keys <= content.keys():
+        return ""
+    return "found the results of a command of Drivora; run the scenarios beside it"
 
 
 def _unique(name: str, taken: set[str]) -> str:

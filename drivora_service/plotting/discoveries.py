@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,9 @@ from drivora_service.plotting.charts import (
 )
 
 FloatArray = NDArray[np.float64]
+
+_TITLE_CHARACTERS = 44
+"""Of a line of the title above a panel."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +129,7 @@ def _draw_groups(
     for group, look in looks.items():
         if group in one.groups:
             draw(axes, one.groups[group], look)
-    axes.set_title(one.title)
+    axes.set_title(textwrap.fill(one.title, _TITLE_CHARACTERS))
     axes.set_xlabel("simulations")
     axes.set_ylabel(label)
     axes.set_ylim(bottom=0.0)

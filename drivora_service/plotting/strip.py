@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from drivora_service.plotting.panel import describe
 from drivora_service.plotting.picture_file import add_map, picture_file
 from drivora_service.plotting.road import draw_road
 from drivora_service.plotting.signals import draw_signals
+from drivora_service.plotting.trails import broken_trail
 from drivora_service.plotting.verdict_marks import Mark, marks_of
 from drivora_service.plotting.view import View
 
@@ -28,6 +30,12 @@ _SIDE_M = 50.0
 _SIDE_IN = 2.1
 _GAP_IN = 0.08
 _TITLE_IN = 0.34
+_TITLE_PT = (9.0, 8.0, 7.0, 6.0, 5.0)
+"""Sizes of the title's font, of which the first is taken with which it fits."""
+_CHARACTER = 0.62
+"""Mean width of a bold character as a share of the font's size."""
+_LINE = 1.2
+"""Height of a line as a share of the font's size."""
 _FOOT_IN = 0.24
 
 
@@ -110,12 +118,13 @@ def draw_strip(
     width = len(moments.steps) * (_SIDE_IN + _GAP_IN) + _GAP_IN
     height = _SIDE_IN + _TITLE_IN + _FOOT_IN + _GAP_IN
     with picture_file(target, width_in=width, height_in=height) as figure:
+        title, size = fitted_title(_title(trace, moments), width - 2.0 * _GAP_IN)
         figure.text(
             _GAP_IN / width,
             1.0 - 0.5 * _TITLE_IN / height,
-            _title(trace, moments),
+            title,
             va="center",
-            fontsize=9,
+            fontsize=size,
             fontweight="bold",
             color=colors.INK if moments.mark is None else colors.VERDICT,
         )
@@ -164,8 +173,28 @@ def _draw_actors(axes: Axes, trace: Trace, view: View, step: int) -> None:
         color = colors.ego_color(actor.row) if is_ego else colors.ROLES[actor.role]
         z = 6.0 if is_ego else 4.4
         if actor.role is not Role.NPC_OBSTACLE:
-            axes.plot(*path.T, color=color, linewidth=1.4, alpha=0.6, zorder=z - 0.5)
+            trail = broken_trail(trace, rows, path)
+            axes.plot(*trail.T, color=color, linewidth=1.4, alpha=0.6, zorder=z - 0.5)
         draw_box(axes, trace, actor, step, view, face=color, edge="white", z=z)
+
+
+def fitted_title(text: str, width_in: float) -> tuple[str, float]:
+    """Breaks a title into as many lines as its width needs, and shrinks what is still too high.
+
+    Args:
+        text: The title.
+        width_in: Inches that a line may take.
+
+    Returns:
+        Its lines, and the size of the font in points.
+    """
+    lines, size = [text], _TITLE_PT[0]
+    for size in _TITLE_PT:
+        characters = max(int(width_in * 72.0 / (_CHARACTER * size)), 1)
+        lines = textwrap.wrap(text, characters) or [""]
+        if len(lines) * _LINE * size <= _TITLE_IN * 72.0:
+            break
+    return "\n".join(lines), size
 
 
 def _title(trace: Trace, moments: Moments) -> str:

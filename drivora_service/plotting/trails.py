@@ -17,6 +17,9 @@ from drivora_service.plotting.view import View
 
 _TIME_MARKS = 6
 
+_FASTEST = 100.0
+"""m/s: what is farther away after a step has entered anew, at another place."""
+
 RowArray = NDArray[np.signedinteger]
 """Rows of a trace."""
 
@@ -61,11 +64,13 @@ def _draw_ego(
     route = trace.ego_routes[actor.row]
     axes.plot(*route.line.T, color=color, linewidth=1.0, linestyle=(0, (1, 2)), zorder=3.0)
     segments = np.stack((path[:-1], path[1:]), axis=1)
+    moved = ~entries(trace, rows, path)[1:]
+    segments = segments[moved]
     trail = LineCollection(list(segments), linewidths=2.6, capstyle="round", zorder=5.0)
     if scale is None:
         trail.set_color(color)
     else:
-        trail.set_color(list(scale.to_rgba(trace.times[rows[:-1]])))
+        trail.set_color(list(scale.to_rgba(trace.times[rows[:-1]][moved])))
     axes.add_collection(trail)
     axes.plot(
         *route.goal,
@@ -88,10 +93,32 @@ def _draw_other(axes: Axes, trace: Trace, actor: Actor, rows: RowArray, view: Vi
     path = trace.states[rows, actor.row][:, [Col.X, Col.Y]]
     quiet = actor.role is Role.BACKGROUND
     if actor.role is not Role.NPC_OBSTACLE:
-        axes.plot(*path.T, color=color, linewidth=0.8 if quiet else 1.5, alpha=0.75, zorder=4.0)
+        trail = broken_trail(trace, rows, path)
+        axes.plot(*trail.T, color=color, linewidth=0.8 if quiet else 1.5, alpha=0.75, zorder=4.0)
         if not quiet:
             draw_box(axes, trace, actor, int(rows[0]), view, face="white", edge=color, z=4.2)
     draw_box(axes, trace, actor, int(rows[-1]), view, face=color, edge="white", z=4.4)
+
+
+def entries(trace: Trace, rows: RowArray, path: FloatArray) -> NDArray[np.bool_]:
+    """Finds where an actor enters the road, for the first time or anew.
+
+    Args:
+        trace: Where the actor is.
+        rows: (n,) rows in which it is present, ascending.
+        path: (n, 2) its places there.
+
+    Returns:
+        (n,) whether it enters in that row: it was absent before, or has jumped.
+    """
+    jumped = np.hypot(*np.diff(path, axis=0).T) > _FASTEST * trace.step_length
+    return np.concatenate(([True], (np.diff(rows) > 1) | jumped))
+
+
+def broken_trail(trace: Trace, rows: RowArray, path: FloatArray) -> FloatArray:
+    """Returns a path with a row of NaN, which no line crosses, before every further entry."""
+    breaks = np.flatnonzero(entries(trace, rows, path))[1:]
+    return np.insert(path, breaks, np.nan, axis=0)
 
 
 def _draw_times(axes: Axes, trace: Trace, path: FloatArray, rows: RowArray, color: str) -> None:

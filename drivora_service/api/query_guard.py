@@ -1,0 +1,49 @@
+"""Refuses query parameters that an operation does not have."""
+
+from __future__ import annotations
+
+import difflib
+
+from fastapi import Request
+from fastapi.dependencies.models import Dependant
+from fastapi.routing import APIRoute
+
+from drivora_service.errors import InvalidDocument, Problem
+
+
+def refuse_unknown_parameters(request: Request) -> None:
+    """Checks the names of a request's query parameters.
+
+    Raises:
+        InvalidDocument: The operation does not have some of them; each is named.
+    """
+    route = request.scope.get("route")
+    if not isinstance(route, APIRoute) or not request.query_params:
+        return
+    known = parameters_of(route)
+    problems = tuple(
+        _problem(name, known) for name in dict.fromkeys(request.query_params) if name not in known
+    )
+    if problems:
+        raise InvalidDocument(problems)
+
+
+def parameters_of(route: APIRoute) -> tuple[str, ...]:
+    """Returns the names of an operation's query parameters, those of its dependencies included."""
+    return tuple(dict.fromkeys(_names(route.dependant)))
+
+
+def _names(dependant: Dependant) -> list[str]:
+    own = [field.alias for field in dependant.query_params]
+    return own + [name for inner in dependant.dependencies for name in _names(inner)]
+
+
+def _problem(name: str, known: tuple[str, ...]) -> Problem:
+    close = difflib.get_close_matches(name, known, n=1)
+    meant = f"did you mean {close[0]!r}? Allowed" if close else "allowed"
+    allowed = f"{meant}: {', '.join(sorted(known))}" if known else "this operation has none"
+    return Problem(
+        pointer="",
+        code="unknown_query_parameter",
+        message=f"found the query parameter {name[:80]!r}; {allowed}",
+    )
