@@ -2,8 +2,8 @@
 
 Driving score = route completion (per cent) x infraction penalty. In 1.0 and 2.0 the penalty is the
 product of a factor for each event; in 2.1 it is 1 / (1 + the sum of their costs). Distance driven
-outside the lanes multiplies it in all of them. Stop signs and scenario timeouts have no oracle here
-and never count.
+outside the lanes multiplies it in all of them. Scenario timeouts have no oracle here and never
+count.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ class Tariff:
         vehicle: Collision with a vehicle.
         static: Collision with an obstacle.
         red_light: A red light run.
+        stop_sign: A stop sign run.
         slowness: What driving at no speed at all would cost, against the traffic around.
         summed: The costs are added (2.1); else they are factors to multiply, and ``slowness`` is
             taken off one.
@@ -47,19 +48,38 @@ class Tariff:
     vehicle: float
     static: float
     red_light: float
+    stop_sign: float
     slowness: float
     summed: bool
 
 
 TARIFFS = {
     Version.V1_0: Tariff(
-        pedestrian=0.5, vehicle=0.6, static=0.65, red_light=0.7, slowness=0.0, summed=False
+        pedestrian=0.5,
+        vehicle=0.6,
+        static=0.65,
+        red_light=0.7,
+        stop_sign=0.8,
+        slowness=0.0,
+        summed=False,
     ),
     Version.V2_0: Tariff(
-        pedestrian=0.5, vehicle=0.6, static=0.65, red_light=0.7, slowness=0.3, summed=False
+        pedestrian=0.5,
+        vehicle=0.6,
+        static=0.65,
+        red_light=0.7,
+        stop_sign=0.8,
+        slowness=0.3,
+        summed=False,
     ),
     Version.V2_1: Tariff(
-        pedestrian=1.0, vehicle=0.7, static=0.6, red_light=0.4, slowness=0.4, summed=True
+        pedestrian=1.0,
+        vehicle=0.7,
+        static=0.6,
+        red_light=0.4,
+        stop_sign=0.25,
+        slowness=0.4,
+        summed=True,
     ),
 }
 
@@ -97,10 +117,11 @@ def infraction_penalty(ego: EgoView, judgement: Judgement, tariff: Tariff) -> fl
     """Gives the penalty that a tariff makes of an ego's infractions."""
     collisions = judgement.violations("collision")
     red_lights = judgement.violations("red_light")
+    stop_signs = judgement.violations("stop_sign")
     outside = judgement.by("lane_keeping")
-    if collisions is None or red_lights is None or outside is None:
+    if collisions is None or red_lights is None or stop_signs is None or outside is None:
         return None
-    costs = [tariff.red_light] * len(red_lights)
+    costs = [tariff.red_light] * len(red_lights) + [tariff.stop_sign] * len(stop_signs)
     for collision in collisions:
         if collision.evidence["ego_speed"] < STANDING_SPEED:
             continue

@@ -8,6 +8,7 @@ from drivora_service.oracles.verdict import Outcome
 RULES = (
     "collision",
     "red_light",
+    "stop_sign",
     "off_road",
     "wrong_way",
     "lane_keeping",

@@ -33,6 +33,17 @@ def signal_shown(ego: EgoView, connection: Connection) -> ByteArray | None:
     return shown
 
 
+def signal_letter(ego: EgoView, connection: Connection, row: int) -> str | None:
+    """Returns SUMO's letter of a movement in a row of the ego; ``None`` without a signal."""
+    trace = ego.trace
+    if connection.traffic_light not in trace.light_ids:
+        return None
+    column = trace.light_ids.index(connection.traffic_light)
+    state = trace.light_states[ego.first + row, column]
+    letter: str = trace.light_state_names[state][connection.link_index]
+    return letter
+
+
 def stop_shown(ego: EgoView, connection: Connection) -> BoolArray | None:
     """Tells the (n,) rows in which a signal says to stop and then go; ``None`` without a signal."""
     trace = ego.trace

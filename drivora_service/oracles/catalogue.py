@@ -12,11 +12,16 @@ from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.discomfort import Discomfort
+from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.lane_keeping import LaneKeeping
+from drivora_service.oracles.minimum_speed import MinimumSpeed
+from drivora_service.oracles.near_miss import NearMiss
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.route_deviation import RouteDeviation
 from drivora_service.oracles.speeding import Speeding
+from drivora_service.oracles.stop_sign import StopSign
+from drivora_service.oracles.tailgating import Tailgating
 from drivora_service.oracles.verdict import Oracle, Verdict
 from drivora_service.oracles.wrong_way import WrongWay
 
@@ -26,6 +31,8 @@ def default_oracles() -> tuple[Oracle, ...]:
     return (
         Collision(),
         RedLight(),
+        StopSign(),
+        FailureToYield(),
         OffRoad(),
         WrongWay(),
         LaneKeeping(),
@@ -34,6 +41,9 @@ def default_oracles() -> tuple[Oracle, ...]:
         Blocked(),
         Deadlock(),
         Destination(),
+        NearMiss(),
+        Tailgating(),
+        MinimumSpeed(),
         Discomfort(),
     )
 

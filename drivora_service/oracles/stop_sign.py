@@ -88,13 +88,12 @@ class StopSign:
         """
         front = crossing.front
         way = np.cumsum(ego.moved)
-        near = np.flatnonzero(way[front] - way[: front + 1] <= self.reach)
+        # In the row before, the front was not yet beyond the line.
+        near = np.flatnonzero(way[front - 1] - way[: front + 1] <= self.reach)
         first = int(near[0])
         if first == 0 and ego.speed[0] < self.standing_speed:
             return 0.0, float(way[front])
-        rows = max(round(self.window / ego.step_length), 1)
-        if front - first < rows:
-            return float(ego.speed[first : front + 1].min()), float(way[front] - way[first])
+        rows = min(max(round(self.window / ego.step_length), 1), front - first)
         place = ego.states[first : front + 1][:, [Col.X, Col.Y]]
         came = np.hypot(*(place[rows:] - place[:-rows]).T) / (rows * ego.step_length)
         k = int(np.argmin(came))

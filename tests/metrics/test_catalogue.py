@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 
 from drivora_service.metrics.catalogue import measure
+from drivora_service.metrics.driving_score import TARIFFS, Version, infraction_penalty
+from drivora_service.metrics.judgement import Judgement
+from drivora_service.metrics.success import success
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import (
     Contact,
@@ -22,6 +25,8 @@ from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.testing.networks import EAST, straight_road
 from drivora_service.testing.oracle_contract import example_runs
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
+from tests.oracles.streets import along, on_network, steady, way
+from tests.simulation.episodes import network
 
 ROAD = straight_road()
 STEPS, SPEED = 240, 8.0
@@ -112,6 +117,29 @@ def test_events_multiply_in_the_old_rules_and_add_up_in_the_new() -> None:
     )
     assert values["driving_score_1_0"] == pytest.approx(100.0 * 0.5 * 0.65 * 0.7)
     assert values["driving_score"] == pytest.approx(100.0 / (1.0 + 1.0 + 0.6 + 0.4))
+
+
+def test_a_stop_sign_costs_what_the_leaderboard_takes() -> None:
+    town = network("tee-town")
+    line = way(town, "-market_2_0", "-market_1_0")
+    ego = on_network(
+        town,
+        along(line, steady(8.0, STEPS)),
+        route=line,
+        route_s=steady(8.0, STEPS) - 2.25,
+        end=TerminalEvent.ARRIVED,
+    )
+    trace = make_trace([ego])
+    view = RunView(trace, town)
+    verdicts = judge_all(trace, town, default_oracles(), view=view)
+    judgement = Judgement.of("ego", verdicts)
+    assert len(judgement.violations("stop_sign") or ()) == 1
+    assert success(judgement) == 0.0
+    penalties = [
+        infraction_penalty(view.egos[0], judgement, TARIFFS[version])
+        for version in (Version.V1_0, Version.V2_0, Version.V2_1)
+    ]
+    assert penalties == pytest.approx([0.8, 0.8, 1.0 / 1.25])
 
 
 def test_slowness_against_the_traffic_around() -> None:

@@ -8,11 +8,16 @@ from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.discomfort import Discomfort
+from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.lane_keeping import LaneKeeping
+from drivora_service.oracles.minimum_speed import MinimumSpeed
+from drivora_service.oracles.near_miss import NearMiss
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.route_deviation import RouteDeviation
 from drivora_service.oracles.speeding import Speeding
+from drivora_service.oracles.stop_sign import StopSign
+from drivora_service.oracles.tailgating import Tailgating
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.oracles.wrong_way import WrongWay
 from drivora_service.testing.oracle_contract import OracleContract
@@ -71,6 +76,31 @@ class TestDestination(OracleContract):
 class TestDiscomfort(OracleContract):
     def make_oracle(self) -> Oracle:
         return Discomfort()
+
+
+class TestStopSign(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return StopSign()
+
+
+class TestFailureToYield(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return FailureToYield()
+
+
+class TestNearMiss(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return NearMiss()
+
+
+class TestTailgating(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return Tailgating()
+
+
+class TestMinimumSpeed(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return MinimumSpeed()
 
 
 def test_every_built_in_oracle_is_under_contract() -> None:

@@ -110,13 +110,16 @@ class Recomputed:
         """Per cent of the route."""
         return route_completion(self.run, self.drive, self.progress)
 
-    def scores(self, margin: float = LANE_MARGIN) -> dict[str, float]:
+    def scores(self, stops: int, margin: float = LANE_MARGIN) -> dict[str, float]:
         """Returns the driving score by version, per cent.
 
         Args:
+            stops: Stop signs run, which are taken from the stored verdicts.
             margin: Metres beyond the lanes that count as within.
         """
-        found = penalties(self.run, self.drive, self.progress, self.collisions, self.reds, margin)
+        found = penalties(
+            self.run, self.drive, self.progress, self.collisions, self.reds, stops, margin
+        )
         return {version: self.completion * penalty for version, penalty in found.items()}
 
     @cached_property
@@ -225,8 +228,10 @@ class Comparison:
         Where the centre is at the very edge of what counts as within the lanes, it may be either.
         """
         for ego in self.egos:
-            low, high = ego.scores(LANE_MARGIN - BORDER), ego.scores(LANE_MARGIN + BORDER)
-            for version, own in ego.scores().items():
+            stops = len(self._violations("stop_sign", ego))
+            low = ego.scores(stops, LANE_MARGIN - BORDER)
+            high = ego.scores(stops, LANE_MARGIN + BORDER)
+            for version, own in ego.scores(stops).items():
                 name = "driving_score" if version == "2_1" else f"driving_score_{version}"
                 stored = self._metric(name, ego)
                 if stored is None or not low[version] - 1e-6 <= stored <= high[version] + 1e-6:

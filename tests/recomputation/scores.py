@@ -11,8 +11,8 @@ from tests.recomputation.recording import Drive, Recording
 from tests.recomputation.routes import Progress, traffic_pace
 from tests.recomputation.surfaces import outside_lanes
 
-FACTORS = {"npc_walker": 0.5, "npc_obstacle": 0.65, "vehicle": 0.6, "red": 0.7}
-COSTS = {"npc_walker": 1.0, "npc_obstacle": 0.6, "vehicle": 0.7, "red": 0.4}
+FACTORS = {"npc_walker": 0.5, "npc_obstacle": 0.65, "vehicle": 0.6, "red": 0.7, "stop": 0.8}
+COSTS = {"npc_walker": 1.0, "npc_obstacle": 0.6, "vehicle": 0.7, "red": 0.4, "stop": 0.25}
 
 
 def penalties(
@@ -21,6 +21,7 @@ def penalties(
     progress: Progress,
     touched: dict[str, int],
     reds: int,
+    stops: int,
     margin: float = 0.5,
 ) -> dict[str, float]:
     """Returns the infraction penalty of each version, 0..1.
@@ -31,10 +32,11 @@ def penalties(
         progress: On its route.
         touched: Step of each collision, by the other actor's id.
         reds: Red lights run.
+        stops: Stop signs run.
         margin: Metres beyond the lanes that count as within.
     """
     roles = {actor["id"]: actor["role"] for actor in run.head["actors"]}
-    events = ["red"] * reds
+    events = ["red"] * reds + ["stop"] * stops
     for other, step in touched.items():
         if impact_speed(run, drive, step, other) >= 0.1:
             role = roles[other]

@@ -197,7 +197,7 @@ def test_a_hundred_runs_agree(tmp_path: Path) -> None:
     assert sum(_is_off_route(ego, step) for ego, step, red in lines if red) >= 2
     assert sum(ego.deviated for ego in egos) >= 5
     assert sum(ego.completion == 100.0 for ego in egos) >= 20
-    assert len({round(score, 3) for ego in egos for score in ego.scores().values()}) >= 100
+    assert len({round(score, 3) for ego in egos for score in ego.scores(0).values()}) >= 100
     assert sum(ego.drive.start_time > 0.0 for ego in egos) >= 5
 
 

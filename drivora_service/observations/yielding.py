@@ -1,0 +1,267 @@
+"""Where an ego went before others that have the right of way: at junctions, on crossings."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+
+from drivora_service.compilation import compiled
+from drivora_service.networks.projection import project_points
+from drivora_service.networks.right_of_way import right_of_way
+from drivora_service.networks.road_network import Connection, RoadNetwork
+from drivora_service.networks.stop_lines import WayThrough
+from drivora_service.observations.boxes import overlap_depth
+from drivora_service.observations.leaders import VEHICLES
+from drivora_service.observations.line_crossings import Crossing, line_crossings
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.signals import signal_letter
+from drivora_service.observations.trace import LEVEL_GAP, Col, FloatArray, Role
+
+_NEAR = 80.0
+"""Metres from the ego within which others are looked at."""
+
+_ALONE = 20.0
+"""Metres before a vehicle: who brakes for another that is nearer does not brake for the ego."""
+
+_MOVING = 0.5
+"""m/s below which the ego takes nobody's way."""
+
+_CROSSING = re.compile(r":.+_c\d+_\d+")
+_Z = int(Col.Z)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conflict:
+    """An ego went before an actor that has the right of way.
+
+    Attributes:
+        row: Of the ego, at which it took the way.
+        other: Row of the actor in the trace.
+        lag: Seconds after which the other was at a place that the ego had left; inf if never.
+        braking: m/s² that the other braked with, only for the ego.
+        place: "junction" or "crossing".
+    """
+
+    row: int
+    other: int
+    lag: float
+    braking: float
+    place: str
+
+
+def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
+    """Finds the vehicles with the right of way that the ego went before at junctions.
+
+    Args:
+        ego: Which ego.
+        attention: Seconds after the ego's passage within which others count.
+    """
+    for crossing in line_crossings(ego):
+        if len(crossing.ways) != 1 or not crossing.ways[0].inside:
+            continue
+        foes = _foes(ego, crossing, crossing.ways[0])
+        if not foes:
+            continue
+        leaves = _leaves(ego, crossing)
+        last = min(leaves + round(attention / ego.step_length), ego.count - 1)
+        for actor in ego.trace.actors:
+            if actor.row == ego.row or actor.role not in VEHICLES:
+                continue
+            if not _drives_on(ego, actor.row, crossing.front, last, foes):
+                continue
+            lag = _lag(ego, actor.row, crossing.front, leaves, last)
+            braking = _braking(ego, actor.row, crossing.front, leaves)
+            if math.isfinite(lag):
+                yield Conflict(
+                    row=crossing.front, other=actor.row, lag=lag, braking=braking, place="junction"
+                )
+
+
+def walker_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
+    """Finds the walkers with the right of way that the ego went before on crossings."""
+    walkers = [actor for actor in ego.trace.actors if actor.role is Role.NPC_WALKER]
+    if not walkers:
+        return
+    boxes = shapely.polygons(ego.corners)
+    for area, entries in _crossings(ego.network):
+        on = shapely.intersects(boxes, area) & (ego.speed >= _MOVING)
+        if not on.any():
+            continue
+        first, leaves = int(np.argmax(on)), ego.count - 1 - int(np.argmax(on[::-1]))
+        last = min(leaves + round(attention / ego.step_length), ego.count - 1)
+        for walker in walkers:
+            places = ego.trace.states[ego.first : ego.first + ego.count, walker.row]
+            inside = shapely.contains_xy(area, places[:, Col.X], places[:, Col.Y])
+            here = np.flatnonzero(inside[first : last + 1]) + first
+            if not len(here):
+                continue
+            stepped = int(here[0])
+            while stepped > 0 and inside[stepped - 1]:
+                stepped -= 1
+            if not any(_walker_first(ego, entry, stepped) for entry in entries):
+                continue
+            lag = _lag(ego, walker.row, first, leaves, last)
+            if math.isfinite(lag):
+                yield Conflict(row=first, other=walker.row, lag=lag, braking=0.0, place="crossing")
+
+
+def _foes(ego: EgoView, crossing: Crossing, way: WayThrough) -> frozenset[int]:
+    """Returns the lanes inside the junction whose traffic goes before the ego's."""
+    letter = signal_letter(ego, way.connection, crossing.front)
+    if letter is not None and letter != "g":
+        return frozenset()
+    table = right_of_way(ego.network)
+    own = next((table.by_lane[lane] for lane in way.inside if lane in table.by_lane), None)
+    if own is None:
+        return frozenset()
+    foes: set[int] = set()
+    for lane in own.yields_to:
+        foe = table.by_lane.get(lane)
+        if foe is None or own.lanes[-1] in foe.yields_to:
+            continue
+        if letter is not None and not _may_go(ego, foe.incoming, foe.lanes, crossing.front):
+            continue
+        foes.update(foe.lanes)
+    return frozenset(foes)
+
+
+def _may_go(ego: EgoView, incoming: int, lanes: tuple[int, ...], row: int) -> bool:
+    """Tells whether the signal of a movement is green."""
+    if incoming < 0:
+        return False
+    for connection in ego.network.lanes[incoming].connections:
+        if connection.to_lane in lanes:
+            letter = signal_letter(ego, connection, row)
+            return letter is None or letter in "Gg"
+    return False
+
+
+def _leaves(ego: EgoView, crossing: Crossing) -> int:
+    """Returns the first row behind the junction, or the last of the ego."""
+    way = crossing.ways[0]
+    inside = np.isin(ego.lanes, way.inside)
+    inside[: crossing.front] = False
+    rows = np.flatnonzero(inside)
+    if not len(rows):
+        return min(crossing.front + 1, ego.count - 1)
+    behind = rows[-1] + 1
+    length = ego.actor.length
+    way_driven = np.cumsum(ego.moved)
+    clear = np.flatnonzero(way_driven >= way_driven[min(behind, ego.count - 1)] + 0.5 * length)
+    return int(clear[0]) if len(clear) else ego.count - 1
+
+
+def _drives_on(ego: EgoView, other: int, first: int, last: int, lanes: frozenset[int]) -> bool:
+    """Tells whether an actor is on one of some lanes in rows ``first`` to ``last``."""
+    rows = slice(ego.first + first, ego.first + last + 1)
+    states = ego.trace.states[rows, other]
+    here = ego.trace.present[rows, other]
+    if not here.any():
+        return False
+    away = np.hypot(
+        states[:, Col.X] - ego.states[first : last + 1, Col.X],
+        states[:, Col.Y] - ego.states[first : last + 1, Col.Y],
+    )
+    near = here & (away < _NEAR)
+    if not near.any():
+        return False
+    found = project_points(
+        ego.network, states[near][:, [Col.X, Col.Y]].copy(), states[near][:, Col.YAW].copy()
+    )
+    return bool(np.isin(found.lane, list(lanes)).any())
+
+
+def _lag(ego: EgoView, other: int, first: int, leaves: int, last: int) -> float:
+    """Returns the least seconds from the ego's being at a place to the other's being there."""
+    actor = ego.trace.actors[other]
+    rows = slice(ego.first, ego.first + ego.count)
+    steps = _least_lag(
+        ego.states,
+        np.ascontiguousarray(ego.trace.states[rows, other]),
+        np.ascontiguousarray(ego.trace.present[rows, other]),
+        (ego.actor.length, ego.actor.width),
+        (actor.length, actor.width),
+        first,
+        leaves,
+        last,
+    )
+    return math.inf if steps < 0 else steps * ego.step_length
+
+
+def _braking(ego: EgoView, other: int, first: int, leaves: int) -> float:
+    """Returns how hard another braked while the ego was in its way and nobody else was."""
+    rows = slice(ego.first + first, ego.first + leaves + 1)
+    states, present = ego.trace.states[rows], ego.trace.present[rows]
+    yaw = states[:, other, Col.YAW]
+    along = states[:, other, Col.AX] * np.cos(yaw) + states[:, other, Col.AY] * np.sin(yaw)
+    speed = states[:, other, Col.VX] * np.cos(yaw) + states[:, other, Col.VY] * np.sin(yaw)
+    braking = np.where(present[:, other] & (speed > 0.0), -along, 0.0)
+    worst = int(np.argmax(braking))
+    for actor in ego.trace.actors:
+        if actor.row in (ego.row, other) or not present[worst, actor.row]:
+            continue
+        dx, dy = (states[worst, actor.row] - states[worst, other])[[Col.X, Col.Y]]
+        ahead = dx * math.cos(yaw[worst]) + dy * math.sin(yaw[worst])
+        across = abs(dy * math.cos(yaw[worst]) - dx * math.sin(yaw[worst]))
+        if 0.0 < ahead < _ALONE and across < 2.5:
+            return 0.0
+    return max(float(braking[worst]), 0.0)
+
+
+@lru_cache(maxsize=32)
+def _crossings(network: RoadNetwork) -> tuple[tuple[Polygon, tuple[Connection, ...]], ...]:
+    """Returns the areas of all crossings for walkers, and what leads on to them."""
+    entries: dict[int, list[Connection]] = {}
+    for lane in network.lanes:
+        for connection in lane.connections:
+            entries.setdefault(connection.to_lane, []).append(connection)
+    return tuple(
+        (
+            LineString(lane.shape).buffer(0.5 * lane.width, cap_style="flat"),
+            tuple(entries.get(lane.index, ())),
+        )
+        for lane in network.lanes
+        if lane.walkable and not lane.drivable and _CROSSING.fullmatch(lane.id)
+    )
+
+
+def _walker_first(ego: EgoView, entry: Connection, row: int) -> bool:
+    letter = signal_letter(ego, entry, row)
+    return entry.right_of_way == "M" if letter is None else letter in "Gg"
+
+
+@compiled
+def _least_lag(
+    ego: FloatArray,
+    other: FloatArray,
+    present: FloatArray,
+    own_size: tuple[float, float],
+    size: tuple[float, float],
+    first: int,
+    leaves: int,
+    last: int,
+) -> int:
+    """Finds the least rows from the ego's being at a place to the other's being there; or -1."""
+    best = last - first + 1
+    reach = 0.5 * (math.hypot(own_size[0], own_size[1]) + math.hypot(size[0], size[1]))
+    for t in range(first, leaves + 1):
+        for u in range(t, min(t + best, last + 1)):
+            if not present[u] or abs(other[u, _Z] - ego[t, _Z]) > LEVEL_GAP:
+                continue
+            dx, dy = other[u, 0] - ego[t, 0], other[u, 1] - ego[t, 1]
+            if math.hypot(dx, dy) > reach:
+                continue
+            depth = overlap_depth(
+                dx, dy, ego[t, 2], own_size[0], own_size[1], other[u, 2], size[0], size[1]
+            )
+            if depth > 0.0:
+                best = u - t
+                break
+    return best if best <= last - first else -1

@@ -1,0 +1,79 @@
+"""The ego takes the way of another that has the right of way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.yielding import Conflict, vehicle_conflicts, walker_conflicts
+from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureToYield:
+    """Violated where the ego goes first although another has the right of way, and hinders it.
+
+    At junctions that is a vehicle whose movement goes before the ego's by the network's own table,
+    where neither the ego has a protected green nor the other a red signal. On crossings it is a
+    walker who has the right of way there: on a marked crossing without a signal, or with a green
+    one. The other is hindered if the ego leaves a place less than the bound before the other is
+    there, if they touch, or if a vehicle must brake hard behind whom nobody else drives. Who goes
+    first where each yields to the other, as at an all-way stop, is not judged.
+
+    Attributes:
+        encroachment: Seconds between the ego's leaving a place and the other's being there.
+        braking: m/s² from which on another brakes hard.
+        attention: Seconds after the ego's passage within which others count.
+    """
+
+    encroachment: float = 1.0
+    braking: float = 4.0
+    attention: float = 4.0
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        return "failure_to_yield"
+
+    def judge(self, run: RunView) -> tuple[Verdict, ...]:
+        """Returns a verdict for every actor whose right of way an ego took."""
+        return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
+
+    def _judge(self, ego: EgoView) -> list[Verdict]:
+        if ego.count < 2:
+            return [not_started(self.name, ego)]
+        conflicts = [
+            *vehicle_conflicts(ego, attention=self.attention),
+            *walker_conflicts(ego, attention=self.attention),
+        ]
+        verdicts = [
+            self._hindered(ego, conflict)
+            for conflict in sorted(conflicts, key=lambda one: (one.row, one.other))
+            if conflict.lag < self.encroachment or conflict.braking >= self.braking
+        ]
+        if verdicts:
+            return verdicts
+        nearest = min((conflict.lag for conflict in conflicts), default=None)
+        facts = {
+            "conflicts": len(conflicts),
+            "least_encroachment": nearest if nearest is None or nearest < 1e3 else None,
+        }
+        return [passed(self.name, ego, "Hindered nobody with the right of way.", **facts)]
+
+    def _hindered(self, ego: EgoView, conflict: Conflict) -> Verdict:
+        who = ego.trace.actors[conflict.other].id
+        if conflict.lag < self.encroachment:
+            how = f"was where it had been {conflict.lag:.1f} s before"
+        else:
+            how = f"had to brake at {conflict.braking:.1f} m/s²"
+        return violated(
+            self.name,
+            ego,
+            conflict.row,
+            f"Went before {who}, which has the right of way and {how}.",
+            at_fault=True,
+            counterpart=who,
+            place=conflict.place,
+            encroachment=conflict.lag if conflict.lag < 1e3 else None,
+            braking=conflict.braking,
+        )
