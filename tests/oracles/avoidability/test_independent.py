@@ -1,0 +1,130 @@
+"""The latest moment to brake, against other code: NumPy and shapely on the trace alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, reject, settings
+from hypothesis import strategies as st
+from shapely import Polygon
+
+from drivora_service.observations.trace import Col, Trace
+from drivora_service.oracles.avoidability.braking import careful_braking
+from drivora_service.oracles.avoidability.driver import CarefulDriver
+from drivora_service.testing.traces import Motion
+from tests.oracles.avoidability.collisions import LENGTH, STEP, collision, cut, moving, steady
+
+TIME = np.arange(0.0, 20.0, STEP)
+
+
+def box(x: float, y: float, yaw: float, length: float, width: float) -> Polygon:
+    turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+    corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [0.5 * length, 0.5 * width]
+    return Polygon(corners @ turn.T + [x, y])
+
+
+def avoids(trace: Trace, row: int, friction: float, fine: int = 10) -> bool:
+    """Brakes from ``row`` on in steps a tenth as long, against the one that was hit."""
+    (contact,) = trace.contacts
+    ego, other = trace.states[:, 0], trace.states[:, contact.other]
+    sizes = [(trace.actors[i].length, trace.actors[i].width) for i in (0, contact.other)]
+    driven = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(ego[:, :2], axis=0).T))))
+    heading = ego[-1, Col.YAW]
+    full = min(0.774 * 9.81, friction * 9.81)
+    last = other[contact.step]
+    speed_then = math.hypot(last[Col.VX], last[Col.VY])
+    before = other[contact.step - round(0.3 / STEP)]
+    slowing = max((math.hypot(before[Col.VX], before[Col.VY]) - speed_then) / 0.3, 0.0)
+    way = math.atan2(last[Col.VY], last[Col.VX]) if speed_then > 0.1 else last[Col.YAW]
+    if abs((way - heading + math.pi) % (2 * math.pi) - math.pi) < math.radians(30.0):
+        way = heading
+
+    def ego_at(arc: float) -> Polygon:
+        over = max(arc - driven[-1], 0.0)
+        x, y = (float(np.interp(arc, driven, ego[:, k])) for k in (0, 1))
+        yaw = float(np.interp(arc, driven, np.unwrap(ego[:, Col.YAW])))
+        return box(x + over * math.cos(heading), y + over * math.sin(heading), yaw, *sizes[0])
+
+    def other_at(step: int) -> Polygon:
+        if step <= contact.step:
+            x, y, yaw = other[step, :3].tolist()
+            return box(x, y, yaw, *sizes[1])
+        time = (step - contact.step) * STEP
+        if slowing > 0.0:
+            time = min(time, speed_then / slowing)
+        far = speed_then * time - 0.5 * slowing * time**2
+        yaw = heading if way == heading else last[Col.YAW]
+        return box(last[0] + far * math.cos(way), last[1] + far * math.sin(way), yaw, *sizes[1])
+
+    arc, speed, stood = driven[row], float(np.hypot(*ego[row, [Col.VX, Col.VY]])), 0.0
+    for step in range(row, contact.step + round(10.0 / STEP)):
+        begins = (step + 1 - row) * STEP <= 1.15 + 1e-9
+        if begins and step < contact.step:
+            arc, speed = driven[step + 1], float(np.hypot(*ego[step + 1, [Col.VX, Col.VY]]))
+        else:
+            for part in range(fine):
+                since = (step - row + (part + 0.5) / fine) * STEP - 1.15
+                braking = min(max(since, 0.0) * 0.774 * 9.81 / 0.6, full)
+                slower = max(speed - braking * STEP / fine, 0.0)
+                arc, speed = arc + 0.5 * (speed + slower) * STEP / fine, slower
+        if ego_at(arc).intersection(other_at(step + 1)).area > 1e-9:
+            return False
+        stood += STEP if speed <= 0.0 else 0.0
+        if step >= contact.step and stood >= 2.0:
+            return True
+    return True
+
+
+@pytest.mark.parametrize("friction", [0.45, 1.0])
+@settings(max_examples=15, deadline=None)
+@given(
+    speed=st.floats(6.0, 28.0),
+    share=st.floats(0.0, 0.8),
+    gap=st.floats(5.0, 60.0),
+    beside=st.sampled_from((0.0, 3.5, -3.5)),
+    slowing=st.floats(0.0, 5.0),
+)
+def test_vehicles_ahead_and_cutting_in(
+    friction: float, speed: float, share: float, gap: float, beside: float, slowing: float
+) -> None:
+    """The vehicle begins to come over after 4 s at 1.8 m/s, and brakes from then on."""
+    other = share * speed
+    after = np.clip(TIME - 4.0, 0.0, None)
+    braking = np.minimum(after, other / slowing if slowing > 0.0 else np.inf)
+    along = LENGTH + gap + 4.0 * (speed - other) + other * (TIME - after + braking)
+    across = beside - math.copysign(1.0, beside) * np.minimum(1.8 * after, abs(beside))
+    ahead = moving(along - 0.5 * slowing * braking**2, across, yaw=0.0)
+    compare(steady(0.0, 0.0, speed), ahead, friction)
+
+
+@pytest.mark.parametrize("friction", [0.45, 1.0])
+@settings(max_examples=15, deadline=None)
+@given(
+    speed=st.floats(6.0, 20.0),
+    crossing=st.floats(2.0, 12.0),
+    angle=st.floats(0.8, 2.4),
+    late=st.floats(-0.8, 0.8),
+)
+def test_vehicles_that_cross(
+    friction: float, speed: float, crossing: float, angle: float, late: float
+) -> None:
+    """Both would be in the same place after 7 s, but for some tenths of a second."""
+    meeting = 7.0 * speed
+    back = (7.0 + late) * crossing
+    other = steady(meeting - back * math.cos(angle), -back * math.sin(angle), crossing, yaw=angle)
+    compare(steady(0.0, 0.0, speed), other, friction)
+
+
+def compare(ego: Motion, other: Motion, friction: float) -> None:
+    """Both replays find the same last row, within one."""
+    try:
+        trace = collision(ego, other)
+    except AssertionError:
+        reject()
+    latest = careful_braking(cut(trace), CarefulDriver(), friction * 9.81, math.inf)
+    (contact,) = trace.contacts
+    rows = range(contact.step - 1, -1, -1)
+    found = next((row for row in rows if avoids(trace, row, friction)), -1)
+    assert abs(found - latest) <= 1
