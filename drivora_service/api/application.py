@@ -7,9 +7,11 @@ from contextlib import AbstractAsyncContextManager
 from importlib.metadata import version
 
 from fastapi import Depends, FastAPI
+from fastapi.responses import HTMLResponse
 
 from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
+from drivora_service.api.docs_page import docs_page
 from drivora_service.api.documentation import install_openapi, problem_answer
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
@@ -27,6 +29,9 @@ from drivora_service.api.routes import (
     scenarios,
 )
 
+_NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""What the page of the API may load."""
+
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 
 
@@ -41,7 +46,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         title="Drivora",
         version=version("drivora"),
         openapi_url=f"{PREFIX}/openapi.json",
-        # Both pages would load their scripts from elsewhere.
+        # FastAPI's pages load their scripts from elsewhere; /docs is written here.
         docs_url=None,
         redoc_url=None,
         lifespan=lifespan,
@@ -67,6 +72,11 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         )
     api.include_router(health.router)
     api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
+
+    @api.get("/docs", include_in_schema=False)
+    def docs() -> HTMLResponse:
+        return HTMLResponse(docs_page(api.openapi()), headers={"Content-Security-Policy": _NOTHING})
+
     install_problem_handlers(api)
     install_openapi(api)
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
