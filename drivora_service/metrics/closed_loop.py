@@ -45,7 +45,7 @@ def _no_collision(judgement: Judgement) -> float | None:
     collisions = judgement.violations("collision")
     if collisions is None:
         return None
-    at_fault = [c for c in collisions if c.at_fault]
+    at_fault = [c for c in collisions if c.evidence["nuplan_at_fault"]]
     objects = [c for c in at_fault if c.evidence["counterpart_role"] == Role.NPC_OBSTACLE]
     if not at_fault:
         return 1.0

@@ -65,7 +65,8 @@ def test_hitting_a_standing_vehicle_is_the_egos_fault() -> None:
     assert verdict.at_fault
     assert verdict.counterpart == "npc"
     assert verdict.evidence["face"] == "front"
-    assert verdict.evidence["reason"] == "the other stood"
+    assert verdict.evidence["reason"].startswith("the other stood")
+    assert verdict.evidence["rule"] == "standing"
     assert verdict.evidence["relative_speed"] == pytest.approx(10.0)
     assert verdict.step == 32
     assert verdict.time == pytest.approx(1.6)
@@ -74,10 +75,10 @@ def test_hitting_a_standing_vehicle_is_the_egos_fault() -> None:
 
 def test_hitting_a_moving_vehicle_with_the_front_is_the_egos_fault() -> None:
     (verdict,) = collide(
-        on_lane(motion=steady(0.0, 0.0, 12.0)), SyntheticActor(motion=steady(8.0, 0.0, 4.0))
+        on_lane(motion=steady(0.0, 0.0, 12.0)), SyntheticActor(motion=steady(18.0, 0.0, 4.0))
     )
     assert verdict.at_fault
-    assert verdict.evidence["reason"] == "the ego hit with its front"
+    assert verdict.evidence["rule"] == "following"
 
 
 def test_being_hit_from_behind_is_not() -> None:
@@ -109,14 +110,17 @@ def test_a_stationary_ego_that_is_hit_is_not_at_fault(yaw: float, x: float, y: f
     other = SyntheticActor(motion=steady(x, y, 10.0, yaw))
     (verdict,) = collide(on_lane(motion=steady(0.0, 0.0)), other)
     assert verdict.at_fault is False
-    assert verdict.evidence["reason"] == "the ego stood"
+    assert not verdict.evidence["nuplan_at_fault"]
 
 
 @pytest.mark.parametrize(("speed", "at_fault"), [(0.04, False), (0.06, True)])
-def test_an_ego_stands_up_to_five_centimetres_a_second(speed: float, at_fault: bool) -> None:
+def test_for_nuplan_an_ego_stands_up_to_five_centimetres_a_second(
+    speed: float, at_fault: bool
+) -> None:
     oncoming = SyntheticActor(motion=steady(10.0, 0.0, 5.0, math.pi))
     (verdict,) = collide(on_lane(motion=steady(0.0, 0.0, speed)), oncoming)
-    assert verdict.at_fault is at_fault
+    assert verdict.evidence["nuplan_at_fault"] is at_fault
+    assert verdict.at_fault is False
 
 
 def test_being_touched_at_the_side_in_the_own_lane_is_not_the_egos_fault() -> None:
@@ -134,25 +138,27 @@ def test_touching_at_the_side_while_changing_lanes_is() -> None:
     (verdict,) = collide(ego, SyntheticActor(motion=steady(0.0, 3.2, 10.0)))
     assert verdict.evidence["face"] == "side"
     assert verdict.at_fault
-    assert "straddled" in verdict.evidence["reason"]
+    assert verdict.evidence["reason"] == "the ego came into the lane of the other"
 
 
-def test_reaching_over_a_lane_inside_a_junction_means_nothing() -> None:
+def test_in_a_junction_whose_right_of_way_is_unknown_nothing_can_be_told() -> None:
     ego = on_lane(motion=steady(502.0, 1.0, 2.0), lane=CROSSING, lane_lateral=1.0)
     crossing = SyntheticActor(motion=steady(506.0, -12.0, 10.0, math.pi / 2))
     (verdict,) = collide(ego, crossing)
     assert verdict.evidence["face"] == "side"
-    assert verdict.at_fault is False
+    assert verdict.at_fault is None
+    assert verdict.undetermined
+    assert not verdict.evidence["nuplan_at_fault"]
 
 
-def test_touching_at_the_side_off_the_road_is() -> None:
+def test_where_both_are_off_the_road_nothing_can_be_told() -> None:
     ego = on_lane(motion=steady(0.0, -6.0, 10.0), lane=-1, lane_lateral=np.nan)
     drifting = steady(0.0, -9.5, 10.0)
     drifting.states[:, Col.Y] += 0.02 * np.arange(STEPS)
     (verdict,) = collide(ego, SyntheticActor(motion=drifting))
     assert verdict.evidence["face"] == "side"
-    assert verdict.at_fault
-    assert "off the road" in verdict.evidence["reason"]
+    assert verdict.undetermined
+    assert verdict.evidence["nuplan_at_fault"]
 
 
 def test_a_vehicle_from_the_side_into_the_egos_door_is_not_the_egos_fault() -> None:
@@ -229,7 +235,7 @@ def test_a_collision_of_two_egos_is_judged_for_both() -> None:
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, math.pi / 2, -2.5])
-def test_responsibility_does_not_depend_on_where_east_is(turn: float) -> None:
+def test_nuplans_class_does_not_depend_on_where_east_is(turn: float) -> None:
     cos, sin = math.cos(turn), math.sin(turn)
 
     def turned(motion: Motion) -> Motion:
@@ -243,5 +249,5 @@ def test_responsibility_does_not_depend_on_where_east_is(turn: float) -> None:
     ego = on_lane(motion=turned(steady(0.0, 0.0, 12.0)), lane=EAST, lane_heading=turn)
     (front,) = collide(ego, SyntheticActor(motion=turned(steady(15.0, 1.0, 4.0))))
     (rear,) = collide(ego, SyntheticActor(motion=turned(steady(-15.0, 1.0, 25.0))))
-    assert (front.evidence["face"], front.at_fault) == ("front", True)
-    assert (rear.evidence["face"], rear.at_fault) == ("rear", False)
+    assert (front.evidence["face"], front.evidence["nuplan_at_fault"]) == ("front", True)
+    assert (rear.evidence["face"], rear.evidence["nuplan_at_fault"]) == ("rear", False)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,9 +43,10 @@ def test_a_short_cut_in_on_a_wet_road_is_not_avoidable_and_counts_apart() -> Non
     """Enters 6 m ahead, 8 m/s slower, on a friction of 0.5: 0.75 s until the contact."""
     trace = collision(*cut_in(6.0, 8.0), friction=0.5)
     (verdict,) = Collision().judge(RunView(trace, ROAD))
-    assert verdict.at_fault
+    assert verdict.at_fault is False
     assert verdict.avoidable is Answer.NO
-    assert accountability(verdict) is Accountability.UNAVOIDABLE
+    assert accountability(verdict) is Accountability.NOT_AT_FAULT
+    assert accountability(replace(verdict, at_fault=True)) is Accountability.UNAVOIDABLE
 
 
 def test_a_cut_in_with_room_is_avoidable() -> None:

@@ -1,4 +1,4 @@
-"""Writes the shipped cases of responsibility: documents, their table, and its page in the docs.
+"""Writes the shipped cases of responsibility: documents, their table, its page and pictures.
 
 python -m tests.oracles.responsibility.writing
 """
@@ -6,15 +6,20 @@ python -m tests.oracles.responsibility.writing
 from __future__ import annotations
 
 import json
+import tempfile
 from pathlib import Path
 from typing import Any
 
+from drivora_service.cli.drawing import draw_trace
+from drivora_service.observations.trace_file import write_trace
+from drivora_service.settings import Settings
 from tests.oracles.responsibility.case import AT_FAULT, NOT_AT_FAULT, Case
 from tests.oracles.responsibility.families import all_cases
-from tests.oracles.responsibility.judged import collisions
+from tests.oracles.responsibility.judged import collisions, recorded
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "openscenario_schemas" / "examples" / "responsibility"
+PICTURES = ROOT / "docs" / "images" / "responsibility"
 TABLE = FOLDER / "cases.json"
 PAGE = ROOT / "docs" / "reference" / "responsibility-cases.md"
 
@@ -43,6 +48,21 @@ _INTRODUCTION = (
 )
 
 
+PICTURED = (
+    "other-cuts-in-short",
+    "ego-cuts-in-and-stops",
+    "head-on-with-wrong-way-driver",
+    "ego-stops-in-oncoming-lane",
+    "ego-evades-wrong-way-driver-who-returns",
+    "ego-veers-into-oncoming-in-junction",
+    "ego-turns-left-before-oncoming",
+    "ego-runs-red-and-is-hit",
+    "ego-enters-roundabout-before-circulating-vehicle",
+    "walker-steps-out",
+)
+"""Cases of which the page shows a strip of moments."""
+
+
 def table() -> list[dict[str, Any]]:
     """The entries of ``cases.json``."""
     return [_entry(case) for case in all_cases()]
@@ -61,7 +81,7 @@ def _entry(case: Case) -> dict[str, Any]:
 
 def nuplan(case: Case, ego: str) -> str:
     """What nuPlan's rule says of an ego's collision."""
-    return AT_FAULT if collisions(case.name)[ego].at_fault else NOT_AT_FAULT
+    return AT_FAULT if collisions(case.name)[ego].evidence["nuplan_at_fault"] else NOT_AT_FAULT
 
 
 def table_text(entries: list[dict[str, Any]]) -> str:
@@ -76,13 +96,39 @@ def page_text(entries: list[dict[str, Any]]) -> str:
         f"| {entry['source']} | {_said(entry['nuplan'])} |\n"
         for entry in entries
     )
-    return _INTRODUCTION.format(count=len(entries)) + rows
+    shown = "".join(
+        f"\n### {name}\n{entry['happens']} Expected: {_said(entry['expected'])}; nuPlan's rule: "
+        f"{_said(entry['nuplan'])}.\n\n![{entry['happens']}](../images/responsibility/{name}.png)\n"
+        for name in PICTURED
+        for entry in entries
+        if entry["name"] == name
+    )
+    return _INTRODUCTION.format(count=len(entries)) + rows + _PICTURES + shown
 
 
 def _said(answers: dict[str, str]) -> str:
     if len(answers) == 1:
         return next(iter(answers.values()))
     return "; ".join(f"`{ego}` {answer}" for ego, answer in answers.items())
+
+
+_PICTURES = """
+## Ten of them
+Three moments each, the last of them the collision, as `drivora plot TRACE --moments 3 --rule
+collision` draws them.
+"""
+
+
+def draw() -> None:
+    """Draws the pictures of the page anew."""
+    settings = Settings()
+    for case in all_cases():
+        if case.name in PICTURED:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / f"{case.name}.trace.parquet"
+                write_trace(recorded(case), path)
+                target = PICTURES / f"{case.name}.png"
+                draw_trace(path, settings, target, rules=("collision",), moments=3)
 
 
 def write() -> None:
@@ -99,3 +145,4 @@ def write() -> None:
 
 if __name__ == "__main__":
     write()
+    draw()

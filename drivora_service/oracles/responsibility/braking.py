@@ -1,0 +1,64 @@
+"""Whether one of two could have braked in time, as UNECE R157's competent driver brakes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivora_service.observations.trace import Col
+from drivora_service.oracles.responsibility.party import GRAVITY, Party
+
+REACTION = 1.15
+"""Seconds from the moment at which the risk can be perceived to the first braking: 0.4 s of
+evaluation and 0.75 s of delay (UNECE R157, annex 3)."""
+
+DECELERATION = 0.774 * GRAVITY
+"""m/s² of the competent driver's braking (UNECE R157, annex 3), where the road has that grip."""
+
+RAMP = 0.6
+"""Seconds until the braking is full (UNECE R157, annex 3)."""
+
+
+def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION) -> bool:
+    """Says whether ``one``, which runs into ``other``, could have kept behind it by braking.
+
+    Both are looked at along the heading of ``one`` at the contact. The other moves as recorded,
+    and after the contact on at its last speed; a speed towards ``one`` counts as standing.
+
+    Args:
+        one: The one that brakes.
+        other: The one before it.
+        step: Row of the trace at which the risk could be perceived.
+        reaction: Seconds from then to the first braking.
+    """
+    begin = min(max(step - one.first, 0), one.count - 1)
+    dt = one.step_length
+    driven = one.travelled - float(one.travelled[-1])
+    cos, sin = math.cos(one.yaw), math.sin(one.yaw)
+    ahead = (other.states[:, Col.X] - other.states[-1, Col.X]) * cos
+    ahead = ahead + (other.states[:, Col.Y] - other.states[-1, Col.Y]) * sin
+    last = float(ahead[-1] - ahead[-2]) / dt if other.count > 1 else 0.0
+    last = max(last, 0.0)
+    steps = np.diff(one.travelled)
+    place, time = float(driven[begin]), 0.0
+    speed = float(steps[min(begin, len(steps) - 1)]) / dt if len(steps) else 0.0
+    k = begin
+    while True:
+        k, time = k + 1, time + dt
+        if time <= reaction:
+            known = k < one.count
+            speed = float(steps[k - 1]) / dt if known else speed
+            place = float(driven[k]) if known else place + speed * dt
+        else:
+            braking = min(DECELERATION, one.grip) * min(1.0, (time - reaction) / RAMP)
+            speed = max(0.0, speed - braking * dt)
+            place += speed * dt
+        row = k - (one.count - other.count)
+        if row >= 0:
+            known = row < other.count
+            free = float(ahead[row]) if known else (row - other.count + 1) * dt * last
+            if place > free - 1e-3:
+                return False
+        if k >= one.count - 1 and speed <= last:
+            return True

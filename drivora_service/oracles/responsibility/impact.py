@@ -1,0 +1,136 @@
+"""How two boxes came together: which part was touched, and how both moved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from shapely import Polygon, box
+from shapely.affinity import affine_transform
+
+from drivora_service.geometry import wrap_angle
+from drivora_service.observations.boxes import overlap_depth
+from drivora_service.observations.trace import Actor, Col, FloatArray, Trace
+
+
+class Face(StrEnum):
+    """The part of the ego that was touched."""
+
+    FRONT = "front"
+    REAR = "rear"
+    SIDE = "side"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impact:
+    """How two boxes came together.
+
+    Attributes:
+        ego_speed: m/s over ground on the way into the contact.
+        ego_forward: m/s along the ego's heading, negative backwards.
+        other_speed: m/s over ground of the other.
+        relative_speed: m/s between the two.
+        face: The part of the ego that was touched first.
+        other_face: The part of the other that was touched first.
+        place: (x, y) of the touch, metres.
+        appeared: The other was put where the ego was, and did not move there.
+    """
+
+    ego_speed: float
+    ego_forward: float
+    other_speed: float
+    relative_speed: float
+    face: Face
+    other_face: Face
+    place: tuple[float, float]
+    appeared: bool
+
+
+def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
+    """Reconstructs a contact from the row before it and its own.
+
+    Between the two rows both move evenly; the moment at which the boxes first touch shows which
+    part of the ego was hit, which their overlap at the end of a fast step would not.
+    """
+    after = trace.states[step, [ego.row, other.row]]
+    begun = step > 0 and bool(trace.present[step - 1, [ego.row, other.row]].all())
+    before = trace.states[step - 1, [ego.row, other.row]] if begun else after
+    velocities = after[:, [Col.VX, Col.VY]]
+    if begun:
+        velocities = (after - before)[:, [Col.X, Col.Y]] / trace.step_length
+    pose = _first_touch(before, after, ego, other)
+    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
+    relative = velocities[1] - velocities[0]
+    x, y = _touch_point(pose, ego, other)
+    return Impact(
+        ego_speed=float(np.hypot(*velocities[0])),
+        ego_forward=float(velocities[0] @ (cos, sin)),
+        other_speed=float(np.hypot(*velocities[1])),
+        relative_speed=float(np.hypot(*relative)),
+        face=_face(pose, ego, other),
+        other_face=_face(pose[::-1], other, ego),
+        place=(
+            float(pose[0, 0] + x * cos - y * sin),
+            float(pose[0, 1] + x * sin + y * cos),
+        ),
+        appeared=step > 0 and not begun,
+    )
+
+
+def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor) -> FloatArray:
+    """Gives (2, 3) poses of ego and other just after they first overlapped."""
+    turns = [wrap_angle(float(turn)) for turn in after[:, Col.YAW] - before[:, Col.YAW]]
+
+    def poses(share: float) -> FloatArray:
+        mixed = before[:, :3] + share * (after[:, :3] - before[:, :3])
+        mixed[:, 2] = before[:, Col.YAW] + share * np.array(turns)
+        return mixed
+
+    apart, overlapping = 0.0, 1.0
+    for _ in range(20):
+        middle = 0.5 * (apart + overlapping)
+        first, second = poses(middle)
+        depth = overlap_depth(
+            second[0] - first[0],
+            second[1] - first[1],
+            first[2],
+            ego.length,
+            ego.width,
+            second[2],
+            other.length,
+            other.width,
+        )
+        if depth > 0.0:
+            overlapping = middle
+        else:
+            apart = middle
+    return poses(overlapping)
+
+
+def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
+    """Tells which part of the ego was touched, from (2, 3) poses of ego and other as they touch."""
+    x, y = _touch_point(pose, ego, other)
+    distances = {
+        Face.FRONT: 0.5 * ego.length - x,
+        Face.REAR: 0.5 * ego.length + x,
+        Face.SIDE: 0.5 * ego.width - abs(y),
+    }
+    return min(distances, key=lambda face: distances[face])
+
+
+def _touch_point(pose: FloatArray, ego: Actor, other: Actor) -> tuple[float, float]:
+    """Gives the middle of the overlap in the ego's frame, x forwards and y to the left, metres."""
+    own = box(-0.5 * ego.length, -0.5 * ego.width, 0.5 * ego.length, 0.5 * ego.width)
+    dx, dy = pose[1, :2] - pose[0, :2]
+    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
+    turn = pose[1, 2] - pose[0, 2]
+    c, s = math.cos(turn), math.sin(turn)
+    theirs: Polygon = affine_transform(
+        box(-0.5 * other.length, -0.5 * other.width, 0.5 * other.length, 0.5 * other.width),
+        [c, -s, s, c, dx * cos + dy * sin, dy * cos - dx * sin],
+    )
+    common = own.intersection(theirs)
+    middle = common.centroid if not common.is_empty else theirs.centroid
+    return float(middle.x), float(middle.y)

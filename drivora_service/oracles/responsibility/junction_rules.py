@@ -1,0 +1,169 @@
+"""The rules for vehicles inside a junction: signals, right of way, own ways."""
+
+from __future__ import annotations
+
+from shapely import Point
+
+from drivora_service.oracles.responsibility.finding import Fault, Finding
+from drivora_service.oracles.responsibility.impact import Face
+from drivora_service.oracles.responsibility.junctions import (
+    Passage,
+    junction_of,
+    passage,
+    signal_is_red,
+)
+from drivora_service.oracles.responsibility.lane_areas import intrusion
+from drivora_service.oracles.responsibility.party import Party
+from drivora_service.oracles.responsibility.road_rules import one_behind_the_other
+from drivora_service.oracles.responsibility.scene import ALONG, ASTRAY, Scene
+
+_FIRST = 1.0
+"""Seconds by which one must come earlier to be first at an all-way stop."""
+
+
+def in_junction(scene: Scene) -> Finding | None:
+    """Applies the rules for junctions; None outside of them."""
+    junction = junction_of(scene)
+    if junction is None:
+        return None
+    ways = {party: passage(scene, party, junction) for party in (scene.ego, scene.other)}
+    if scene.angle < ALONG and {scene.impact.face, scene.impact.other_face} == {
+        Face.FRONT,
+        Face.REAR,
+    }:
+        found = one_behind_the_other(scene)
+        if found is not None:
+            return found
+    return (
+        _blocked(scene)
+        or _no_way(scene, ways)
+        or _signals(scene, ways)
+        or _right_of_way(scene, ways)
+        or _left_its_way(scene, ways)
+    )
+
+
+def _blocked(scene: Scene) -> Finding | None:
+    """Who stands in the junction for long enough to brake for is not run into."""
+    for party in (scene.ego, scene.other):
+        other = scene.opposite(party)
+        if not scene.stands(party) or scene.stands(other):
+            continue
+        k = party.entry(scene.way(other), other.yaw)
+        entered = party.step(0 if k is None else k)
+        if scene.could_brake(other, entered):
+            return Finding(
+                rule="standing",
+                fault=scene.fault_of(other),
+                reason=f"{scene.name(party)} stood in the junction, and there was time to brake",
+            )
+    return None
+
+
+def _no_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
+    """Who follows none of the ways through the junction is responsible."""
+    lost = [party for party, way in ways.items() if way.movement is None]
+    if not lost:
+        return None
+    if len(lost) == 2:
+        return _unknown("own_way", "neither followed a way through the junction")
+    return Finding(
+        rule="own_way",
+        fault=scene.fault_of(lost[0]),
+        reason=f"{scene.name(lost[0])} followed no way through the junction",
+    )
+
+
+def _signals(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
+    ego, other = ways[scene.ego], ways[scene.other]
+    if ego.link is None or other.link is None or not _conflict(ego, other):
+        return None
+    red = [party for party, way in ways.items() if way.red]
+    if len(red) == 2:
+        return _unknown("signals", "both came into the junction on red")
+    if red:
+        return Finding(
+            rule="signals",
+            fault=scene.fault_of(red[0]),
+            reason=f"{scene.name(red[0])} came into the junction on red",
+        )
+    # On green, but not at the same time: the one whose green was before is let clear.
+    for party, way in ways.items():
+        later = ways[scene.opposite(party)]
+        if way.entered < later.entered and signal_is_red(scene, _link(later), way.entered):
+            return Finding(
+                rule="signals",
+                fault=scene.fault_of(scene.opposite(party)),
+                reason=f"{scene.name(party)} was still leaving the junction, which it had entered "
+                "on green",
+            )
+    return None
+
+
+def _link(way: Passage) -> tuple[str, int]:
+    return way.link or ("", -1)
+
+
+def _conflict(one: Passage, two: Passage) -> bool:
+    if one.movement is None or two.movement is None:
+        return False
+    return bool(
+        set(one.movement.foes) & set(two.movement.lanes)
+        or set(two.movement.foes) & set(one.movement.lanes)
+    )
+
+
+def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
+    ego, other = ways[scene.ego], ways[scene.other]
+    if ego.movement is None or other.movement is None or not _conflict(ego, other):
+        return None
+    ego_yields = bool(set(ego.movement.yields_to) & set(other.movement.lanes))
+    other_yields = bool(set(other.movement.yields_to) & set(ego.movement.lanes))
+    if ego_yields != other_yields:
+        party = scene.ego if ego_yields else scene.other
+        return Finding(
+            rule="right_of_way",
+            fault=scene.fault_of(party),
+            reason=f"{scene.name(party)} had to give way",
+        )
+    apart = (ego.entered - other.entered) * scene.trace.step_length
+    if abs(apart) < _FIRST:
+        return _unknown("right_of_way", "both came at the same time, and each had to give way")
+    later = scene.ego if apart > 0.0 else scene.other
+    return Finding(
+        rule="right_of_way",
+        fault=scene.fault_of(later),
+        reason=f"{scene.name(later)} came into the junction later",
+    )
+
+
+def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
+    """Ways that do not cross: who left its own is responsible."""
+    beyond = {party: _beyond(party, way) > ASTRAY for party, way in ways.items()}
+    left = [party for party, is_beyond in beyond.items() if is_beyond]
+    if len(left) != 1:
+        left = [
+            party
+            for party, way in ways.items()
+            if way.area is not None and not way.area.intersects(Point(scene.impact.place))
+        ]
+    if len(left) != 1:
+        return _unknown("own_way", "the ways do not cross, and it cannot be told who left its own")
+    return Finding(
+        rule="own_way",
+        fault=scene.fault_of(left[0]),
+        reason=f"{scene.name(left[0])} left its way through the junction",
+    )
+
+
+def _beyond(party: Party, way: Passage) -> float:
+    if way.area is None:
+        return float("inf")
+    box = party.boxes[-1]
+    return intrusion(
+        box, party.yaw, party.actor.length, party.actor.width, box.difference(way.area), party.yaw
+    )
+
+
+def _unknown(rule: str, reason: str) -> Finding:
+    return Finding(rule=rule, fault=Fault.UNKNOWN, reason=reason)

@@ -1,0 +1,151 @@
+"""One of the two that collided: where it was in the seconds before, and on which lanes."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from drivora_service.geometry import arc_lengths, box_corners
+from drivora_service.networks.projection import project_points
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.trace import Actor, Col, FloatArray, IntArray, Trace
+from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
+
+GRAVITY = 9.81
+"""m/s²."""
+
+WINDOW = 10.0
+"""Seconds before the contact that are looked at."""
+
+INTRUSION = 0.3
+"""Metres across the edge of a lane from which on an actor is in it (UNECE R157, 5.2.5.2)."""
+
+_HELD = 0.1
+"""Metres within which an actor that stands may be moved without having driven."""
+
+
+class Party:
+    """One of the two that collided, in the rows up to the contact.
+
+    Attributes:
+        actor: From the trace.
+        first: Row of the trace with which the arrays begin: the first in which it was present
+            without a break, within ``WINDOW``.
+        states: (n, 9), columns ``Col``; the last row is that of the contact.
+        speed: m/s over ground on the way into the contact.
+        from_beginning: Whether it was there when the record began, so that what it did before is
+            unknown.
+        grip: m/s² that its tyres can hold, as far as the trace tells.
+        appeared: Whether it came into the world after the record had begun.
+    """
+
+    def __init__(
+        self, trace: Trace, network: RoadNetwork, actor: Actor, step: int, speed: float
+    ) -> None:
+        """Cuts its part out of the trace."""
+        earliest = max(0, step - round(WINDOW / trace.step_length))
+        absent = np.flatnonzero(~trace.present[earliest : step + 1, actor.row])
+        self.first = earliest + (int(absent[-1]) + 1 if len(absent) else 0)
+        self.actor = actor
+        self.network = network
+        self.step_length = trace.step_length
+        self.states: FloatArray = trace.states[self.first : step + 1, actor.row]
+        self.speed = speed
+        self.from_beginning = self.first == 0
+        self.appeared = self.first > 0 and not trace.present[self.first - 1, actor.row]
+        self.grip = float(trace.meta.get("friction", math.inf)) * GRAVITY
+        self._areas = lane_areas(network)
+
+    @property
+    def count(self) -> int:
+        """Number n of rows."""
+        return len(self.states)
+
+    @property
+    def yaw(self) -> float:
+        """Heading at the contact, radians."""
+        return float(self.states[-1, Col.YAW])
+
+    @cached_property
+    def boxes(self) -> tuple[Polygon, ...]:
+        """The box at each row."""
+        corners = box_corners(
+            self.states[:, Col.X],
+            self.states[:, Col.Y],
+            self.states[:, Col.YAW],
+            self.actor.length,
+            self.actor.width,
+        )
+        return tuple(Polygon(four) for four in corners)
+
+    @cached_property
+    def travelled(self) -> FloatArray:
+        """(n,) metres driven since the first row."""
+        arc: FloatArray = arc_lengths(self.states[:, [Col.X, Col.Y]])
+        return arc
+
+    @cached_property
+    def stood(self) -> float:
+        """Seconds for which it had been where it was at the contact."""
+        away = np.hypot(
+            self.states[:, Col.X] - self.states[-1, Col.X],
+            self.states[:, Col.Y] - self.states[-1, Col.Y],
+        )
+        gone = np.flatnonzero(away > _HELD)
+        last = int(gone[-1]) + 1 if len(gone) else 0
+        return (self.count - 1 - last) * self.step_length
+
+    @cached_property
+    def lanes(self) -> IntArray:
+        """(n,) index of the lane that it was on, of those in its direction if there is one."""
+        found = project_points(
+            self.network, self.states[:, [Col.X, Col.Y]], self.states[:, Col.YAW]
+        )
+        lanes: IntArray = found.lane
+        return lanes
+
+    @cached_property
+    def with_lane(self) -> tuple[bool, ...]:
+        """Whether it faced the direction of its lane at each row; False off every lane."""
+        return tuple(
+            lane >= 0
+            and self._areas.turn(int(lane), self.place(k), float(self.states[k, Col.YAW])) < 1.4
+            for k, lane in enumerate(self.lanes.tolist())
+        )
+
+    def place(self, k: int) -> tuple[float, float]:
+        """Returns x and y of its centre at a row, metres."""
+        return float(self.states[k, Col.X]), float(self.states[k, Col.Y])
+
+    def entry(self, area: BaseGeometry, heading: float) -> int | None:
+        """Returns the row from which on it was in an area up to the contact.
+
+        Args:
+            area: A lane, or several.
+            heading: Their direction, radians.
+
+        Returns:
+            A row of these arrays, 0 if it was there as long as is known; None if at the contact it
+            reached into the area by less than ``INTRUSION``.
+        """
+        least = min(INTRUSION, 0.5 * self.actor.width)
+        for k in range(self.count - 1, -1, -1):
+            depth = intrusion(
+                self.boxes[k],
+                float(self.states[k, Col.YAW]),
+                self.actor.length,
+                self.actor.width,
+                area,
+                heading,
+            )
+            if depth < least:
+                return None if k == self.count - 1 else k + 1
+        return 0
+
+    def step(self, k: int) -> int:
+        """Returns the row of the trace of a row of these arrays."""
+        return self.first + k

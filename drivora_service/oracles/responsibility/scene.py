@@ -1,0 +1,118 @@
+"""A collision as the rules look at it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shapely.geometry.base import BaseGeometry
+
+from drivora_service.geometry import wrap_angle
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.trace import Role, Trace
+from drivora_service.oracles.responsibility.braking import could_brake
+from drivora_service.oracles.responsibility.finding import Fault
+from drivora_service.oracles.responsibility.impact import Face, Impact
+from drivora_service.oracles.responsibility.lane_areas import LaneAreas, intrusion
+from drivora_service.oracles.responsibility.party import Party
+
+ALONG = 1.2
+"""Radians from a lane's direction up to which an actor goes along it."""
+
+AGAINST = 2.0
+"""Radians from a lane's direction from which on an actor faces against it."""
+
+ASTRAY = 0.2
+"""Metres beyond the lanes of its own direction from which on a vehicle has left them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scene:
+    """A collision.
+
+    Attributes:
+        trace: The run.
+        network: Its road network.
+        areas: Of the network's lanes.
+        step: Row of the trace at the contact.
+        ego: The ego up to the contact.
+        other: The other.
+        impact: How they came together.
+        standing_speed: m/s up to which an actor stands.
+    """
+
+    trace: Trace
+    network: RoadNetwork
+    areas: LaneAreas
+    step: int
+    ego: Party
+    other: Party
+    impact: Impact
+    standing_speed: float
+
+    @property
+    def other_role(self) -> Role:
+        """What the other is."""
+        return self.other.actor.role
+
+    def stands(self, party: Party) -> bool:
+        """Says whether one of the two stood."""
+        return party.speed <= self.standing_speed
+
+    def face(self, party: Party) -> Face:
+        """Returns the part of one of the two that was touched."""
+        return self.impact.face if party is self.ego else self.impact.other_face
+
+    def fault_of(self, party: Party) -> Fault:
+        """Returns the fault of one of the two."""
+        return Fault.EGO if party is self.ego else Fault.OTHER
+
+    def opposite(self, party: Party) -> Party:
+        """Returns the other one of the two."""
+        return self.other if party is self.ego else self.ego
+
+    def name(self, party: Party) -> str:
+        """Returns how one of the two is called in a reason."""
+        return "the ego" if party is self.ego else "the other"
+
+    @property
+    def angle(self) -> float:
+        """Between the headings of the two, 0 to pi radians."""
+        return abs(wrap_angle(self.ego.yaw - self.other.yaw))
+
+    def road_lanes(self) -> tuple[int, ...]:
+        """Returns the lanes outside junctions on which the two touched."""
+        found = self.areas.drivable_at(self.impact.place)
+        return tuple(lane for lane in found if not self.network.lanes[lane].is_internal)
+
+    def astray(self, party: Party, k: int = -1) -> float:
+        """Returns how far one of the two was in lanes of the other direction only, metres."""
+        row = k % party.count
+        place, yaw = party.place(row), float(party.states[row, 2])
+        near = [
+            lane
+            for lane in self.areas.drivable_at(place, 0.5 * party.actor.length)
+            if not self.network.lanes[lane].is_internal
+        ]
+        turns = {lane: self.areas.turn(lane, place, yaw) for lane in near}
+        against = [lane for lane in near if turns[lane] > AGAINST]
+        if not against:
+            return 0.0
+        area = self.areas.union(against)
+        own = [lane for lane in near if turns[lane] <= AGAINST]
+        if own:
+            area = area.difference(self.areas.union(own))
+        return intrusion(party.boxes[row], yaw, party.actor.length, party.actor.width, area, yaw)
+
+    def way(self, party: Party) -> BaseGeometry:
+        """Returns the area of the lanes that one of the two drove on, up to the contact."""
+        lanes = {int(lane) for lane in party.lanes if lane >= 0}
+        lanes |= {
+            lane
+            for lane in self.areas.drivable_at(self.impact.place)
+            if self.areas.turn(lane, self.impact.place, party.yaw) < ALONG
+        }
+        return self.areas.union(lanes)
+
+    def could_brake(self, party: Party, step: int) -> bool:
+        """Says whether one of the two could have kept clear by braking from a row on."""
+        return could_brake(party, self.opposite(party), step)
