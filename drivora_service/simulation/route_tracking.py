@@ -42,7 +42,9 @@ QUEUE_REACH = 100.0
 PERMISSIVE = 4
 """Code of a green signal whose traffic yields to others with priority."""
 _SEARCH_BEHIND = 5
-_SEARCH_AHEAD = 40
+_SEARCH_AHEAD = 5.0
+"""Metres beyond what the ego has driven since the last frame that its progress may move ahead: a
+route that passes the same place twice, such as a lap or the way back, is not cut short."""
 
 
 class Progress(IntEnum):
@@ -137,8 +139,14 @@ def follow_egos(
             continue
         mine, route = progress[m], points[parts[m, 0] : parts[m, 1]]
         x, y = frame[m, 0], frame[m, 1]
+        speed = math.hypot(frame[m, 3], frame[m, 4])
+        before = int(mine[_CURSOR])
+        ahead = 1
+        furthest = route[before, 2] + speed * dt + _SEARCH_AHEAD
+        while before + ahead < route.shape[0] - 1 and route[before + ahead, 2] < furthest:
+            ahead += 1
         cursor, s, lateral = track_line(
-            route[:, :2], route[:, 2], int(mine[_CURSOR]), _SEARCH_BEHIND, _SEARCH_AHEAD, x, y
+            route[:, :2], route[:, 2], before, _SEARCH_BEHIND, ahead, x, y
         )
         frame[m, 8] = route[cursor, 3]
         bodies[m, 8] = route[cursor, 3]
@@ -151,7 +159,6 @@ def follow_egos(
         values[m, 3] = lateral
         values[m, 7] = mine[_LIGHT_DISTANCE] if mine[_LIGHT_DISTANCE] < np.inf else np.nan
         lights[m] = int(mine[_LIGHT])
-        speed = math.hypot(frame[m, 3], frame[m, 4])
         if abs(lateral) > BESIDE:
             mine[_BESIDE] += speed * dt
         if speed >= STUCK_SPEED:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drivora_service.agents.idm.agent import IdmAgent
-from drivora_service.observations.trace import Light, TerminalEvent, Trace
+from drivora_service.observations.trace import EgoCol, Light, TerminalEvent, Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.wrong_way import WrongWay
-from drivora_service.scenario.model import LightTimes, Scenario, TrafficLights, Weather
+from drivora_service.scenario.model import LightTimes, Scenario, TrafficLights, Waypoint, Weather
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.plan import plan_episode
 from tests.agents.driving import assert_keeps, assert_stops_at_red, passes, red_light_ahead
 from tests.simulation.episodes import (
+    ROAD,
     car,
     closest,
     ego,
@@ -26,6 +31,7 @@ from tests.simulation.episodes import (
     run,
     scenario,
     speeds,
+    travelled,
     walker,
 )
 
@@ -222,3 +228,47 @@ def test_two_of_them_at_one_junction_both_get_through() -> None:
     ]  # fmt: skip
     trace = drive(scenario(*egos, seconds=60.0))
     assert set(trace.ego_ends) == {TerminalEvent.ARRIVED}
+
+
+def test_it_does_not_skip_a_lap_of_a_route_that_passes_the_same_street_twice() -> None:
+    """It changes lanes into a street that the route comes back to in the same lane."""
+    town = "signal-grid"
+    block = [
+        place(lane, s, on=town)
+        for lane, s in (("grand_3_1", 45), ("garden_2_1", 40), ("-queen_3_1", 45))
+    ]
+    end = float(network(town).lane("-bridge_2_1").arc[-1])
+    what = scenario(
+        ego(
+            place("-bridge_2_1", 12, on=town),
+            place("-bridge_2_2", end - 8.0, on=town),
+            *block,
+            place("-bridge_2_2", 0.5 * end + 0.37, on=town),
+            place("grand_3_1", 30, on=town),
+        ),
+        on=town, seconds=None,
+    )  # fmt: skip
+    trace = drive(what)
+    assert trace.ego_ends == (TerminalEvent.ARRIVED,)
+    steps = np.diff(trace.ego_values[:, 0, EgoCol.ROUTE_S])
+    assert -0.5 < np.nanmin(steps) <= np.nanmax(steps) < 1.5
+    assert trace.ego_routes[0].length > 500.0
+    assert np.nansum(speeds(trace, "ego")) * 0.05 > 0.97 * trace.ego_routes[0].length
+
+
+@pytest.mark.parametrize(
+    "elsewhere", [place(ROAD, 52), place(ROAD, 25, right=15.0)], ids=["behind", "beside"]
+)
+def test_it_stops_behind_its_destination_and_beside_its_route(elsewhere: Waypoint) -> None:
+    """It begins where it has not arrived, and drives on in the direction of its way."""
+    what = scenario(ego(place(ROAD, 20), place(ROAD, 40), initial_speed=3.0), seconds=6.0)
+    plan = plan_episode(what, network())
+    (own,) = plan.egos
+    moved = replace(own, start=(elsewhere.x, elsewhere.y, elsewhere.yaw or 0.0))
+    episode = Episode(replace(plan, egos=(moved,)), [IdmAgent()])
+    while not episode.done:
+        episode.step()
+    trace = episode.finish()
+    assert trace.ego_ends != (TerminalEvent.ARRIVED,)
+    assert speeds(trace, "ego")[-1] < 0.1
+    assert travelled(trace, "ego") < 5.0

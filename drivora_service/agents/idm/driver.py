@@ -10,6 +10,15 @@ from drivora_service.agents.idm.driving import decide
 from drivora_service.agents.idm.run_following import RunFollower, Way
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 
+LOST = 8.0
+"""Metres beside the line that it follows from which on the driver has lost it, and stops."""
+
+GIVING_UP_BRAKING = 3.0
+"""m/s² with which it stops where it is lost or past its destination."""
+
+_PAST_GOAL = 2.0
+_NEAR_GOAL = 30.0
+
 
 class IdmDriver:
     """Follows the way that a ``RunFollower`` is on, and logs what it sees ahead."""
@@ -48,7 +57,18 @@ class IdmDriver:
             int(observation.light), observation.light_protected, observation.ego,
             observation.objects, observation.object_sizes, observation.object_kinds, *self._fixed,
         )  # fmt: skip
-        acceleration, steer, gap, _, _, stop, _, wanted = self._out.tolist()
+        acceleration, steer, gap, _, _, stop, lateral, wanted = self._out.tolist()
+        if abs(lateral) > LOST or _is_past_goal(runs, *observation.ego[:2].tolist()):
+            acceleration = self._out[0] = min(acceleration, -GIVING_UP_BRAKING)
         row = self._log.row
         row[0], row[1], row[2] = gap, wanted, stop
         return AccelerationControl(acceleration, steer)
+
+
+def _is_past_goal(runs: RunFollower, x: float, y: float) -> bool:
+    """Tells whether the ego has passed the end of its route, at the end of its last lane run."""
+    way = runs.way
+    if float(way.points[runs.cursor, 2]) < way.run.end_s - _NEAR_GOAL:
+        return False
+    goal_x, goal_y, ahead_x, ahead_y = way.goal.tolist()
+    return bool((x - goal_x) * ahead_x + (y - goal_y) * ahead_y > _PAST_GOAL)

@@ -23,6 +23,9 @@ LONGEST_WAIT = 10.0
 _SIDE_ACCELERATION = 2.2
 _PLANNED_BRAKING = 1.8
 _SMOOTHING = 5
+_JOIN_REACH = 15.0
+"""Metres along the next lane run, before and behind where the change may happen, in which the ego
+is looked for on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,12 +35,14 @@ class Way:
     Attributes:
         points: (n, 4) x, y and arc length of its line, and the speed to drive there, m/s.
         wall: Arc length before which it must have been left; inf where it leads to the destination.
+        goal: (4,) x and y of the destination, and the direction there; NaN where it is left before.
     """
 
     run: LaneRun
     points: FloatArray
     conflicts: Conflicts
     wall: float
+    goal: FloatArray
 
 
 class RunFollower:
@@ -70,6 +75,7 @@ class RunFollower:
                 points=np.column_stack((run.line, run.arc, profile)),
                 conflicts=find_conflicts(network, run, route),
                 wall=math.inf if number == last else run.end_s,
+                goal=_goal(run) if number == last else np.full(4, np.nan),
             )
             for number, (run, profile) in enumerate(zip(route.runs, profiles, strict=True))
         )
@@ -101,9 +107,11 @@ class RunFollower:
             return False
         x, y = observation.ego[:2].tolist()
         near = np.hypot(onward.line[:, 0] - x, onward.line[:, 1] - y)
-        window = np.flatnonzero(onward.arc >= onward.start_s - 5.0)
-        first = int(window[0]) if len(window) else 0
-        start = first + int(np.argmin(near[first:]))
+        # The run may pass here again later, on another lap.
+        room = float(run.arc[self.cursor]) - run.change_from
+        beyond = np.abs(onward.arc - onward.start_s - 0.5 * room) > 0.5 * room + _JOIN_REACH
+        near[beyond] = np.inf
+        start = int(np.argmin(near))
         cursor, s, _ = track_line(onward.line, onward.arc, start, 5, 5, x, y)
         if not lane_is_free(
             onward.line, onward.arc, cursor, s, observation.speed, self._half_length,
@@ -114,6 +122,15 @@ class RunFollower:
         self.cursor = cursor
         self._context.log.event(f"changes to lane {onward.lanes[0]}")
         return True
+
+
+def _goal(run: LaneRun) -> FloatArray:
+    """Returns x and y of the end of the last lane run, and the direction there."""
+    ends = np.clip([run.end_s - 0.5, run.end_s + 0.5], 0.0, float(run.arc[-1]))
+    (x0, x1), (y0, y1) = (np.interp(ends, run.arc, run.line[:, axis]) for axis in (0, 1))
+    x, y = (float(np.interp(run.end_s, run.arc, run.line[:, axis])) for axis in (0, 1))
+    length = max(math.hypot(x1 - x0, y1 - y0), 1e-9)
+    return np.array([x, y, (x1 - x0) / length, (y1 - y0) / length])
 
 
 @lru_cache(maxsize=256)
