@@ -122,7 +122,9 @@ class Episode:
         # SUMO switches at the beginning of a step: what it shows after the step that makes row 0 is
         # what the programmes say of time 0.
         self._sumo.set_programs(plan.programs, 0.0)
-        stand_ins = StandIns(self._sumo, plan.network, self._dt)
+        stand_ins = StandIns(
+            self._sumo, plan.network, self._dt, sublanes=lane_change_model == "SL2015"
+        )
         self._traffic = Traffic(self._sumo, stand_ins, cast.bodies, len(actors), lane_change_model)
         for m, agent in enumerate(agents):
             if isinstance(agent, SumoDriver):

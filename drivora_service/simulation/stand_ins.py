@@ -10,6 +10,10 @@ have no row, agents and followers do not see them, and nothing is recorded of th
 
 On the lanes inside a junction a standing vehicle also stops traffic that crosses its lane behind
 or before it. There, stand-ins are only for what does not drive off again by itself.
+
+With sublanes (SL2015), taking a vehicle off its lanes ends SUMO 1.28 by a segmentation fault.
+There, walkers, obstacles and parked vehicles are never on lanes, and what has driven is as SUMO has
+it.
 """
 
 from __future__ import annotations
@@ -60,8 +64,11 @@ class StandIns:
         reserved: Rows that SUMO is going to drive: they stay on their lanes.
     """
 
-    def __init__(self, sumo: SumoWorld, network: RoadNetwork, step_length: float) -> None:
+    def __init__(
+        self, sumo: SumoWorld, network: RoadNetwork, step_length: float, *, sublanes: bool
+    ) -> None:
         self._sumo = sumo
+        self._sublanes = sublanes
         self._network = network
         self._patience = math.ceil(_SETTLED / step_length - 1e-9)
         self._made = 0
@@ -90,13 +97,14 @@ class StandIns:
         """
         for actor in actors:
             row = actor.row
-            if row in self.reserved:
+            never_drives = actor.is_walker or (self._sublanes and row in self.fixed)
+            if row in self.reserved or (self._sublanes and not never_drives):
                 continue
             stance = self._stances.get(row)
             if stance is None:
                 stance = self._stances[row] = _Stance()
             moved = placements[row][3] != 0.0
-            if actor.is_walker:
+            if never_drives:
                 if moved or not stance.seen:
                     stance.seen = True
                     actor.off_lanes = True
@@ -117,7 +125,9 @@ class StandIns:
             self._stand(stance, ())
 
     def fix(self, row: int) -> None:
-        """Has an actor looked at anew that will not drive on from now on."""
+        """Has an actor looked at anew that will not drive on from now on; not with sublanes."""
+        if self._sublanes:
+            return
         self.fixed.add(row)
         self.reserved.discard(row)
         stance = self._stances.get(row)

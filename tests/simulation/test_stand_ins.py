@@ -10,9 +10,11 @@ import libsumo
 import numpy as np
 import pytest
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.observations.trace import Role, TerminalEvent, Trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import (
+    AgentChoice,
     BackgroundTraffic,
     EgoVehicle,
     NpcVehicle,
@@ -220,3 +222,39 @@ def test_nothing_is_added_where_nothing_reaches_over() -> None:
     while not episode.done:
         episode.step()
         assert not any(name.startswith("stand-in") for name in libsumo.vehicle.getIDList())
+
+
+def test_with_sublanes_what_stands_across_lanes_is_never_on_one() -> None:
+    """A vehicle that is taken off its lanes there ends SUMO's process by a segmentation fault."""
+    town = "arterial"
+    lanes = [lane for lane in network(town).lanes if lane.drivable and lane.arc[-1] > 30.0]
+    drawn = np.random.default_rng(1)
+    boxes = tuple(
+        obstacle(
+            place(
+                lanes[int(drawn.integers(len(lanes)))].id, float(drawn.uniform(2.0, 28.0)),
+                on=town, right=float(drawn.uniform(-3.0, 3.0)),
+            ),
+            name=f"box {number}", length=float(drawn.uniform(1.0, 8.0)), width=2.0,
+            start_time=float(drawn.uniform(0.0, 6.0)),
+        )
+        for number in range(24)
+    )  # fmt: skip
+    first = next(lane for lane in lanes if not lane.is_internal and lane.arc[-1] > 100.0)
+    sublanes = AgentChoice(name="sumo-krauss", parameters={"lane_change_model": "SL2015"})
+    one = replace(ego(place(first.id, 10, on=town), place(first.id, 90, on=town)), agent=sublanes)
+    away = ego(place(first.id, 30, on=town), place(first.id, 90, on=town), name="away")
+    what = scenario(
+        one, away, on=town, npc_obstacles=boxes, background_traffic=BackgroundTraffic(count=25),
+        seconds=25.0,
+    )  # fmt: skip
+    driver = AgentCatalogue().create("sumo-krauss", sublanes.parameters)
+    episode = start(what, driver, standing())  # type: ignore[arg-type]  # one of SUMO's drivers
+    held = 0
+    while not episode.done:
+        episode.step()
+        known = libsumo.vehicle.getIDList()
+        held = max(held, sum(name.startswith("stand-in") for name in known))
+        for name in known:
+            assert not name.startswith("box") or libsumo.vehicle.getLaneID(name) == ""
+    assert held > 20
