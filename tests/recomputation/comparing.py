@@ -16,6 +16,7 @@ from tests.recomputation.routes import Progress, deviation_row, follow_route, ro
 from tests.recomputation.scores import penalties
 from tests.recomputation.signals import Passed, lines_passed
 from tests.recomputation.speeds import limits, speeding, stretches
+from tests.recomputation.stops import StopPassed, stops_passed
 from tests.recomputation.surfaces import corners_outside, lane_errors
 
 OFF_ROAD = 0.3
@@ -110,15 +111,20 @@ class Recomputed:
         """Per cent of the route."""
         return route_completion(self.run, self.drive, self.progress)
 
-    def scores(self, stops: int, margin: float = LANE_MARGIN) -> dict[str, float]:
+    @cached_property
+    def stops(self) -> list[StopPassed]:
+        """Lines at which it had to stop."""
+        return stops_passed(self.run, self.drive)
+
+    def scores(self, margin: float = LANE_MARGIN) -> dict[str, float]:
         """Returns the driving score by version, per cent.
 
         Args:
-            stops: Stop signs run, which are taken from the stored verdicts.
             margin: Metres beyond the lanes that count as within.
         """
+        ran = sum(stop.ran is True for stop in self.stops)
         found = penalties(
-            self.run, self.drive, self.progress, self.collisions, self.reds, stops, margin
+            self.run, self.drive, self.progress, self.collisions, self.reds, ran, margin
         )
         return {version: self.completion * penalty for version, penalty in found.items()}
 
@@ -215,6 +221,16 @@ class Comparison:
                 if verdict.evidence.get("lines") != len(ego.lines):
                     yield self._differ(ego, "stop lines", verdict.evidence, ego.lines)
 
+    def stop_signs(self) -> Iterator[Disagreement]:
+        """Compares the steps at which stop signs were run, or how many were passed."""
+        for ego in self.egos:
+            stored = [v.step for v in self._violations("stop_sign", ego)]
+            if stored != [stop.step for stop in ego.stops if stop.ran]:
+                yield self._differ(ego, "stop_sign", stored, ego.stops)
+            for verdict in self._verdicts("stop_sign", ego, "passed"):
+                if verdict.evidence.get("lines") != len(ego.stops):
+                    yield self._differ(ego, "stop signs", verdict.evidence, ego.stops)
+
     def completion(self) -> Iterator[Disagreement]:
         """Compares the route completion."""
         for ego in self.egos:
@@ -228,10 +244,8 @@ class Comparison:
         Where the centre is at the very edge of what counts as within the lanes, it may be either.
         """
         for ego in self.egos:
-            stops = len(self._violations("stop_sign", ego))
-            low = ego.scores(stops, LANE_MARGIN - BORDER)
-            high = ego.scores(stops, LANE_MARGIN + BORDER)
-            for version, own in ego.scores(stops).items():
+            low, high = ego.scores(LANE_MARGIN - BORDER), ego.scores(LANE_MARGIN + BORDER)
+            for version, own in ego.scores().items():
                 name = "driving_score" if version == "2_1" else f"driving_score_{version}"
                 stored = self._metric(name, ego)
                 if stored is None or not low[version] - 1e-6 <= stored <= high[version] + 1e-6:

@@ -15,6 +15,7 @@ from tests.recomputation.ways import Random, Way, find_way
 
 TOWNS = ("tee-town", "signal-grid", "arterial", "roundabout", "highway", "old-town", "rural")
 WITH_SIGNALS = ("tee-town", "signal-grid", "arterial", "old-town")
+WITH_STOP_SIGNS = ("tee-town", "arterial", "old-town")
 DRIVERS = (
     "idm",
     "idm-mobil",
@@ -144,6 +145,50 @@ def _over(way: Way, begin: float, speed: float) -> list[list[float]]:
     """Returns a script that joins a way 16 m ahead of a place on it or beside it."""
     script = way.trajectory(begin + 16.0, speed)
     return [[seconds + 16.0 / speed, x, y] for seconds, x, y in script]
+
+
+def at_long_reds(n: int, random: Random) -> Document:
+    """A driver on a short way who waits longer than the way may take."""
+    town = "signal-grid"
+    network = read_town(town)
+    first = _before_signal(network, random)
+    way = find_way(network, random, 0.0, first)
+    start = max(lane_length(first) - 30.0, 6.0)
+    ego = _ego(way, start, lane_length(first) + 30.0, "idm")
+    lights = {"green_time": 60.0, "red_time": 62.0, "offset": 45.0 * n}
+    return _document(town, n, 140.0, [ego], traffic_lights=lights)
+
+
+def at_stop_signs(n: int, random: Random) -> Document:
+    """A script that stops at signs, or does not."""
+    town = WITH_STOP_SIGNS[n % len(WITH_STOP_SIGNS)]
+    network = read_town(town)
+    before = [
+        lane
+        for lane in network.lanes.values()
+        if not lane.inside and lane_length(lane) > 40.0
+        if any(movement.state in ("s", "w") for movement in lane.movements)
+    ]
+    way = find_way(network, random, 130.0, *before)
+    start = max(lane_length(way.lanes[0]) - 40.0, 6.0)
+    script = way.trajectory(start, 6.0)
+    if n < len(WITH_STOP_SIGNS):
+        # A stand of two seconds, with the front a metre or two before the line.
+        halt = lane_length(way.lanes[0]) - 6.0
+        line = (halt - start - 1.0) / 6.0
+        script = [[seconds + 3.0 * (seconds > line), x, y] for seconds, x, y in script]
+        place = way.place(halt)
+        stand = [[line + after, place["x"], place["y"]] for after in (0.5, 2.5)]
+        script = sorted([*script, *stand])
+    ego = _ego(
+        way,
+        start,
+        way.line.length - 6.0,
+        "scripted",
+        initial_speed=6.0,
+        parameters={"trajectory": script},
+    )
+    return _document(town, n, 30.0, [ego])
 
 
 def off_the_road(n: int, random: Random) -> Document:
@@ -292,11 +337,13 @@ def several_egos(n: int, random: Random) -> Document:
 KINDS: dict[Callable[[int, Random], Document], int] = {
     shipped_example: len(EXAMPLES),
     in_traffic: 12,
-    at_signals: 24,
+    at_signals: 16,
+    at_stop_signs: 6,
+    at_long_reds: 3,
     beside_signals: 6,
     off_the_road: 11,
     too_fast: 8,
-    astray: 7,
+    astray: 6,
     with_obstacles: 9,
     with_walkers: 8,
     several_egos: 7,
@@ -306,7 +353,7 @@ KINDS: dict[Callable[[int, Random], Document], int] = {
 def mixed_documents() -> dict[str, Document]:
     """Returns all documents by a name that tells their kind."""
     return {
-        f"{make.__name__}-{n}": make(n, np.random.default_rng([number, n]))
-        for number, (make, count) in enumerate(KINDS.items())
+        f"{make.__name__}-{n}": make(n, np.random.default_rng([*make.__name__.encode(), n]))
+        for make, count in KINDS.items()
         for n in range(count)
     }

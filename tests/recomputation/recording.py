@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 STATE = ("x", "y", "yaw", "vx", "vy", "z")
+EGO = ("lane", "light", "ego_light_distance", "ego_route_s", "ego_speed_limit")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,6 +37,8 @@ class Drive:
         lanes: SUMO's id of the lane in each row, "" off every lane.
         route_s: (n,) metres along the route, as recorded.
         speed_limit: (n,) m/s as recorded, NaN where none is.
+        light: (n,) what the next signal on the route shows, as recorded: 2 yellow, 3 red.
+        light_distance: (n,) metres from the front to its line, NaN where there is none.
         line: (m, 2) the route's reference line, metres.
         arc: (m,) metres along it.
         goal: x and y of the destination, metres.
@@ -57,6 +60,8 @@ class Drive:
     lanes: tuple[str, ...]
     route_s: Floats
     speed_limit: Floats
+    light: Floats
+    light_distance: Floats
     line: Floats
     arc: Floats
     goal: tuple[float, float]
@@ -113,7 +118,7 @@ def read_recording(path: Path) -> Recording:
         return values
 
     states = {name: spread(name) for name in STATE}
-    own = {name: spread(name) for name in ("lane", "ego_route_s", "ego_speed_limit")}
+    own = {name: spread(name) for name in EGO}
     return Recording(
         head=head,
         states=states,
@@ -153,6 +158,8 @@ def _drive(
         lanes=tuple("" if np.isnan(lane) else lane_ids[int(lane)] for lane in lanes),
         route_s=own["ego_route_s"][rows, ego],
         speed_limit=own["ego_speed_limit"][rows, ego],
+        light=own["light"][rows, ego],
+        light_distance=own["ego_light_distance"][rows, ego],
         line=_doubles(route["line_f8"]).reshape(-1, 2),
         arc=_doubles(route["arc_f8"]),
         goal=(route["goal"][0], route["goal"][1]),

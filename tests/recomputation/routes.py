@@ -17,6 +17,12 @@ BESIDE_SHARE = 0.3
 ARRIVED_SHARE = 0.99
 ARRIVED_DISTANCE = 10.0
 
+QUEUE = 100.0
+"""Metres before the line of a signal within which an ego may be waiting for it."""
+
+OWN_ROAD = 8.0
+"""Metres from the route up to which the ego is on it, as far as signals are concerned."""
+
 REACH = 30.0
 """Metres along the route within which the next place on it is looked for."""
 
@@ -59,14 +65,21 @@ def deviation_row(drive: Drive, progress: Progress) -> int | None:
 
 
 def arrived(run: Recording, drive: Drive, progress: Progress) -> bool:
-    """Tells whether the ego came to its goal within its time limit."""
+    """Tells whether the ego came to its goal within its time limit.
+
+    What it waits before a signal that is not green, also in the queue, does not count.
+    """
     away = np.hypot(drive.x - drive.goal[0], drive.y - drive.goal[1])
     there = (progress.along > ARRIVED_SHARE * drive.arc[-1]) & (away < ARRIVED_DISTANCE)
     if not there.any():
         # SUMO takes the vehicles that it drives off the road at the end of their last edge.
         return drive.end == "arrived"
-    seconds = int(np.argmax(there)) * run.step_length
-    allowed = 0.8 * drive.arc[-1] + 5.0
+    row = int(np.argmax(there))
+    with np.errstate(invalid="ignore"):
+        waits = (drive.light >= 2.0) & (drive.light_distance < QUEUE) & (drive.speed < 0.1)
+    waits &= progress.beside <= OWN_ROAD
+    allowed = 0.8 * drive.arc[-1] + 5.0 + np.count_nonzero(waits[: row + 1]) * run.step_length
+    seconds = row * run.step_length
     return bool(seconds <= min(allowed, run.head["max_sim_time"] - drive.start_time) + 1e-6)
 
 

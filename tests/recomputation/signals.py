@@ -64,24 +64,27 @@ def lines_passed(run: Recording, drive: Drive, progress: Progress) -> list[Passe
     ]
     found = []
     for lane in near:
-        fronts = _crossings(drive, lane, 0.5 * drive.length, FRONT_WIDTH)
-        tails = _crossings(drive, lane, -0.5 * drive.length, TAIL_WIDTH)
+        fronts = crossings(drive, lane, 0.5 * drive.length, FRONT_WIDTH)
+        tails = crossings(drive, lane, -0.5 * drive.length, TAIL_WIDTH)
         for nth, front in enumerate(fronts):
             until = fronts[nth + 1] if nth + 1 < len(fronts) else drive.count
             tail = [row for row in tails if front <= row < until]
             if tail:
                 centres = np.column_stack((drive.x, drive.y))[front:]
-                found.append((tail[0], lane, _ways(town, lane, centres)))
+                ways = ways_taken(town, lane, centres)
+                found.append((tail[0], lane, _is_red(run, ways, drive.first + tail[0])))
     driven = np.cumsum(drive.moved)
     for lane in near:
         row = _beside(drive, progress, lane)
         if row is not None and all(abs(driven[row] - driven[k]) > SAME for k, *_ in found):
             end = shapely.Point(lane.line[-1])
             behind = drive.arc > shapely.LineString(drive.line).project(end)
-            found.append((row, lane, _ways(town, lane, drive.line[behind])))
+            ways = ways_taken(town, lane, drive.line[behind])
+            # The signal of the route is the one ahead as long as the tail has not passed its line.
+            found.append((row, lane, _is_red(run, ways, drive.first + row - 1)))
     return [
-        Passed(lane=lane.id, step=drive.first + row, red=_is_red(run, ways, drive.first + row))
-        for row, lane, ways in sorted(found, key=lambda one: one[0])
+        Passed(lane=lane.id, step=drive.first + row, red=red)
+        for row, lane, red in sorted(found, key=lambda one: one[0])
     ]
 
 
@@ -106,7 +109,7 @@ def _beside(drive: Drive, progress: Progress, lane: RoadLane) -> int | None:
     return int(rows[0]) if len(rows) and progress.beside[rows[0]] <= BESIDE else None
 
 
-def _crossings(drive: Drive, lane: RoadLane, ahead: float, width: float) -> list[int]:
+def crossings(drive: Drive, lane: RoadLane, ahead: float, width: float) -> list[int]:
     """Returns the rows with a point of the ego's axis beyond a stop line, and before it a row ago.
 
     The stop line is a segment across the end of the lane; the point moves in a straight line from
@@ -137,7 +140,7 @@ def _plane(points: NDArray[np.complex128]) -> Floats:
     return np.stack((points.real, points.imag), axis=-1)
 
 
-def _ways(town: Town, lane: RoadLane, centres: Floats) -> list[Movement]:
+def ways_taken(town: Town, lane: RoadLane, centres: Floats) -> list[Movement]:
     """Returns the movements from a lane along which a path from its end may go.
 
     It goes along the one whose way through the junction it keeps nearest to.

@@ -30,10 +30,11 @@ RULES = (
     Comparison.off_road,
     Comparison.speeding,
     Comparison.red_lights,
+    Comparison.stop_signs,
     Comparison.completion,
     Comparison.scores,
 )
-FEW = ("several_egos-4", "off_the_road-1", "at_signals-16", "with_walkers-0", "too_fast-0")
+FEW = ("several_egos-2", "off_the_road-1", "at_signals-7", "with_walkers-0", "at_stop_signs-3")
 
 
 def _performed(documents: Mapping[str, Document], folder: Path) -> dict[str, RunReport]:
@@ -88,7 +89,8 @@ def test_five_runs_agree(few: tuple[dict[str, RunReport], Path]) -> None:
     for what in (
         [ego.collisions for ego in egos],
         [ego.speeding for ego in egos],
-        [ego.lines for ego in egos],
+        [ego.reds for ego in egos],
+        [ego.stops for ego in egos],
         [bool(ego.outside.max(initial=0.0) > 0.3) for ego in egos],
         [ego.deviated for ego in egos],
         [ego.completion == 100.0 for ego in egos],
@@ -120,6 +122,7 @@ def _later(report: RunReport, oracle: str) -> RunReport:
         ("off_road", Comparison.off_road),
         ("speeding", Comparison.speeding),
         ("red_light", Comparison.red_lights),
+        ("stop_sign", Comparison.stop_signs),
     ],
 )
 def test_a_wrong_verdict_is_found(
@@ -195,9 +198,11 @@ def test_a_hundred_runs_agree(tmp_path: Path) -> None:
     assert sum(red is True for *_, red in lines) >= 12
     assert sum(red is False for *_, red in lines) >= 12
     assert sum(_is_off_route(ego, step) for ego, step, red in lines if red) >= 2
+    stops = [stop.ran for ego in egos for stop in ego.stops]
+    assert min(stops.count(True), stops.count(False)) >= 3
     assert sum(ego.deviated for ego in egos) >= 5
     assert sum(ego.completion == 100.0 for ego in egos) >= 20
-    assert len({round(score, 3) for ego in egos for score in ego.scores(0).values()}) >= 100
+    assert len({round(score, 3) for ego in egos for score in ego.scores().values()}) >= 100
     assert sum(ego.drive.start_time > 0.0 for ego in egos) >= 5
 
 

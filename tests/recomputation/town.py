@@ -23,12 +23,14 @@ class Movement:
         to: The lane behind the junction.
         light: Id of the traffic light that controls it, or "".
         link: Place of its signal in the light's state.
+        state: SUMO's letter of its right of way: ``s`` has a stop sign, ``w`` an all-way stop.
     """
 
     via: str
     to: str
     light: str
     link: int
+    state: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,6 +83,7 @@ def read_town(name: str) -> Town:
                 to=f"{link.attrib['to']}_{link.attrib['toLane']}",
                 light=link.get("tl", ""),
                 link=int(link.get("linkIndex", "-1")),
+                state=link.get("state", ""),
             )
         )
     lanes = {}
