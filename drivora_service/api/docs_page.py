@@ -51,7 +51,8 @@ pre { background:var(--soft); border:1px solid var(--line); border-radius:8px; p
 .errors { font-size:.86rem; color:var(--faint); }
 @media (max-width: 820px) { .layout { grid-template-columns:minmax(0,1fr); gap:0; }
   nav { order:2; position:static; height:auto; } nav a { padding:.3rem 0 }
-  td:first-child, td:nth-child(2) { white-space:normal; overflow-wrap:anywhere; } }
+  td:first-child { white-space:normal; overflow-wrap:anywhere; }
+  td:nth-child(2) { white-space:normal; } }
 """
 
 

@@ -16,6 +16,7 @@ from drivora_service.cli.commands import (
     networks,
     oracles,
     plot,
+    rejudge,
     run,
     schema,
     seeds,
@@ -60,6 +61,7 @@ app.command("run", epilog=EPILOG)(run.run)
 app.command("serve", epilog=EPILOG)(serve.serve)
 app.command("validate", epilog=EPILOG)(validate.validate)
 app.command("plot", epilog=EPILOG)(plot.plot)
+app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
 app.add_typer(campaign.app, name="campaign", epilog=EPILOG)

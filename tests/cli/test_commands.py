@@ -11,7 +11,7 @@ import pytest
 from drivora_service.api.examples import SCENARIO
 from tests.cli.conftest import Drivora
 
-COMMANDS = ["run", "serve", "validate", "plot", "schema", "demo"]
+COMMANDS = ["run", "serve", "validate", "plot", "rejudge", "schema", "demo"]
 GROUPS = {
     "campaign": ["run", "resume", "list", "show", "scenario", "pause", "cancel"],
     "seeds": ["generate", "import"],
