@@ -35,6 +35,12 @@ def test_the_table_is_that_of_the_results(lines: list[dict[str, Any]], page: str
     assert written == counted
 
 
+def test_it_tells_how_many_are_at_fault(lines: list[dict[str, Any]], page: str) -> None:
+    fault = [line for line in lines if line["at_fault"]]
+    avoidable = sum(line["avoidable"] == "yes" for line in fault)
+    assert f"{len(fault)} of the 100 are the ego's fault, {avoidable} of these avoidable" in page
+
+
 def test_there_are_a_hundred_different_collisions(lines: list[dict[str, Any]]) -> None:
     assert len({(line["trace_sha256"], line["counterpart"]) for line in lines}) == 100
     assert len({line["agent"] for line in lines}) == 3
