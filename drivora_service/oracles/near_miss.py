@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.observations.boxes import time_to_contact
+from drivora_service.observations.leaders import SAME_WAY
+from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.oracles.stretches import stretches
@@ -18,19 +20,22 @@ class NearMiss:
     """Violated where a time to collision, or the post-encroachment time, is below its bound.
 
     A conflict with others behind the ego is theirs to keep clear of, and contacts are for
-    ``collision`` to judge.
+    ``collision`` to judge. Whoever comes the other way round a bend is for a moment on a straight
+    course into the ego: others that move, and not the ego's way, count only if they then came near.
 
     Attributes:
         time_to_collision: Seconds, at constant velocities.
         duration: Seconds for which it must be below the bound: one row alone may be noise.
         post_encroachment_time: Seconds between one leaving a place and the other being there.
         standing_speed: m/s below which an ego endangers nobody.
+        gap: Metres between the boxes that are near, for others that move another way.
     """
 
     time_to_collision: float = 0.95
     duration: float = 0.1
     post_encroachment_time: float = 1.0
     standing_speed: float = 0.1
+    gap: float = 1.0
 
     @property
     def name(self) -> str:
@@ -53,7 +58,7 @@ class NearMiss:
                 continue
             worst = first + int(np.argmin(times[first:last]))
             other = _soonest_met(ego, worst)
-            if other in touched:
+            if other in touched or not self._came_near(ego, worst, other):
                 continue
             verdicts.append(self._near(ego, first, other, "time_to_collision", float(times[worst])))
         verdicts += self._encroachments(ego, touched)
@@ -66,6 +71,18 @@ class NearMiss:
     def _moves(self, ego: EgoView) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         moves: np.ndarray[tuple[int], np.dtype[np.bool_]] = ego.speed >= self.standing_speed
         return moves
+
+    def _came_near(self, ego: EgoView, k: int, other: int) -> bool:
+        """Tells whether an actor on the ego's course from row ``k`` on was in its way in fact."""
+        trace, row = ego.trace, ego.first + k
+        state = trace.states[row, other]
+        moves = np.hypot(state[Col.VX], state[Col.VY]) >= self.standing_speed
+        if not moves or np.cos(state[Col.YAW] - ego.states[k, Col.YAW]) >= np.cos(SAME_WAY):
+            return True
+        soon = row + round(2.0 * self.time_to_collision / ego.step_length)
+        last = min(soon, ego.first + ego.count - 1)
+        gaps = gaps_between(trace, ego.row, other)[row : last + 1]
+        return bool(np.nanmin(gaps) < self.gap)
 
     def _encroachments(self, ego: EgoView, touched: set[int]) -> list[Verdict]:
         time, other = ego.proximity.post_encroachment_time, ego.proximity.post_encroachment_actor

@@ -358,7 +358,7 @@ def test_failures_are_confirmed_and_can_be_watched_and_run_again(
     assert pages["next_page_token"]
     # Another page size is the same query.
     failures = pages["items"] + rest.json()["items"]
-    assert len(failures) == sum(kind["failures"] for kind in finished["kinds"])
+    assert len(failures) == sum(kind["violations"] for kind in finished["kinds"])
     places = [failure["evaluation"] for failure in failures]
     assert places == sorted(places)
     assert {failure["confirmation"] for failure in failures} == {"confirmed"}

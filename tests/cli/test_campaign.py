@@ -130,13 +130,18 @@ def test_a_campaign_from_its_file_to_its_failures(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
+    refused = drivora("campaign", "run", campaign_file, "--gate-rule", "near_miss")
+    assert refused.code == 2
+    assert (
+        "the campaign counts no rule 'near_miss'; there are: collision, discomfort" in refused.err
+    )
     ended = drivora("campaign", "run", campaign_file, "--out", out, "--gate", "--json")
     result = ended.json()
     assert ended.code == (1 if result["violating"] else 0)
     assert result["state"] == "finished"
     assert result["simulations"] == result["budget"] == 24
     assert result["violating"] > 0
-    assert sum(kind["failures"] for kind in result["kinds"]) == len(result["failures"])
+    assert sum(kind["violations"] for kind in result["kinds"]) == len(result["failures"])
     assert json.loads((out / "campaign.json").read_text())["id"] == result["id"]
 
     failing = result["failures"][0]["evaluation"]

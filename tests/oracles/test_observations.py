@@ -59,6 +59,19 @@ def test_crossing_close_behind_another_is_a_near_miss(lag: float, outcome: Outco
         assert verdicts[0].counterpart == "crosses"
 
 
+@pytest.mark.parametrize(("apart", "outcome"), [(2.3, Outcome.VIOLATED), (3.3, Outcome.PASSED)])
+def test_who_comes_round_a_bend_counts_if_it_came_near(apart: float, outcome: Outcome) -> None:
+    # Around (0, 0), the ego at a radius of 12 m, the other outside of it and the other way round.
+    turn = 8.0 / 12.0 * T[:70] - 1.0
+    away = 12.0 + apart
+    ego = on_lane(motion=Motion.along(12.0 * np.cos(turn), 12.0 * np.sin(turn)))
+    other = Motion.along(away * np.cos(turn), -away * np.sin(turn))
+    verdicts = judge(NearMiss(), ego, others=[SyntheticActor(motion=other, id="oncoming")])
+    assert outcomes(verdicts)[:1] == [outcome]
+    if outcome is Outcome.PASSED:
+        assert verdicts[0].evidence["time_to_collision"] < 0.95
+
+
 def test_a_contact_is_a_collision_and_no_near_miss() -> None:
     ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0), end_step=110)
     standing = SyntheticActor(motion=Motion.steady(60.0, 0.0, steps=STEPS))
