@@ -33,7 +33,8 @@ DEGENERATE_LENGTH = 0.01
 
 MAX_REVERSED_LENGTH = 0.5
 """Metres; a lane inside a junction that is shorter and runs against the lanes it joins is as good
-as a single place."""
+as a single place, and a shorter piece of a lane that runs backwards is a mistake of its converter.
+"""
 
 
 def load_network(path: Path, name: str) -> RoadNetwork:
@@ -164,7 +165,10 @@ def _connections(source: Any, index_of: dict[str, int]) -> tuple[Connection, ...
 
 
 def _distinct_points(shape: Sequence[tuple[float, float]]) -> FloatArray:
-    """Gives the (n, 2) points of a shape that are far enough apart; both ends stay in place."""
+    """Returns the (n, 2) points of a shape that are far enough apart; both ends stay in place.
+
+    Where a short piece runs backwards, its beginning is left out.
+    """
     points = np.asarray(shape, dtype=np.float64).reshape(-1, 2)
     kept: list[FloatArray] = []
     for point in points:
@@ -176,7 +180,21 @@ def _distinct_points(shape: Sequence[tuple[float, float]]) -> FloatArray:
             kept[-1] = last
         else:
             kept.append(last)
-    return np.array(kept)
+    return _without_backward_pieces(np.array(kept))
+
+
+def _without_backward_pieces(points: FloatArray) -> FloatArray:
+    """Leaves out points between which a line turns back for less than ``MAX_REVERSED_LENGTH``."""
+    while len(points) > 2:
+        steps = np.diff(points, axis=0)
+        lengths = np.hypot(steps[:, 0], steps[:, 1])
+        back = (steps[:-1] * steps[1:]).sum(axis=1) < 0.0
+        short = np.minimum(lengths[:-1], lengths[1:]) < MAX_REVERSED_LENGTH
+        wrong = np.flatnonzero(back & short)
+        if not len(wrong):
+            break
+        points = np.delete(points, wrong[0] + 1, axis=0)
+    return points
 
 
 def _heights(shape: Sequence[tuple[float, float, float]], line: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import BoolArray, Col, EgoCol
+from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 
@@ -17,13 +18,18 @@ class LaneKeeping:
     """Violated where the ego's centre is outside all lanes, or in a lane of the other direction.
 
     After CARLA Leaderboard's test for driving outside the route's lanes; its share of the route is
-    what the driving score takes off. Lanes inside junctions have no wrong direction.
+    what the driving score takes off. Lanes inside junctions have no wrong direction. What is
+    shorter than a moment and a step of the way is noise of the road's geometry and does not count.
 
     Attributes:
         margin: Metres beyond the edge of the nearest lane that count as within.
+        least_distance: Metres that a stay outside must be long to count.
+        least_time: Seconds that it must last to count.
     """
 
     margin: float = 0.5
+    least_distance: float = 1.0
+    least_time: float = 0.15
 
     @property
     def name(self) -> str:
@@ -37,9 +43,9 @@ class LaneKeeping:
     def _judge(self, ego: EgoView) -> Verdict:
         if not ego.count:
             return not_started(self.name, ego)
-        outside = self._outside(ego)
-        oncoming = self._oncoming(ego)
-        wrong = outside | oncoming
+        outside, oncoming = self._outside(ego), self._oncoming(ego)
+        wrong = self._lasting(ego, outside | oncoming)
+        outside, oncoming = outside & wrong, oncoming & wrong
         distance = float(ego.moved[wrong].sum())
         share = min(distance / ego.route.length, 1.0) if ego.route.length > 0.0 else 0.0
         if distance <= 0.0:
@@ -56,6 +62,15 @@ class LaneKeeping:
             outside_distance=float(ego.moved[outside].sum()),
             oncoming_distance=float(ego.moved[oncoming].sum()),
         )
+
+    def _lasting(self, ego: EgoView, wrong: BoolArray) -> BoolArray:
+        """Tells the rows of the stays outside that are long enough to count."""
+        lasting = np.zeros_like(wrong)
+        for first, last in stretches(wrong):
+            far = float(ego.moved[first:last].sum()) >= self.least_distance
+            long = (last - first) * ego.step_length >= self.least_time - 1e-9
+            lasting[first:last] = far and long
+        return lasting
 
     def _outside(self, ego: EgoView) -> BoolArray:
         lateral = np.abs(ego.value(EgoCol.LANE_LATERAL))

@@ -125,6 +125,27 @@ def test_the_share_of_the_route_outside_the_lanes() -> None:
     assert verdict.evidence["oncoming_distance"] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("rows", "speed", "outcome"),
+    [
+        (1, 30.0, Outcome.PASSED),  # one row of a lane's geometry, whatever the speed
+        (2, 30.0, Outcome.PASSED),
+        (3, 6.0, Outcome.PASSED),  # 0.9 m
+        (3, 8.0, Outcome.VIOLATED),  # 1.2 m in 0.15 s
+    ],
+)
+def test_a_moment_in_the_wrong_lane_does_not_count(
+    rows: int, speed: float, outcome: Outcome
+) -> None:
+    wrong = np.isin(K, np.arange(40, 40 + rows))
+    ego = on_lane(
+        motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=speed),
+        lane=np.where(wrong, WEST, EAST),
+        lane_heading=np.where(wrong, math.pi, 0.0),
+    )
+    assert outcomes(judge(LaneKeeping(), ego)) == [outcome]
+
+
 def test_oncoming_lanes_are_not_the_egos() -> None:
     motion = Motion.steady(0.0, 7.0, steps=STEPS, speed=8.0)
     (verdict,) = judge(LaneKeeping(), on_lane(motion=motion, lane=WEST, lane_heading=math.pi))
