@@ -14,6 +14,9 @@ from drivora_service.geometry import wrap_angle
 from drivora_service.observations.boxes import overlap_depth
 from drivora_service.observations.trace import Actor, Col, FloatArray, Trace
 
+_JUMP = 1.0
+"""Metres in one step that the speeds of an actor do not explain."""
+
 
 class Face(StrEnum):
     """The part of the ego that was touched."""
@@ -36,6 +39,8 @@ class Impact:
         other_face: The part of the other that was touched first.
         place: (x, y) of the touch, metres.
         appeared: The other was put where the ego was, and did not move there.
+        jumped: The other was moved further in one step than its speeds explain, as by a lane change
+            of SUMO's LC2013.
     """
 
     ego_speed: float
@@ -46,6 +51,7 @@ class Impact:
     other_face: Face
     place: tuple[float, float]
     appeared: bool
+    jumped: bool
 
 
 def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
@@ -76,7 +82,15 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
             float(pose[0, 1] + x * sin + y * cos),
         ),
         appeared=step > 0 and not begun,
+        jumped=begun and _jumped(before[1], after[1], trace.step_length),
     )
+
+
+def _jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
+    """Says whether an actor's displacement is not that of its speeds before and after a step."""
+    speeds = 0.5 * (before[[Col.VX, Col.VY]] + after[[Col.VX, Col.VY]])
+    unexplained = (after - before)[[Col.X, Col.Y]] - speeds * step_length
+    return bool(np.hypot(*unexplained) > _JUMP)
 
 
 def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor) -> FloatArray:

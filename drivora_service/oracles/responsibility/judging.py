@@ -23,6 +23,8 @@ from drivora_service.oracles.responsibility.walker_rules import walker
 
 def appeared(scene: Scene) -> Finding | None:
     """Nothing led to where the other was put."""
+    if scene.impact.jumped:
+        return Finding(rule="appeared", fault=Fault.OTHER, reason="the other jumped into the ego")
     if not scene.impact.appeared:
         return None
     return Finding(

@@ -135,6 +135,21 @@ def test_the_delay_can_be_left_out() -> None:
     assert could_brake(one, two, 0, reaction=0.0)
 
 
+def test_a_vehicle_that_jumps_into_the_ego_is_at_fault() -> None:
+    steps = 80
+    jumping = Motion.steady(30.0, 3.5, steps=steps, speed=4.0)
+    step = 50
+    jumping.states[step:, Col.Y] -= 3.5
+    trace = make_trace(
+        [on_lane(motion=Motion.steady(11.0, 0.0, steps=steps, speed=10.0))],
+        [SyntheticActor(motion=jumping)],
+        contacts=[Contact(step=step, ego=0, other=1)],
+    )
+    (verdict,) = Collision().judge(RunView(trace, straight_road()))
+    assert verdict.at_fault is False
+    assert verdict.evidence["reason"] == "the other jumped into the ego"
+
+
 def test_a_vehicle_that_reports_a_speed_but_does_not_move_stands() -> None:
     # What counts is where it was, not what it says of its speed.
     steps = 80
