@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks lock clean
+.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks docs-numbers lock clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -60,6 +60,9 @@ protocol: $(DEV_STAMP) ## Generate the code of the protocol for ADSs again
 
 networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML sources
 	$(BIN)/python -m drivora_service.networks.build
+
+docs-numbers: $(DEV_STAMP) ## Write what commands print into README and tutorial again
+	$(BIN)/python -m tests.docs.rewrite
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again
 	for set in run dev; do \

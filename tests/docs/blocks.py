@@ -63,22 +63,78 @@ def _console(text: str) -> list[Command]:
     return commands
 
 
-def missing_lines(expected: tuple[str, ...], printed: str) -> list[str]:
-    """Gives the expected lines that were not printed, in order; numbers and ids may differ."""
-    actual = iter([_loosely(line) for line in printed.splitlines()])
+def missing_lines(expected: tuple[str, ...], printed: str, *, exact: bool = False) -> list[str]:
+    """Returns the expected lines that were not printed, in order; ids may differ.
+
+    Args:
+        expected: What the page shows.
+        printed: What was printed.
+        exact: Whether numbers must be those that were printed, but for wall time and rates.
+    """
+    read = _exactly if exact else _loosely
+    actual = iter([read(line) for line in printed.splitlines()])
     missing = []
     for line in expected:
-        wanted = _loosely(line)
+        wanted = read(line)
         if wanted in ("", "…"):
             continue
-        pattern = ".*".join(re.escape(part) for part in re.split(r" ?… ?", wanted))
-        if not any(re.fullmatch(pattern, candidate) for candidate in actual):
+        if not any(re.fullmatch(_pattern(wanted), candidate) for candidate in actual):
             missing.append(line)
-            actual = iter([_loosely(line) for line in printed.splitlines()])
+            actual = iter([read(line) for line in printed.splitlines()])
     return missing
 
 
+def renewed_lines(expected: tuple[str, ...], printed: str) -> tuple[str, ...]:
+    """Returns the lines of a page as they are printed now; ``…`` stays where it stands.
+
+    A line that is not printed any more, whatever its numbers, is left as it is.
+    """
+    left = printed.splitlines()
+    renewed = []
+    for line in expected:
+        wanted = _loosely(line)
+        matching = [
+            n for n, text in enumerate(left) if re.fullmatch(_pattern(wanted), _loosely(text))
+        ]
+        if wanted in ("", "…") or not matching:
+            renewed.append(line)
+            continue
+        exact = _pattern(_exactly(line))
+        same = [n for n in matching if re.fullmatch(exact, _exactly(left[n]))]
+        found = (same or matching)[0]
+        renewed.append(line if same else _with_numbers_of(line, left[found]))
+        left = left[found + 1 :]
+    return tuple(renewed)
+
+
+def _with_numbers_of(line: str, printed: str) -> str:
+    """Puts the numbers that were printed into a line that has the same words."""
+    if "…" not in line:
+        return printed.rstrip()
+    numbers = iter(_NUMBER.findall(_without_ids(printed)))
+    head, _, rest = line.partition("…")
+    head = _NUMBER.sub(lambda match: next(numbers, match[0]), head)
+    return f"{head}…{rest}"
+
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+_VOLATILE = re.compile(
+    r"\d+(?:\.\d+)?(?=(?: s\b \(| µs| a second|/s))|(?<=\()\d+(?:\.\d+)?(?= a second)"
+)
+"""Numbers of wall time: ``in 6 s (15.70 a second)``, ``79 µs``, ``26.0/s``."""
+
+
+def _pattern(wanted: str) -> str:
+    return ".*".join(re.escape(part) for part in re.split(r" ?… ?", wanted))
+
+
+def _without_ids(line: str) -> str:
+    return re.sub(r"\b(?:[0-9a-f]{64}|[0-9a-f]{24})\b", "ID", line.replace("─", ""))
+
+
+def _exactly(line: str) -> str:
+    return " ".join(_VOLATILE.sub("#", _without_ids(line)).split())
+
+
 def _loosely(line: str) -> str:
-    line = re.sub(r"\b(?:[0-9a-f]{64}|[0-9a-f]{24})\b", "ID", line.replace("─", ""))
-    line = re.sub(r"\d+(?:\.\d+)?", "#", line)
-    return " ".join(line.split())
+    return " ".join(_NUMBER.sub("#", _without_ids(line)).split())

@@ -1,7 +1,7 @@
-"""Where the egos of three fixed runs are, second by second, as they were when last approved.
+"""Three fixed runs, exactly as they were when last approved, on every machine.
 
-A hash would change with the last bit of a compiler's arithmetic; a centimetre does not. After a
-change that is meant to move the egos::
+The hash of a trace tells that something has changed, in whatever bit; where the egos are, second by
+second, tells what. After a change that is meant to move the egos::
 
     python -m tests.simulation.test_golden --regenerate
 """
@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivora_service.observations.trace import Col
+from drivora_service.observations.trace import Col, Trace
+from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.model import Scenario, VehicleDynamics, Weather
 from tests.simulation.episodes import car, ego, place, run, scenario, walker
 
 FOLDER = Path(__file__).with_name("golden")
-TOLERANCE = 0.01
-"""Metres, and metres a second."""
+HASHES = FOLDER / "hashes.json"
 
 
 def scenarios() -> dict[str, Scenario]:
@@ -58,9 +58,8 @@ def scenarios() -> dict[str, Scenario]:
     }
 
 
-def seconds_of(what: Scenario) -> dict[str, list[list[float]]]:
+def seconds_of(trace: Trace) -> dict[str, list[list[float]]]:
     """[x, y, speed] of each ego at every full second of its part, by ego id."""
-    trace = run(what)
     stride = round(1.0 / trace.step_length)
     found = {}
     for row, actor in enumerate(trace.actors[: trace.ego_count]):
@@ -73,24 +72,29 @@ def seconds_of(what: Scenario) -> dict[str, list[list[float]]]:
 @pytest.mark.parametrize("name", scenarios())
 def test_the_egos_drive_as_approved(name: str) -> None:
     approved = json.loads((FOLDER / f"{name}.json").read_text())
-    found = seconds_of(scenarios()[name])
+    trace = run(scenarios()[name])
+    found = seconds_of(trace)
     assert found.keys() == approved.keys()
     for ego_id, rows in found.items():
         assert len(rows) == len(approved[ego_id])
-        apart = np.abs(np.array(rows) - np.array(approved[ego_id])).max(axis=1)
-        late = np.flatnonzero(apart > TOLERANCE)
-        assert not len(late), f"{ego_id} is {apart.max():.3f} off, first at {late[0]} s"
+        late = [n for n, row in enumerate(rows) if row != approved[ego_id][n]]
+        assert not late, f"{ego_id} differs first at {late[0]} s"
+    assert trace_sha256(trace) == json.loads(HASHES.read_text())[name]
 
 
 def regenerate() -> None:
     """Writes what the runs give now as approved."""
     FOLDER.mkdir(exist_ok=True)
+    hashes = {}
     for name, what in scenarios().items():
+        trace = run(what)
+        hashes[name] = trace_sha256(trace)
         lines = ",\n".join(
             f' "{ego_id}": [\n  ' + ",\n  ".join(json.dumps(row) for row in rows) + "\n ]"
-            for ego_id, rows in seconds_of(what).items()
+            for ego_id, rows in seconds_of(trace).items()
         )
         (FOLDER / f"{name}.json").write_text("{\n" + lines + "\n}\n")
+    HASHES.write_text(json.dumps(hashes, indent=1) + "\n")
 
 
 if __name__ == "__main__":
