@@ -97,13 +97,15 @@ class StandIns:
         """
         for actor in actors:
             row = actor.row
+            moved = placements[row][3] != 0.0
+            if moved and not actor.watched:
+                continue
             never_drives = actor.is_walker or (self._sublanes and row in self.fixed)
             if row in self.reserved or (self._sublanes and not never_drives):
                 continue
             stance = self._stances.get(row)
             if stance is None:
                 stance = self._stances[row] = _Stance()
-            moved = placements[row][3] != 0.0
             if never_drives:
                 if moved or not stance.seen:
                     stance.seen = True
@@ -114,6 +116,7 @@ class StandIns:
                     self._let_go(actor, stance)
             else:
                 stance.stood += 1
+                actor.watched = True
                 if not stance.seen and (row in self.fixed or stance.stood >= self._patience):
                     stance.seen = True
                     self._settle(actor, stance, frame)
@@ -136,6 +139,7 @@ class StandIns:
 
     def _let_go(self, actor: MovedActor, stance: _Stance) -> None:
         stance.stood, stance.seen = 0, False
+        actor.watched = False
         if actor.off_lanes:
             actor.off_lanes = False
             self._stand(stance, ())

@@ -78,6 +78,7 @@ class MovedActor:
         retry_in: Steps until the route is tried again.
         stands: Whether SUMO holds it at its pose without being told each step.
         off_lanes: Whether it is on no lane in SUMO, wherever its pose is: stand-ins are, for it.
+        watched: Whether it is looked at while it moves, too.
     """
 
     row: int
@@ -89,6 +90,7 @@ class MovedActor:
     retry_in: int = 0
     stands: bool = False
     off_lanes: bool = False
+    watched: bool = False
 
 
 @dataclass(slots=True, eq=False)

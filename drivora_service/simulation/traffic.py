@@ -195,6 +195,7 @@ class Traffic:
                     is_walker=body.is_walker,
                     follows_route=body.on_lanes,
                 )
+                actor.watched = body.is_walker or body.is_fixed
                 self._moved[row] = actor
                 self._moved_list.append(actor)
                 self.placements[row, 3] = 1.0
