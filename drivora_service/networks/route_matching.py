@@ -46,6 +46,9 @@ MIN_OUTLIER_DETOUR = 50.0
 MAX_LOST_END = 60.0
 """Metres of the polyline's end that may be left out."""
 
+MAX_DETOURS = 12
+"""Detours up to which a polyline is a track with outliers; one with more goes here and there."""
+
 _MAX_RUN = 3
 """Waypoints in a row that may be left out at once."""
 
@@ -178,17 +181,20 @@ def _without_outliers(
     graph: LaneGraph, places: Sequence[Place], kept: list[int], way: Way
 ) -> tuple[list[int], Way]:
     """Leaves out runs of waypoints, the one that saves most first, until none saves enough."""
+    known: dict[tuple[int, ...], float] = {}
     for _ in range(len(places)):
         detours = [
             j for j, leg in enumerate(_matched(graph, places, kept, way).legs) if leg.is_detour
         ]
+        if len(detours) > MAX_DETOURS:
+            break
         runs = {
             (first, last)
             for j in detours
             for first in range(max(j + 1 - _MAX_RUN, 1), j + 2)
             for last in range(max(first, j), min(first + _MAX_RUN, len(kept)))
         }
-        savings = {run: _saving(graph, places, kept, *run) for run in sorted(runs)}
+        savings = {run: _saving(graph, places, kept, *run, known) for run in sorted(runs)}
         best = max(savings, key=savings.__getitem__, default=None)
         if best is None or savings[best] <= 0.0:
             break
@@ -201,7 +207,12 @@ def _without_outliers(
 
 
 def _saving(
-    graph: LaneGraph, places: Sequence[Place], kept: Sequence[int], first: int, last: int
+    graph: LaneGraph,
+    places: Sequence[Place],
+    kept: Sequence[int],
+    first: int,
+    last: int,
+    known: dict[tuple[int, ...], float],
 ) -> float:
     """Returns by how much leaving out a run saves more than it must, metres.
 
@@ -211,20 +222,24 @@ def _saving(
         kept: Numbers of those that are passed.
         first: Index in ``kept`` of the run's first place.
         last: Index of its last.
+        known: Costs of ways through places by their numbers, metres; added to.
     """
     at_end = last == len(kept) - 1
     around = _polyline(places, kept[first - 1], kept[last if at_end else last + 1])
     if at_end and (around > MAX_LOST_END or first < 2):
         return -math.inf
-    window = kept[max(first - 1 - _WINDOW, 0) : last + 2 + _WINDOW]
     run = set(kept[first : last + 1])
-    with_run = search(graph, [places[number].near for number in window])
-    without = search(graph, [places[number].near for number in window if number not in run])
-    if isinstance(with_run, int) or isinstance(without, int):
+    window = tuple(kept[max(first - 1 - _WINDOW, 0) : last + 2 + _WINDOW])
+    fewer = tuple(number for number in window if number not in run)
+    for numbers in (window, fewer):
+        if numbers not in known:
+            way = search(graph, [places[number].near for number in numbers])
+            known[numbers] = math.inf if isinstance(way, int) else way.cost
+    if math.isinf(known[window]) or math.isinf(known[fewer]):
         return -math.inf
     on_road = any(places[number].on_road for number in run)
     needed = max((OUTLIER_FACTOR if on_road else OFF_ROAD_FACTOR) * around, MIN_OUTLIER_DETOUR)
-    return with_run.cost - without.cost - needed
+    return known[window] - known[fewer] - needed
 
 
 def _in_named_lanes(

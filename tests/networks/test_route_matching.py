@@ -14,6 +14,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.route_matching import MAX_DETOURS
 from drivora_service.networks.routing import RoutePoint, match_route, plan_route
 
 LONGEST = 1.15
@@ -125,3 +126,16 @@ def test_a_short_list_of_places_is_meant_as_it_is(loop: RoadNetwork) -> None:
     match = match_route(loop, places)
     assert match.left_out == ()
     assert plan_route(loop, places).length > 600.0
+
+
+def test_a_polyline_that_goes_here_and_there_keeps_its_waypoints() -> None:
+    """Places all over a town are an errand, not a track with outliers; and no search is long."""
+    network = NetworkCatalogue(shipped_networks()).get("signal-grid")
+    random = np.random.default_rng(5)
+    lanes = [one for one in network.lanes if one.drivable and one.arc[-1] > 60.0]
+    points = [on_lane(network, lanes[int(random.integers(len(lanes)))].index, 0.5)]
+    while len(points) < 40:
+        points.append(on_lane(network, lanes[int(random.integers(len(lanes)))].index, 0.5))
+    match = match_route(network, points)
+    assert sum(leg.is_detour for leg in match.legs) > MAX_DETOURS
+    assert match.left_out == ()
