@@ -16,7 +16,8 @@ import httpx
 from drivora_service.cli.client import worker_fault
 from drivora_service.errors import ServiceError
 
-_START_S = 60.0
+_START_S = 180.0
+"""A fresh installation compiles first, which takes a busy machine more than a minute."""
 _STOP_S = 20.0
 _POLL_S = 0.05
 
