@@ -23,8 +23,8 @@ QUEUE = 100.0
 OWN_ROAD = 8.0
 """Metres from the route up to which the ego is on it, as far as signals are concerned."""
 
-REACH = 30.0
-"""Metres along the route within which the next place on it is looked for."""
+AHEAD = 5.0
+"""Metres beyond what the ego has driven that its place on the route may move ahead in a step."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,18 +41,24 @@ class Progress:
 
 
 def follow_route(drive: Drive) -> Progress:
-    """Returns the nearest place on the route in each row, looked for around the one before."""
+    """Returns the nearest place on the route in each row.
+
+    It is looked for on the pieces of the line that begin at most so far ahead of that of the row
+    before as the ego has driven, and a little: a route may pass a place twice.
+    """
     base, step = drive.line[:-1], np.diff(drive.line, axis=0)
     long = np.hypot(step[:, 0], step[:, 1])
     along, beside = np.zeros(drive.count), np.zeros(drive.count)
-    last = 0.0
+    last, piece = 0.0, 0
     for k in range(drive.count):
-        near = np.flatnonzero((drive.arc[1:] >= last - 4.0) & (drive.arc[:-1] <= last + REACH))
+        furthest = drive.arc[piece] + drive.moved[k] + AHEAD
+        near = np.flatnonzero((drive.arc[1:] >= last - 4.0) & (drive.arc[:-1] < furthest))
         spot = np.array([drive.x[k], drive.y[k]]) - base[near]
         share = np.clip(np.einsum("ij,ij->i", spot, step[near]) / long[near] ** 2, 0.0, 1.0)
         away = np.hypot(*(spot - share[:, None] * step[near]).T)
         best = int(np.argmin(away))
-        last = float(drive.arc[near[best]] + share[best] * long[near[best]])
+        piece = int(near[best])
+        last = float(drive.arc[piece] + share[best] * long[piece])
         along[k], beside[k] = last, away[best]
     return Progress(along=along, beside=beside)
 
