@@ -9,10 +9,15 @@ import numpy as np
 from tests.recomputation.boxes import impact_speed
 from tests.recomputation.recording import Drive, Recording
 from tests.recomputation.routes import Progress, traffic_pace
+from tests.recomputation.speeds import stretches
 from tests.recomputation.surfaces import outside_lanes
 
 FACTORS = {"npc_walker": 0.5, "npc_obstacle": 0.65, "vehicle": 0.6, "red": 0.7, "stop": 0.8}
 COSTS = {"npc_walker": 1.0, "npc_obstacle": 0.6, "vehicle": 0.7, "red": 0.4, "stop": 0.25}
+
+LEAST_DISTANCE = 1.0
+LEAST_TIME = 0.15
+"""Metres and seconds that a stay outside the lanes must last to count."""
 
 
 def penalties(
@@ -43,7 +48,13 @@ def penalties(
             events.append(role if role in ("npc_walker", "npc_obstacle") else "vehicle")
     pace = traffic_pace(run, drive, progress)
     slow = 0.0 if pace is None else 1.0 - pace / 100.0
-    wrong = float(drive.moved[outside_lanes(run.head["network"], drive, margin)].sum())
+    stays = stretches(outside_lanes(run.head["network"], drive, margin))
+    wrong = sum(
+        distance
+        for first, last in stays
+        if (distance := float(drive.moved[first : last + 1].sum())) >= LEAST_DISTANCE
+        and (last + 1 - first) * run.step_length >= LEAST_TIME - 1e-9
+    )
     within = 1.0 - min(wrong / float(drive.arc[-1]), 1.0)
     product = math.prod(FACTORS[event] for event in events) * within
     return {
