@@ -134,9 +134,17 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[], help="ends of route names")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--table", type=Path, help="file to write the table to")
+    parser.add_argument("--lengths", action="store_true", help="only the lengths, nothing is run")
     options = parser.parse_args()
     setup = WorkerSetup(shipped_networks=shipped_networks(), imported_networks=options.networks)
     driven = routes(options, NetworkCatalogue(setup.shipped_networks, setup.imported_networks))
+    if options.lengths:
+        for route in driven:
+            print(
+                f"{route.spec.run_id:26} polyline {route.polyline:6.0f} m  route "
+                f"{route.length:6.0f} m  ratio {route.length / route.polyline:.3f}"
+            )
+        return
     todo = [route.spec for route in driven]
     reports: dict[str, RunReport] = {}
     limits = Limits(wall_time_s=900.0)
