@@ -25,7 +25,8 @@ CANDIDATE_MARGIN = 4.0
 """Metres by which a lane may be further away than the nearest and still be meant."""
 
 WIDE_MARGIN = 8.0
-"""The same where the nearer lanes cost a detour; every lane of an edge with such a lane counts."""
+"""The same where the nearer lanes cost a detour; every lane of an edge with such a lane counts. It
+does not hold for a start: the ego stands there."""
 
 ON_LANE_MARGIN = 0.2
 """Metres beside a lane that still count as on it."""
@@ -176,8 +177,11 @@ def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> P
         turned = 0.0
         if point.yaw is not None:
             turned = HEADING_COST * (1.0 - math.cos(position.heading - point.yaw))
-        if starts is not None and edge in taken and position.lane not in starts:
-            continue
+        if starts is not None:
+            if edge in taken and position.lane not in starts:
+                continue
+            if aside > CANDIDATE_MARGIN:
+                continue
         off = 0.0 if edge in taken else OFF_LANE_COST
         cost = DISTANCE_COST * aside + turned + off
         beside.append(Candidate(lane=position.lane, s=position.s, cost=cost))

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
@@ -312,6 +312,7 @@ def test_any_route_on_a_shipped_network_is_sound(shipped_network: RoadNetwork) -
 def assert_any_route_is_sound(network: RoadNetwork) -> None:
     # The network is no argument of the property: Hypothesis would print all of it.
     @settings(max_examples=30, deadline=None)
+    @example(places=[(0.0, 0.5, 0.0), (0.0, 0.0, 0.0)])  # behind the start, in a junction
     @given(places=PLACES)
     def property_holds(places: list[tuple[float, float, float]]) -> None:
         assert_route_is_sound(network, places)
