@@ -43,7 +43,7 @@ class Discovery:
 
 DISCOVERIES = {
     "side-collision": Discovery(
-        number=43,
+        number=62,
         key="collision|junction market_orchard|ego, side",
         at_fault=True,
         evidence={"counterpart_role": "ego", "face": "side", "other_speed": 0.0},
@@ -52,16 +52,16 @@ DISCOVERIES = {
         number=16,
         key="collision|road eb_1|npc_vehicle, front",
         at_fault=True,
-        evidence={"face": "front", "reason": "the ego hit with its front"},
+        evidence={"face": "front", "rule": "following"},
     ),
     "standstill": Discovery(
         number=62, key="blocked|junction market_orchard", at_fault=None, evidence={"since": 23.35}
     ),
     "deadlock": Discovery(
-        number=86,
+        number=89,
         key="deadlock|junction market_church|cycle of 3",
         at_fault=None,
-        evidence={"cycle": ["ego_4", "ego_0", "ego_1"]},
+        evidence={"cycle": ["ego_1", "ego_6", "ego_3"]},
     ),
 }
 
