@@ -21,6 +21,7 @@ from drivora_service.cli.service_comparison import figures_from
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.store.campaign_records import (
     BestScore,
@@ -239,6 +240,7 @@ def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
             privileged=tuple(item["privileged"]),
             failure=None if item["error"] is None else RunFailure(**item["error"]),
             versions=item["versions"],
+            agents={ego: AgentChoice(**agent) for ego, agent in item["agents"].items()},
         ),
         violations=_VERDICTS.validate_python(item["failures"]),
         failure_keys=tuple(item["failure_keys"]),

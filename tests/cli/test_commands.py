@@ -228,10 +228,10 @@ def test_a_service_beyond_loopback_needs_tokens(drivora: Drivora) -> None:
 
 @pytest.mark.slow
 def test_the_demo_shows_the_whole_way(drivora: Drivora, tmp_path: Path) -> None:
-    ended = drivora("demo", "--num", "4", "--simulations", "50")
+    ended = drivora("demo", "--num", "4", "--simulations", "70")
     assert ended.code == 0, ended.err
     assert "4 of 4 runs judged" in ended.out
-    assert "50 of 50 simulations" in ended.out
+    assert "70 of 70 simulations" in ended.out
     failures = tmp_path / "demo-data" / "failures"
     scenario = next(failures.glob("0*.json"))
     assert scenario.with_suffix(".png").is_file()

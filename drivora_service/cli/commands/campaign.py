@@ -72,6 +72,7 @@ def run(
         _refuse_local_options(workers, evaluator)
         with ServiceCampaigns(server) as service:
             with _problems_of(file):
+                _check_gate(file, gate_rule or ())
                 record, notes = service.post(file)
             _announce(record, notes)
             chosen = _gate(service, record.id, gate_rule or (), is_wanted=gate)
@@ -86,6 +87,7 @@ def run(
 
     with StoredCampaigns(data_dir) as campaigns:
         with _problems_of(file):
+            _check_gate(file, gate_rule or ())
             record, notes = create_campaign(campaigns, file, workers=workers)
         _announce(record, notes)
         chosen = _gate(campaigns, record.id, gate_rule or (), is_wanted=gate)
@@ -350,11 +352,27 @@ def _gate(
     if not (rules or is_wanted):
         return None
     from drivora_service.campaigns.documents import CampaignDocument
-    from drivora_service.cli.gates import read_gate
 
     text = campaigns.found(campaign_id).record.document
+    return _read_gate(rules, CampaignDocument.model_validate_json(text).oracles)
+
+
+def _check_gate(file: Path, rules: Sequence[str]) -> None:
+    """Refuses rules that the campaign of a file does not count, before the campaign is stored."""
+    if not rules:
+        return
+    from drivora_service.campaigns.campaign import DEFAULT_ORACLES
+    from drivora_service.cli.campaign_files import read_campaign_file
+
+    counted = read_campaign_file(file).get("oracles", DEFAULT_ORACLES)
+    if isinstance(counted, list | tuple):  # what else it is, is refused with the file
+        _read_gate(rules, [str(one) for one in counted])
+
+
+def _read_gate(rules: Sequence[str], counted: Sequence[str]) -> Gate:
+    from drivora_service.cli.gates import read_gate
+
     try:
-        counted = CampaignDocument.model_validate_json(text).oracles
         return read_gate(rules, counted, whose="the campaign counts")
     except ConfigurationError as error:
         fail(str(error))
