@@ -87,7 +87,7 @@ def scenes() -> dict[str, Scene]:
 
 
 def candidates(part: Part, repetition: int) -> Iterator[tuple[int, str]]:
-    """Gives numbers and documents of the candidates that a random campaign draws."""
+    """Yields numbers and documents of the candidates that a random campaign draws."""
     text = json.dumps(_document(scenes()[part.scene], part.agent, repetition))
     search = prepare_search(
         read_campaign(text, catalogues()), catalogues(), run_prefix="avoidability"
@@ -176,7 +176,7 @@ def _said(verdict: Verdict) -> dict[str, Any]:
 
 
 def _cost(trace: Trace, verdict: Verdict) -> float:
-    """Gives the milliseconds that the assessment takes, of three the least."""
+    """Returns the milliseconds that the assessment takes, of three the least."""
     network = catalogues().networks.get(trace.network)
     row = next(actor.row for actor in trace.actors if actor.id == verdict.counterpart)
     spent = []

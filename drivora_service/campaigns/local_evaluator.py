@@ -25,7 +25,7 @@ class LocalEvaluator:
         self._runs.submit(spec)
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
-        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most.
+        """Returns the answers since the last call; waits for one, ``timeout`` seconds at most.
 
         Raises:
             WorkersCannotStart: Nothing can be run.

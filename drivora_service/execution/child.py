@@ -99,7 +99,7 @@ class Child:
         return self.ready
 
     def begin(self, spec: RunSpec) -> None:
-        """Gives the process, which is ready, a run; the last one has ended."""
+        """Hands a run to the process, which is ready; the last one has ended."""
         if self.log_size() > _LOG_BYTES:
             os.truncate(self._files.log, 0)
         self._runs += 1

@@ -24,9 +24,9 @@ class Leaders:
     """The nearest actor in the strip that the ego's width sweeps along its heading.
 
     Attributes:
-        actor: (n,) its row in the trace, -1 where nobody is there.
-        room: (n,) metres between the boxes, inf where nobody is there.
-        speed: (n,) its speed along the ego's heading, m/s, NaN where nobody is there.
+        actor: (n,) its row in the trace, -1 where no vehicle is there.
+        room: (n,) metres between the boxes, inf where no vehicle is there.
+        speed: (n,) its speed along the ego's heading, m/s, NaN where no vehicle is there.
         same_way: (n,) whether it heads as the ego does.
     """
 
@@ -37,7 +37,7 @@ class Leaders:
 
 
 def leaders(ego: EgoView, *, margin: float = 0.0, vehicles_only: bool = False) -> Leaders:
-    """Returns who is in front of an ego.
+    """Returns what is in front of an ego.
 
     Args:
         ego: Which ego.

@@ -1,7 +1,7 @@
-"""Who is hidden behind whom: the line of sight from an ego's roof past the boxes of others.
+"""Which actors others hide: the line of sight from an ego's roof past the boxes of others.
 
 An actor is hidden if of neither its centre nor a corner of its box the line of sight to its top
-passes above or beside all others. Buildings hide nobody, for road networks have none.
+passes above or beside all others. Buildings hide nothing, for road networks have none.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ _ALONE = 20.0
 """Metres before a vehicle: who brakes for another that is nearer does not brake for the ego."""
 
 _MOVING = 0.5
-"""m/s below which the ego takes nobody's way."""
+"""m/s below which the ego is in no other's way."""
 
 _CROSSING = re.compile(r":.+_c\d+_\d+")
 _Z = int(Col.Z)
@@ -196,7 +196,7 @@ def _lag(ego: EgoView, other: int, first: int, leaves: int, last: int) -> float:
 
 
 def _braking(ego: EgoView, other: int, first: int, leaves: int) -> float:
-    """Returns how hard another braked while the ego was in its way and nobody else was."""
+    """Returns how hard another braked while the ego, and nothing else, was in its way."""
     rows = slice(ego.first + first, ego.first + leaves + 1)
     states, present = ego.trace.states[rows], ego.trace.present[rows]
     yaw = states[:, other, Col.YAW]

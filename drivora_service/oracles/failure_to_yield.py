@@ -17,7 +17,7 @@ class FailureToYield:
     where neither the ego has a protected green nor the other a red signal. On crossings it is a
     walker who has the right of way there: on a marked crossing without a signal, or with a green
     one. The other is hindered if the ego leaves a place less than the bound before the other is
-    there, if they touch, or if a vehicle must brake hard behind whom nobody else drives. Who goes
+    there, if they touch, or if a vehicle must brake hard with no other before it. Which goes
     first where each yields to the other, as at an all-way stop, is not judged.
 
     Attributes:

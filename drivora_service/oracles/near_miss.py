@@ -20,14 +20,15 @@ class NearMiss:
     """Violated where a time to collision, or the post-encroachment time, is below its bound.
 
     A conflict with others behind the ego is theirs to keep clear of, and contacts are for
-    ``collision`` to judge. Whoever comes the other way round a bend is for a moment on a straight
-    course into the ego: others that move, and not the ego's way, count only if they then came near.
+    ``collision`` to judge. A vehicle that comes the other way round a bend is for a moment on a
+    straight course into the ego: others that move, and not the ego's way, count only if they then
+    came near.
 
     Attributes:
         time_to_collision: Seconds, at constant velocities.
         duration: Seconds for which it must be below the bound: one row alone may be noise.
         post_encroachment_time: Seconds between one leaving a place and the other being there.
-        standing_speed: m/s below which an ego endangers nobody.
+        standing_speed: m/s below which an ego endangers no other.
         gap: Metres between the boxes that are near, for others that move another way.
     """
 

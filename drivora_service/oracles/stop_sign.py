@@ -24,7 +24,7 @@ class StopSign:
     Those are movements to which the network gives a stop sign or an all-way stop, and signals that
     show SUMO's "stop, then go" (``s``) as the front crosses. The ego has stood if it came less far
     than ``standing_speed`` allows within ``window``, with its front at most ``reach`` before the
-    line: what counts is the place, not the speed that somebody wrote down.
+    line: what counts is the place, not the speed that was recorded.
 
     Attributes:
         standing_speed: m/s below which it stands.

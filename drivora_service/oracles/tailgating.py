@@ -21,7 +21,7 @@ class Tailgating:
     safe and scalable self-driving cars" (2017): what the ego needs that reacts after the response
     time and then brakes, while the one in front brakes as hard as it can. Parameters are those of
     UNECE's competent driver rather than the cautious ones of the metric ``rss_violation_share``,
-    under which everybody tailgates who keeps two seconds.
+    under which an ego that keeps two seconds tailgates.
 
     Attributes:
         duration: Seconds for which the distance must be too short.

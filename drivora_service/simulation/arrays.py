@@ -120,7 +120,7 @@ def wind_of(weather: WeatherEffects) -> FloatArray:
 
 
 def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:
-    """Gives (M, 11) the progress of egos that have not begun, columns ``Progress``."""
+    """Returns (M, 11) the progress of egos that have not begun, columns ``Progress``."""
     progress = np.zeros((len(egos), len(Progress)))
     progress[:, Progress.STUCK_AFTER] = stuck_after
     progress[:, Progress.TIME_LIMIT] = [ego.time_limit for ego in egos]

@@ -142,7 +142,7 @@ def _drive_kinematic(
 
 @compiled
 def _drift(body: FloatArray, grip: float, wind: FloatArray) -> float:
-    """Gives the slip angle at which the tyres hold against the wind; their curve is straight."""
+    """Returns the slip angle at which the tyres hold against the wind; their curve is straight."""
     across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
     return float(across / (_TYRE_B * _TYRE_C * grip))
 
@@ -194,7 +194,7 @@ def _slide(body: FloatArray, grip: float, dt: float) -> None:
 
 @compiled
 def _along_tyre(push: float, side: float) -> float:
-    """Gives the force along a tyre within its circle, less what the steering keeps in reserve."""
+    """Returns the force along a tyre within its circle, less what the steering keeps in reserve."""
     reserve = min(abs(side), _SIDE_RESERVE)
     most = math.sqrt(1.0 - reserve * reserve)
     return float(min(max(push, -most), most))

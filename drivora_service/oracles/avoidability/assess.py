@@ -77,7 +77,7 @@ def assess(
         sight=float(ego.trace.meta.get("perception_range", np.inf)),
     )
     breach = own_breach(ego, k)
-    # Who drives where no careful driver does knows of the risk from the start of the record on.
+    # Where no careful driver drives, the risk is known from the start of the record on.
     since = perceived.row if breach is None else 0
     latest = careful_braking(replay, driver, grip, brakes)
     avoidable = latest >= since and latest >= 0

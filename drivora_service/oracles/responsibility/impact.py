@@ -94,7 +94,7 @@ def _jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
 
 
 def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor) -> FloatArray:
-    """Gives (2, 3) poses of ego and other just after they first overlapped."""
+    """Returns (2, 3) poses of ego and other just after they first overlapped."""
     turns = [wrap_angle(float(turn)) for turn in after[:, Col.YAW] - before[:, Col.YAW]]
 
     def poses(share: float) -> FloatArray:
@@ -135,7 +135,7 @@ def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
 
 
 def _touch_point(pose: FloatArray, ego: Actor, other: Actor) -> tuple[float, float]:
-    """Gives the middle of the overlap in the ego's frame, x forwards and y to the left, metres."""
+    """Returns the middle of the overlap in the ego's frame, x forwards, y to the left, metres."""
     own = box(-0.5 * ego.length, -0.5 * ego.width, 0.5 * ego.length, 0.5 * ego.width)
     dx, dy = pose[1, :2] - pose[0, :2]
     cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])

@@ -33,7 +33,7 @@ def appeared(scene: Scene) -> Finding | None:
 
 
 def backwards(scene: Scene) -> Finding | None:
-    """Who goes backwards gives way."""
+    """An ego that goes backwards gives way."""
     if scene.impact.face is Face.REAR and scene.impact.ego_forward < -scene.standing_speed:
         return Finding(rule="backwards", fault=Fault.EGO, reason="the ego went backwards")
     return None

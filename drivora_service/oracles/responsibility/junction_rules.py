@@ -61,7 +61,7 @@ def _blocked(scene: Scene) -> Finding | None:
 
 
 def _no_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
-    """Who follows none of the ways through the junction is responsible."""
+    """A vehicle that follows none of the ways through the junction is responsible."""
     lost = [party for party, way in ways.items() if way.movement is None]
     if not lost:
         return None
