@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks docs-numbers lock clean
+.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks docs-numbers pictures lock clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -63,6 +63,9 @@ networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML 
 
 docs-numbers: $(DEV_STAMP) ## Write what commands print into README and tutorial again
 	$(BIN)/python -m tests.docs.rewrite
+
+pictures: $(DEV_STAMP) ## Draw the pictures of the documentation again
+	$(BIN)/python -m tests.docs.pictures
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again
 	for set in run dev; do \
