@@ -14,7 +14,7 @@ import psutil
 
 from drivora_service.execution.fork_server import exit_code, kill_process, start_process
 from drivora_service.execution.worker import NotReady, Ready, WorkerFiles, serve
-from drivora_service.runs.progress import ProgressBoard
+from drivora_service.runs.progress import Progress, ProgressBoard
 from drivora_service.runs.report import RunReport, RunSpec
 
 _TAIL_BYTES = 16_384
@@ -48,7 +48,6 @@ class Child:
     belong to each other, so that nothing which a dead process held can matter.
 
     Attributes:
-        board: What the process shows of its progress.
         ready: Whether the process has been set up.
         restarts: Processes there have been, beyond the first.
     """
@@ -61,19 +60,20 @@ class Child:
         self._files = files
         self._runs_per_worker = runs_per_worker
         self._process: BaseProcess | None = None
+        self._pid: int | None = None
         self._seen: psutil.Process | None = None
         self._channel: Connection | None = None
         self._log_begin = 0
         self._runs = 0
         self.ready = False
         self.restarts = -1
-        files.log.write_bytes(b"")
-        self.board = ProgressBoard(files.board)
+        self._board: ProgressBoard | None = None
 
     @property
     def pid(self) -> int | None:
         """The process's id, ``None`` while there is no process."""
-        return None if self._process is None else self._process.pid
+        # Kept apart: a process object that is being closed has none any more.
+        return self._pid
 
     @property
     def lives(self) -> bool:
@@ -134,11 +134,17 @@ class Child:
                 return message
         raise WorkerDiedError(exit_code(process) or 0)
 
+    def progress(self) -> Progress | None:
+        """Returns what the process shows of its progress, ``None`` before the first one."""
+        board = self._board
+        return None if board is None else board.read()
+
     def memory_bytes(self) -> int:
         """Resident memory of the process, 0 if there is none."""
+        seen = self._seen
         try:
-            return 0 if self._seen is None else int(self._seen.memory_info().rss)
-        except psutil.NoSuchProcess:
+            return 0 if seen is None else int(seen.memory_info().rss)
+        except (psutil.Error, OSError):
             return 0
 
     def log_size(self) -> int:
@@ -167,16 +173,18 @@ class Child:
         """
         self.end()
         self._files.board.parent.mkdir(parents=True, exist_ok=True)
+        if self.restarts < 0:
+            self._files.log.write_bytes(b"")
         # Mapped anew, so that both sides see the same file even if somebody has removed the old.
-        self.board = ProgressBoard(self._files.board)
-        self.board.cells[:] = 0
+        self._board = ProgressBoard(self._files.board)
+        self._board.cells[:] = 0
         self._start()
         self.restarts += 1
 
     def end(self) -> None:
         """Ends the process with all that it started, and waits until they are gone."""
         if self._process is not None:
-            group = self._process.pid
+            group, self._pid = self._pid, None
             # The group may outlive the process that leads it; a young one leads none yet.
             if group is not None:
                 _signal_group(group, signal.SIGKILL)
@@ -202,6 +210,7 @@ class Child:
             # With no end of it left here, the channel ends with the worker.
             theirs.close()
         self._channel = ours
+        self._pid = self._process.pid
         with contextlib.suppress(psutil.NoSuchProcess):
             self._seen = psutil.Process(self._process.pid)
 

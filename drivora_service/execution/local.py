@@ -47,6 +47,8 @@ class LocalExecutor:
         folder.mkdir(parents=True, exist_ok=True)
         self._changed = threading.Condition()
         self._waiting: deque[RunSpec] = deque()
+        self._taken: set[str] = set()
+        self._cancelled: set[str] = set()
         self._ended: deque[AttemptEnd] = deque()
         self._woken = False
         self._closed = False
@@ -91,16 +93,26 @@ class LocalExecutor:
     def cancel(self, run_id: str) -> None:
         """Ends an attempt; it comes back as ``cancelled``, or as it ended just before."""
         with self._changed:
+            if run_id in self._taken:
+                # Its slot looks here for as long as it has the run, from the taking to the end.
+                self._cancelled.add(run_id)
+                return
             for spec in self._waiting:
                 if spec.run_id == run_id:
                     self._waiting.remove(spec)
-                    now = datetime.now(UTC)
-                    report = cancelled_report(run_id)
-                    self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
-                    self._changed.notify_all()
+                    self._end_cancelled(run_id)
                     return
-        for slot in self._slots:
-            slot.cancel(run_id)
+
+    def is_cancelled(self, run_id: str) -> bool:
+        """Tells whether a run that a slot has taken is to end."""
+        return run_id in self._cancelled
+
+    def _end_cancelled(self, run_id: str) -> None:
+        """Ends a run that no slot has begun."""
+        now = datetime.now(UTC)
+        report = cancelled_report(run_id)
+        self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
+        self._changed.notify_all()
 
     def withdraw(self) -> tuple[str, ...]:
         """Takes back every spec that no slot has begun; returns the ids of their runs."""
@@ -146,19 +158,34 @@ class LocalExecutor:
         """Waits for the next run of a slot; ``None`` once the executor is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._waiting or self._closed)
-            return None if self._closed else self._waiting.popleft()
+            if self._closed:
+                return None
+            spec = self._waiting.popleft()
+            self._taken.add(spec.run_id)
+            return spec
 
     def put_back(self, spec: RunSpec) -> None:
         """Takes back a run that a slot has not begun; it is the next one again."""
         with self._changed:
-            if not self._closed:
-                self._waiting.appendleft(spec)
-                self._changed.notify_all()
+            cancelled = spec.run_id in self._cancelled
+            self._let_go(spec.run_id)
+            if self._closed:
+                return
+            if cancelled:
+                self._end_cancelled(spec.run_id)
+                return
+            self._waiting.appendleft(spec)
+            self._changed.notify_all()
 
     def _put_end(self, end: AttemptEnd) -> None:
         with self._changed:
+            self._let_go(end.report.run_id)
             self._ended.append(end)
             self._changed.notify_all()
+
+    def _let_go(self, run_id: str) -> None:
+        self._taken.discard(run_id)
+        self._cancelled.discard(run_id)
 
     def __enter__(self) -> LocalExecutor:
         return self

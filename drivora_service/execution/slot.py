@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Protocol
+
+import structlog
 
 from drivora_service.execution.child import Child, NotReadyError, WorkerDiedError
 from drivora_service.execution.deaths import report_death, report_loss, signal_name
@@ -17,11 +20,18 @@ from drivora_service.execution.watch import Watch
 from drivora_service.execution.worker import WorkerFiles
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
+from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.simulation.phase import Phase
 
 _POLL_S = 0.05
 """Seconds between two looks at a run: limits are kept to this, and a look costs some 50 us."""
+
+_SAID_AGAIN_S = 60.0
+"""Seconds between two lines of the log on faults of one slot."""
+
+_log = structlog.get_logger(__name__)
 
 
 class Source(Protocol):
@@ -33,6 +43,10 @@ class Source(Protocol):
 
     def put_back(self, spec: RunSpec) -> None:
         """Takes back a run that was not begun; it is the next one again."""
+        ...
+
+    def is_cancelled(self, run_id: str) -> bool:
+        """Tells whether a run that was taken is to end."""
         ...
 
 
@@ -57,37 +71,37 @@ class Slot:
     ) -> None:
         """Starts the slot and its worker."""
         self.name = name
-        self._perform, self._warm_up = perform, warm_up
-        self._setup, self._files = setup, files
         self._limits, self._starts = limits, starts
         self._source, self._sink = source, sink
-        self._child: Child | None = None
+        self._child = Child(
+            perform=perform,
+            warm_up=warm_up,
+            setup=setup,
+            files=files,
+            runs_per_worker=limits.runs_per_worker,
+        )
         self._run_id = ""
         self._runs = 0
         self._last_crash = ""
+        self._unsent: AttemptEnd | None = None
+        self._said_at = -_SAID_AGAIN_S
         self._closing = threading.Event()
-        self._stop_run = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
         self._thread.start()
 
-    def cancel(self, run_id: str) -> None:
-        """Ends the run if it is this slot's."""
-        if self._run_id == run_id:
-            self._stop_run.set()
-
     def state(self) -> SlotState:
-        """Tells what the slot does."""
+        """Returns what the slot does; never raises."""
         child = self._child
-        progress = None if child is None else child.board.read()
+        progress = child.progress()
         return SlotState(
             name=self.name,
-            pid=None if child is None else child.pid,
+            pid=child.pid,
             run_id=self._run_id,
             phase="starting" if progress is None else progress.phase.name.lower(),
             step=0 if progress is None else progress.step,
-            memory_bytes=0 if child is None else child.memory_bytes(),
+            memory_bytes=child.memory_bytes(),
             runs=self._runs,
-            restarts=0 if child is None else child.restarts,
+            restarts=max(child.restarts, 0),
             last_crash=self._last_crash,
             updated_at=datetime.now(UTC),
         )
@@ -95,53 +109,70 @@ class Slot:
     def stop(self) -> None:
         """Ends the slot with the run that it may have; does not wait for that."""
         self._closing.set()
-        self._stop_run.set()
 
     def join(self) -> None:
         """Waits for the end of the slot and of its worker; its source has ended."""
         self._thread.join()
 
     def _serve(self) -> None:
-        self._child = child = Child(
-            perform=self._perform,
-            warm_up=self._warm_up,
-            setup=self._setup,
-            files=self._files,
-            runs_per_worker=self._limits.runs_per_worker,
-        )
-        try:
-            self._start(child)
-            while (spec := self._source.take()) is not None:
-                if child.lives:
-                    self._sink(self._attempt(child, spec))
-                else:
-                    # It died while it had nothing to do, which is no run's fault.
-                    self._source.put_back(spec)
+        """Serves until the source ends, whatever befalls the worker or the supervision."""
+        child = self._child
+        while True:
+            try:
+                self._serve_runs(child)
+                break
+            except Exception as error:
+                self._say("slot_fault", error)
+                with contextlib.suppress(Exception):
                     child.end()
-                if child.worn or not child.ready:
-                    self._start(child)
-        finally:
+                if self._closing.wait(self._starts.failed(self.name, repr(error), certain=False)):
+                    break
+        try:
             child.end()
+        except Exception as error:
+            self._say("worker_not_ended", error)
+
+    def _say(self, event: str, error: Exception) -> None:
+        """Writes a line of the log, unless the last one was written a short while ago."""
+        now = time.monotonic()
+        if now - self._said_at >= _SAID_AGAIN_S:
+            self._said_at = now
+            _log.error(event, slot=self.name, exc_info=error)
+
+    def _serve_runs(self, child: Child) -> None:
+        if self._unsent is not None:
+            self._sink(self._unsent)
+            self._unsent = None
+        while not self._closing.is_set():
+            if child.worn or not child.ready:
+                self._start(child)
+            spec = self._source.take()
+            if spec is None:
+                return
+            if not child.lives:
+                # It died while it had nothing to do, which is no run's fault.
+                self._source.put_back(spec)
+                child.end()
+                continue
+            self._unsent = self._attempt(child, spec)
+            self._sink(self._unsent)
+            self._unsent = None
 
     def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
+        """Performs an attempt; always returns its end, so that no run is lost here."""
         self._run_id = spec.run_id
         started = datetime.now(UTC)
-        log_begin = child.log_size()
         exit_code = 0
         try:
-            child.begin(spec)
-            report = self._supervise(child, spec.run_id, log_begin)
-        except WorkerDiedError as death:
-            exit_code = death.exit_code
-            log = child.log_tail(log_begin)
-            report = report_death(spec.run_id, exit_code, child.board.read(), log)
-            self._bury(child, report)
+            report, exit_code = self._perform(child, spec)
         except Exception as error:
             # The worker turns whatever a run raises into a report: this is the system.
+            self._say("slot_fault", error)
             report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", "")
-            self._bury(child, report)
+            self._last_crash = f"the worker process was lost: {error!r}"
+            with contextlib.suppress(Exception):
+                child.end()
         self._run_id = ""
-        self._stop_run.clear()
         self._runs += 1
         return AttemptEnd(
             report=report,
@@ -151,6 +182,19 @@ class Slot:
             signal=signal_name(exit_code),
         )
 
+    def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport, int]:
+        """Has the worker do a run; returns the report and the exit code of a worker that died."""
+        log_begin = child.log_size()
+        try:
+            child.begin(spec)
+            return self._supervise(child, spec.run_id, log_begin), 0
+        except WorkerDiedError as death:
+            log = child.log_tail(log_begin)
+            report = report_death(spec.run_id, death.exit_code, _progress(child), log)
+            self._last_crash = "" if report.failure is None else report.failure.message
+            child.end()
+            return report, death.exit_code
+
     def _supervise(self, child: Child, run_id: str, log_begin: int) -> RunReport:
         begun = time.monotonic()
         watch = Watch(self._limits, now=begun)
@@ -159,10 +203,10 @@ class Slot:
             if report is not None:
                 return report
             now = time.monotonic()
-            if self._stop_run.is_set():
+            if self._closing.is_set() or self._source.is_cancelled(run_id):
                 child.end()
                 return cancelled_report(run_id)
-            breach = watch.check(child.board.read(), child.memory_bytes(), now=now)
+            breach = watch.check(_progress(child), child.memory_bytes(), now=now)
             if breach is not None:
                 failure = replace(breach.failure, log=child.log_tail(log_begin))
                 child.end()
@@ -172,11 +216,6 @@ class Slot:
                     wall_time_s=now - begun,
                     failure=failure,
                 )
-
-    def _bury(self, child: Child, report: RunReport) -> None:
-        if report.failure is not None:
-            self._last_crash = report.failure.message
-        child.end()
 
     def _start(self, child: Child) -> None:
         """Starts a worker, as often as it takes until one is ready or the slot ends."""
@@ -197,7 +236,7 @@ class Slot:
                 reason = f"{death} before it was ready: {last or 'its log is empty'}"
             except Exception as error:
                 # The system is short of processes or memory, which passes; the slot must not.
-                reason = f"the system starts no worker process: {error!r}"
+                reason = f"the system starts no worker process: {type(error).__name__}: {error}"
             child.end()
             self._last_crash = reason
             self._closing.wait(self._starts.failed(self.name, reason, certain=certain))
@@ -208,3 +247,11 @@ class Slot:
             if child.wait_until_ready(_POLL_S):
                 return True
         return False
+
+
+def _progress(child: Child) -> Progress:
+    """Returns what a worker that was started shows of its progress."""
+    progress = child.progress()
+    return (
+        Progress(phase=Phase.IDLE, step=0, ego=0, run_counter=0) if progress is None else progress
+    )

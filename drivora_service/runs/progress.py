@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from drivora_service.simulation.phase import SETTING_UP, Phase
 
 _FIELDS = 4
+_LARGEST = 2**31 - 1
+"""Largest number that an INTEGER column of the database holds."""
+_PHASES = frozenset(int(phase) for phase in Phase)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +54,16 @@ class ProgressBoard:
         self.cells: NDArray[np.int64] = np.frombuffer(self._map, dtype=np.int64)
 
     def read(self) -> Progress:
-        """Gives the current reading."""
+        """Returns the current reading: an unknown phase as ``IDLE``, numbers within 31 bits."""
         phase, step, ego, counter = (int(cell) for cell in self.cells)
-        return Progress(phase=Phase(phase), step=step, ego=ego, run_counter=counter)
+        return Progress(
+            # Code under test can write here: what it writes must not harm the reader.
+            phase=Phase(phase) if phase in _PHASES else Phase.IDLE,
+            step=_bounded(step),
+            ego=_bounded(ego),
+            run_counter=_bounded(counter),
+        )
+
+
+def _bounded(value: int) -> int:
+    return min(max(value, -_LARGEST), _LARGEST)

@@ -64,6 +64,14 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             if os.fork() == 0:
                 time.sleep(3600)
             ctypes.string_at(0)
+        case "agent-spawns-and-hangs":
+            _call_agent(board)
+            if os.fork() == 0:
+                time.sleep(3600)
+            time.sleep(3600)
+        case "writes-board":
+            board.cells[:] = [int(cell) for cell in argument.split()]
+            time.sleep(0.3)
         case "environment":
             return _finished(spec, dict(os.environ))
         case "crash-once":
