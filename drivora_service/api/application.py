@@ -13,6 +13,7 @@ from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
 from drivora_service.api.docs_page import docs_page
 from drivora_service.api.documentation import install_openapi, problem_answer
+from drivora_service.api.methods import HeadAsGet, MethodTable
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
 from drivora_service.api.query_guard import refuse_unknown_parameters
@@ -77,8 +78,14 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     def docs() -> HTMLResponse:
         return HTMLResponse(docs_page(api.openapi()), headers={"Content-Security-Policy": _NOTHING})
 
-    install_problem_handlers(api)
-    install_openapi(api)
+    methods = MethodTable()
+    methods.add(api.routes)
+    for module in (*modules, health):
+        methods.add(module.router.routes, PREFIX)
+    methods.add(health.router.routes)
+    install_problem_handlers(api, methods)
+    install_openapi(api, tokens_needed=context.tokens is not None)
+    api.add_middleware(HeadAsGet)
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     return api

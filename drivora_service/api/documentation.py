@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from drivora_service.api import problems
 from drivora_service.api.conditional import JSON
+from drivora_service.api.links import add_links
 from drivora_service.api.observations import NDJSON, PARQUET
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
@@ -78,13 +79,13 @@ def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def batch_body(example: Mapping[str, Any]) -> dict[str, Any]:
-    """Documents a body that is many scenarios."""
+    """Documents a body that is many scenarios, at least one."""
     return {
         "requestBody": {
             "required": True,
             "content": {
                 "application/json": {
-                    "schema": {"type": "array", "items": _SCENARIO_REF},
+                    "schema": {"type": "array", "minItems": 1, "items": _SCENARIO_REF},
                     "example": [example],
                 },
                 "application/x-ndjson": {"schema": _SCENARIO_REF, "example": example},
@@ -104,8 +105,13 @@ def campaign_body(example: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def install_openapi(api: FastAPI) -> None:
-    """Makes the application's OpenAPI document complete with the schemas it refers to."""
+def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
+    """Makes the application's OpenAPI document complete.
+
+    Args:
+        api: With all its routes.
+        tokens_needed: Whether this installation refuses requests without a token.
+    """
 
     def build() -> dict[str, Any]:
         if api.openapi_schema is None:
@@ -116,6 +122,9 @@ def install_openapi(api: FastAPI) -> None:
                 routes=api.routes,
             )
             _unpack_examples(document["paths"])
+            add_links(document["paths"])
+            if not tokens_needed:
+                _make_tokens_optional(document["paths"])
             schemas = document.setdefault("components", {}).setdefault("schemas", {})
             for model in (ScenarioDocument, CampaignDocument, problems.ProblemDetails):
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
@@ -136,6 +145,13 @@ def _with_errors(
 def _packed(example: BaseModel) -> str:
     """Writes an example as text, for FastAPI would drop what is null in it."""
     return _PACKED + example.model_dump_json()
+
+
+def _make_tokens_optional(paths: Mapping[str, Mapping[str, Any]]) -> None:
+    for methods in paths.values():
+        for operation in methods.values():
+            if "security" in operation:
+                operation["security"] = [{}, *operation["security"]]
 
 
 def _unpack_examples(part: Any) -> None:

@@ -61,4 +61,12 @@ def _is_cross_site(headers: Headers, host: str) -> bool:
     if headers.get("sec-fetch-site", "none") == "cross-site":
         return True
     origin = headers.get("origin")
-    return origin is not None and urlsplit(origin).netloc != host
+    return origin is not None and _place(origin) != host
+
+
+def _place(origin: str) -> str | None:
+    """Returns host and port of an origin, or ``None`` if it is no address."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None

@@ -17,7 +17,15 @@ from drivora_service.store.records import JobFilter
 _SEED_MAX = 2**31 - 1
 
 Limit = Annotated[int, Query(ge=1, le=500, description="Items of a page.")]
-PageToken = Annotated[str, Query(max_length=500, description="Where the last page ended.")]
+PageToken = Annotated[
+    str,
+    Query(
+        max_length=500,
+        pattern="^[A-Za-z0-9_-]*$",
+        description="`next_page_token` of the page before, of the same query.",
+        json_schema_extra={"format": "page-token"},
+    ),
+]
 Label = Annotated[str, Query(max_length=200, description="Name for people.")]
 
 

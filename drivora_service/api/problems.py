@@ -12,6 +12,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
+from drivora_service.api.methods import MethodTable
 from drivora_service.errors import (
     CampaignError,
     Conflict,
@@ -100,10 +101,15 @@ def json_pointer(location: tuple[int | str, ...]) -> str:
     return "".join(f"/{str(part).replace('~', '~0').replace('/', '~1')}" for part in location)
 
 
-def install_problem_handlers(api: FastAPI) -> None:
+def install_problem_handlers(api: FastAPI, methods: MethodTable) -> None:
     """Turns every exception that can leave an endpoint into problem details."""
-    for kind in (ApiError, DrivoraError, RequestValidationError, HTTPException, Exception):
+
+    def http_answer(request: Request, error: Exception) -> Response:
+        return _http_answer(request, error, methods)
+
+    for kind in (ApiError, DrivoraError, RequestValidationError, Exception):
         api.add_exception_handler(kind, _answer)
+    api.add_exception_handler(HTTPException, http_answer)
 
 
 def _answer(request: Request, error: Exception) -> Response:
@@ -141,8 +147,6 @@ def _answer(request: Request, error: Exception) -> Response:
                 instance=path,
                 problems=problems,
             )
-        case HTTPException():
-            return _http_answer(request, error)
         case _:
             _log.error("request_failed", path=path, exc_info=error)
             return problem_response(
@@ -161,13 +165,16 @@ def _parameter_problem(item: dict[str, Any]) -> Problem:
     return Problem(pointer="", code=item["type"], message=message)
 
 
-def _http_answer(request: Request, error: HTTPException) -> Response:
+def _http_answer(request: Request, error: Exception, methods: MethodTable) -> Response:
+    if not isinstance(error, HTTPException):
+        raise error
     status = HTTPStatus(error.status_code)
     headers = dict(error.headers or {})
     if status is HTTPStatus.NOT_FOUND and error.detail == status.phrase:
         detail = "there is nothing at this path; /docs shows what there is"
     elif status is HTTPStatus.METHOD_NOT_ALLOWED:
-        detail = f"{request.method} is not allowed here; allowed: {headers.get('Allow', '')}"
+        headers["Allow"] = ", ".join(methods.allowed(request.url.path))
+        detail = f"{request.method} is not allowed here; allowed: {headers['Allow']}"
     else:
         detail = str(error.detail)
     return problem_response(status, detail, instance=request.url.path, headers=headers)

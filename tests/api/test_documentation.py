@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 
-from tests.api.conftest import Offline
+from drivora_service.api.tokens import Scope, TokenFile
+from tests.api.conftest import MakeOffline, Offline
+from tests.api.test_tokens import bearer
 
 
 @pytest.fixture
@@ -54,6 +57,50 @@ def test_every_operation_says_what_it_does_and_how_it_fails(openapi: dict[str, A
             assert "401" in errors, name
         for status, answer in errors.items():
             assert list(answer["content"]) == ["application/problem+json"], (name, status)
+
+
+def test_tokens_are_optional_where_none_is_asked_for(
+    openapi: dict[str, Any], make_offline: MakeOffline, tmp_path: Path
+) -> None:
+    tokens = TokenFile(tmp_path / "tokens.json")
+    secret = tokens.create("reader", Scope.READ)
+    client = make_offline(tokens=tokens).client
+    asking = client.get("/api/v1/openapi.json", headers=bearer(secret)).json()
+    for document, expected in ((openapi, [{}, {"token": []}]), (asking, [{"token": []}])):
+        for name, operation in operations(document):
+            if "healthz" not in name and "readyz" not in name:
+                assert operation["security"] == expected, name
+
+
+def test_the_schema_says_what_is_needed_of_lists_and_page_tokens(openapi: dict[str, Any]) -> None:
+    body = openapi["paths"]["/api/v1/batches"]["post"]["requestBody"]
+    assert body["content"]["application/json"]["schema"]["minItems"] == 1
+    tokens = [
+        parameter["schema"]
+        for _, operation in operations(openapi)
+        for parameter in operation.get("parameters", ())
+        if parameter["name"] == "page_token"
+    ]
+    assert len(tokens) == 6
+    for schema in tokens:
+        assert schema["format"] == "page-token"
+        assert re.fullmatch(schema["pattern"], "WyI1ZmVjZWI2NmZmYzgiLCAxXQ")
+        assert not re.fullmatch(schema["pattern"], "no token")
+
+
+def test_links_name_operations_and_their_parameters(openapi: dict[str, Any]) -> None:
+    known = {operation["operationId"]: operation for _, operation in operations(openapi)}
+    assert len(known) == len(operations(openapi))
+    links = [
+        link
+        for _, operation in operations(openapi)
+        for answer in operation["responses"].values()
+        for link in answer.get("links", {}).values()
+    ]
+    assert len(links) > 30
+    for link in links:
+        parameters = {p["name"] for p in known[link["operationId"]]["parameters"]}
+        assert set(link["parameters"]) <= parameters, link
 
 
 def test_the_page_shows_every_operation_and_loads_nothing(

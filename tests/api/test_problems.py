@@ -144,6 +144,24 @@ def test_pages_of_other_sites_are_kept_away(offline: Offline, scenario: dict[str
     assert offline.client.post("/api/v1/jobs", json=scenario, headers=same).status_code == 202
 
 
+def test_an_origin_that_is_no_address_is_another_site(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    for origin in (
+        b"http://[",
+        b"http://]:1",
+        b"http://[::1",
+        b"null",
+        b"",
+        b"://",
+        b"http://\xff",
+    ):
+        headers = [(b"Origin", origin)]
+        answer = offline.client.post("/api/v1/jobs", json=scenario, headers=headers)
+        is_problem(answer, 403)
+        assert offline.client.get("/api/v1/jobs", headers=headers).status_code == 200
+
+
 def test_an_unexpected_error_tells_nothing_of_the_inside(offline: Offline) -> None:
     offline.context.database.engine.dispose()
     with offline.context.database.engine.begin() as connection:

@@ -108,7 +108,7 @@ def list_batches(
 
 
 @router.get(
-    "/batches/{batch_id}",
+    "/batches/{batch_id:id}",
     response_model=Batch,
     responses=answers(examples.BATCH, 401, 403, 404),
     dependencies=[Depends(reader)],
@@ -124,7 +124,7 @@ def get_batch(request: Request, context: Context, batch_id: str) -> Response:
 
 
 @router.post(
-    "/batches/{batch_id}:cancel",
+    "/batches/{batch_id:id}:cancel",
     status_code=202,
     response_model=Batch,
     responses=answers(examples.BATCH, 401, 403, 404, status=202),
@@ -139,7 +139,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
 
 
 @router.post(
-    "/batches/{batch_id}:pause",
+    "/batches/{batch_id:id}:pause",
     status_code=202,
     response_model=Batch,
     responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),
@@ -152,7 +152,7 @@ def pause_batch(context: Context, batch_id: str) -> Batch:
 
 
 @router.post(
-    "/batches/{batch_id}:resume",
+    "/batches/{batch_id:id}:resume",
     status_code=202,
     response_model=Batch,
     responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),

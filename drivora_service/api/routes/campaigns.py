@@ -122,7 +122,7 @@ def list_campaigns(
 
 
 @router.get(
-    "/campaigns/{campaign_id}",
+    "/campaigns/{campaign_id:id}",
     response_model=Campaign,
     responses=answers(campaign_examples.RUNNING, 401, 403, 404),
     dependencies=[Depends(reader)],
@@ -138,7 +138,7 @@ def get_campaign(request: Request, context: Context, campaign_id: str) -> Respon
 
 
 @router.post(
-    "/campaigns/{campaign_id}:pause",
+    "/campaigns/{campaign_id:id}:pause",
     status_code=202,
     response_model=Campaign,
     responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
@@ -150,7 +150,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
 
 
 @router.post(
-    "/campaigns/{campaign_id}:cancel",
+    "/campaigns/{campaign_id:id}:cancel",
     status_code=202,
     response_model=Campaign,
     responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
@@ -162,7 +162,7 @@ def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
 
 
 @router.post(
-    "/campaigns/{campaign_id}:resume",
+    "/campaigns/{campaign_id:id}:resume",
     status_code=202,
     response_model=Campaign,
     responses=answers(campaign_examples.QUEUED, 401, 403, 404, 409, status=202),

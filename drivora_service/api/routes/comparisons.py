@@ -67,7 +67,7 @@ def compare_campaigns(
 
 
 @router.get(
-    "/campaigns/{campaign_id}/figures",
+    "/campaigns/{campaign_id:id}/figures",
     response_model=CampaignFiguresView,
     responses=answers(campaign_examples.FIGURES, 401, 403, 404),
 )

@@ -52,7 +52,7 @@ class Order(StrEnum):
 
 
 @router.get(
-    "/campaigns/{campaign_id}/evaluations",
+    "/campaigns/{campaign_id:id}/evaluations",
     response_model=PageOf[Evaluation],
     responses=answers(campaign_examples.EVALUATIONS, 401, 403, 404, 422),
 )
@@ -84,7 +84,7 @@ def list_evaluations(
 
 
 @router.get(
-    "/campaigns/{campaign_id}/evaluations/{number}",
+    "/campaigns/{campaign_id:id}/evaluations/{number}",
     response_model=EvaluationDetail,
     responses=answers(campaign_examples.EVALUATION, 401, 403, 404),
 )
@@ -112,7 +112,7 @@ def get_evaluation(
 
 
 @router.get(
-    "/campaigns/{campaign_id}/evaluations/{number}/scenario",
+    "/campaigns/{campaign_id:id}/evaluations/{number}/scenario",
     response_class=Response,
     responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
 )
@@ -125,7 +125,7 @@ def get_scenario(request: Request, context: Context, campaign_id: str, number: N
 
 
 @router.get(
-    "/campaigns/{campaign_id}/evaluations/{number}/observations",
+    "/campaigns/{campaign_id:id}/evaluations/{number}/observations",
     response_class=Response,
     responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
 )
@@ -149,7 +149,7 @@ def get_observations(
 
 
 @router.get(
-    "/campaigns/{campaign_id}/failures",
+    "/campaigns/{campaign_id:id}/failures",
     response_model=PageOf[FailureView],
     responses=answers(campaign_examples.FAILURES, 401, 403, 404, 422),
 )

@@ -81,7 +81,7 @@ def list_jobs(
 
 
 @router.get(
-    "/jobs/{job_id}",
+    "/jobs/{job_id:id}",
     response_model=Job,
     responses=answers(examples.JOB, 401, 403, 404),
     dependencies=[Depends(reader)],
@@ -97,7 +97,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
 
 
 @router.post(
-    "/jobs/{job_id}:cancel",
+    "/jobs/{job_id:id}:cancel",
     status_code=202,
     response_model=Job,
     responses=answers(examples.CANCELLED_JOB, 401, 403, 404, status=202),

@@ -32,7 +32,9 @@ def list_networks(request: Request, context: Context) -> Response:
 
 
 @router.get(
-    "/networks/{name}", response_model=Network, responses=answers(examples.NETWORK, 401, 403, 404)
+    "/networks/{name:id}",
+    response_model=Network,
+    responses=answers(examples.NETWORK, 401, 403, 404),
 )
 def get_network(request: Request, context: Context, name: str) -> Response:
     """Describes a network."""
@@ -41,7 +43,7 @@ def get_network(request: Request, context: Context, name: str) -> Response:
 
 
 @router.get(
-    "/networks/{name}/geometry",
+    "/networks/{name:id}/geometry",
     response_model=NetworkGeometry,
     responses=answers(examples.GEOMETRY, 401, 403, 404),
 )

@@ -43,7 +43,7 @@ def list_runs(
     return json_answer(request, body)
 
 
-@router.get("/runs/{run_id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
+@router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
 def get_run(request: Request, context: Context, run_id: str) -> Response:
     """Gives everything that was found out about a run."""
     with context.database.read() as transaction:
@@ -54,7 +54,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
 
 
 @router.get(
-    "/runs/{run_id}/scenario",
+    "/runs/{run_id:id}/scenario",
     response_class=Response,
     responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
 )
@@ -67,7 +67,7 @@ def get_scenario(request: Request, context: Context, run_id: str) -> Response:
 
 
 @router.get(
-    "/runs/{run_id}/observations",
+    "/runs/{run_id:id}/observations",
     response_class=Response,
     responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
 )
