@@ -83,7 +83,8 @@ class AgentError(DrivoraError):
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``,
-            ``agent_died``, ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``.
+            ``agent_died``, ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``,
+            ``agent_changed_service``.
         log: The last lines of its log or its traceback.
     """
 

@@ -11,6 +11,7 @@ import hypothesis
 import pytest
 
 from drivora_service.cli.service_process import running_service
+from drivora_service.runs.integrity import judging_code
 
 # Machines differ in speed: a test fails for what it finds, not for how long it took to find it.
 hypothesis.settings.register_profile(
@@ -28,6 +29,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(autouse=True)
+def _own_snapshot() -> None:
+    """Has what a test replaces in the package count as what is there."""
+    judging_code.cache_clear()
 
 
 @pytest.fixture(scope="session")

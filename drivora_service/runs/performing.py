@@ -6,6 +6,7 @@ Whatever an agent or a document does, the answer is a report.
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -32,6 +33,7 @@ from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.runs.integrity import judging_code, sentence
 from drivora_service.runs.measuring import make_feedback, measure_run
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
@@ -42,6 +44,9 @@ from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import Phase
 from drivora_service.simulation.plan import plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
+
+_LOG_LINES = 12
+"""Entries of a traceback that are kept."""
 
 
 @lru_cache(maxsize=4)
@@ -114,6 +119,14 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
         return _failed(spec, RunStatus.INVALID, failure, course)
+    except Exception as error:
+        # Of our own code, which an agent may have made fail.
+        if not (changes := judging_code().changes()):
+            raise
+        log = "".join(traceback.format_exception(error)[-_LOG_LINES:])
+        changed = _changed_by_agent(changes, course, log)
+        failure = RunFailure(cause=changed.cause, message=str(changed), log=log)
+        return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
     finally:
         cells[0] = Phase.IDLE
 
@@ -124,6 +137,7 @@ def _perform(
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     course: _Course,
 ) -> RunReport:
+    code = judging_code()
     # An oracle that cannot be loaded is known before a simulation is spent on it.
     installed = _oracles().installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
@@ -152,6 +166,8 @@ def _perform(
     course.stepping = time.perf_counter() - begun
     cells[0] = Phase.JUDGING
     trace = episode.finish()
+    if changes := code.changes():
+        raise _changed_by_agent(changes, course)
     trace.meta["versions"] = course.versions
     trace.meta["agents"] = {
         ego: {"name": agent.name, "parameters": dict(agent.parameters)}
@@ -182,12 +198,20 @@ def _perform(
         agents=course.agents,
         versions=course.versions,
     )
+    if changes := code.changes():
+        raise _changed_by_agent(changes, course)
+    if feedback is None and not installed:
+        return report
     try:
         # Last, so that code of packages cannot change what the others have seen.
         if feedback is not None and spec.feedback is not None:
             measured = measure_run(spec.feedback.name, feedback, view)
             report = replace(report, measurement=measured)
         own = judge_all(trace, network, installed, view=view)
+        if changes := code.changes():
+            raise PluginError(
+                sentence(changes, "an oracle or a feedback"), cause="plugin_changed_service"
+            )
     except PluginError as error:
         return _not_judged(report, error)
     return replace(
@@ -215,6 +239,12 @@ def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
         )
         scenario = replace(scenario, ego_vehicles=egos)
     return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
+
+
+def _changed_by_agent(changes: tuple[str, ...], course: _Course, log: str = "") -> AgentError:
+    names = sorted({choice.name for choice in course.agents.values()})
+    by = f"the {'agent' if len(names) == 1 else 'agents'} {', '.join(map(repr, names))}"
+    return AgentError(sentence(changes, by), cause="agent_changed_service", log=log)
 
 
 def _not_judged(report: RunReport, error: PluginError) -> RunReport:

@@ -390,10 +390,14 @@ def _logic(phases: tuple[SignalPhase, ...]) -> libsumo.trafficlight.Logic:
     )
 
 
+@dataclass(slots=True)
 class _Process:
     """Whether this process has started SUMO yet."""
 
-    started = False
+    started: bool = False
+
+
+_process = _Process()
 
 
 def open_world(
@@ -427,12 +431,12 @@ def open_world(
         *(("--lateral-resolution", _SUBLANE_WIDTH) if sublanes else ()),
     ]  # fmt: skip
     try:
-        if _Process.started:
+        if _process.started:
             libsumo.load(arguments)
         else:
             libsumo.start(["sumo", *arguments])
-            _Process.started = True
+            _process.started = True
     except SUMO_ERRORS as error:
-        _Process.started = False
+        _process.started = False
         raise SimulatorError(f"SUMO does not start on {network.name}: {error}") from error
     return SumoWorld()

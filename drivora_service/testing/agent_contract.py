@@ -34,6 +34,7 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, Light, TerminalEvent, Trace
 from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.runs.integrity import Snapshot
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import (
     AgentChoice,
@@ -64,6 +65,11 @@ class AgentContract(ABC):
     def test_it_drives_its_route_to_the_end(self) -> None:
         trace = _drive(self.make_agent(), _scenario(self.seconds))
         assert trace.ego_ends == (TerminalEvent.ARRIVED,)
+
+    def test_it_changes_nothing_of_the_code_that_simulates_and_judges(self) -> None:
+        code = Snapshot()
+        _drive(self.make_agent(), _scenario(10.0))
+        assert code.changes() == ()
 
     def test_it_answers_finite_controls_with_nobody_around(self) -> None:
         agent = self.make_agent()
