@@ -242,11 +242,12 @@ def test_a_native_library_that_changes_the_arithmetic_is_found(
 def test_what_is_loaded_or_compiled_later_is_no_change_and_compared_from_then_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.delitem(sys.modules, "drivora_service.scenario.exporting", raising=False)
+    monkeypatch.delattr("drivora_service.scenario.exporting", raising=False)
     code = judging_code()
     assert code.changes() == ()
     (tmp_path / "loaded_late.py").write_text("import warnings\nwarnings.filterwarnings('ignore')\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "drivora_service.scenario.exporting", raising=False)
     with warnings.catch_warnings():
         importlib.import_module("loaded_late")
         late = importlib.import_module("drivora_service.scenario.exporting")

@@ -173,9 +173,13 @@ def worker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Perform]:
     catalogue = AgentCatalogue(folder=agents)
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents)
 
+    def its_agents(setup: WorkerSetup) -> AgentCatalogue:
+        return catalogue
+
     def perform_run(what: Scenario) -> RunReport:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(performing, "_agents", lambda setup: catalogue)
+            # The same object in every run, else it would count as a change by the agent.
+            patch.setattr(performing, "_agents", its_agents)
             spec = RunSpec(run_id="run", document=canonical_json(what))
             return performing.perform(spec, setup)
 
