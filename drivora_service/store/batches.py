@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable
 from datetime import UTC, datetime
 
@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.cancelling import cancel_runs
+from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.ids import new_id
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import BatchRecord, BatchState, Page, Priority
@@ -95,13 +96,18 @@ class BatchRepository:
         row = self._row(batch_id)
         row.state = BatchState.CANCELLED
         self._session.flush()
-        unfinished = self._session.scalars(
-            select(RunRow).where(
-                RunRow.batch_seq == row.seq,
-                RunRow.status.in_([RunStatus.QUEUED, RunStatus.RUNNING]),
+        unfinished = (
+            select(BatchFacetRow.facet)
+            .join(FacetRow, FacetRow.key == BatchFacetRow.facet)
+            .where(
+                BatchFacetRow.batch_seq == row.seq,
+                FacetRow.status.in_([RunStatus.QUEUED, RunStatus.RUNNING]),
             )
+        )
+        rows = self._session.scalars(
+            select(RunRow).where(RunRow.batch_seq == row.seq, RunRow.facet.in_(unfinished))
         ).all()
-        cancel_runs(self._session, unfinished)
+        cancel_runs(self._session, rows)
         return self.get(batch_id)
 
     def _set_state(self, batch_id: str, state: BatchState) -> BatchRecord:
@@ -134,19 +140,15 @@ class BatchRepository:
     def _records(self, rows: Iterable[BatchRow]) -> list[BatchRecord]:
         rows = list(rows)
         keys = [row.seq for row in rows]
-        counts: dict[int, dict[RunStatus, int]] = defaultdict(dict)
-        for seq, status, number in self._session.execute(
-            select(RunRow.batch_seq, RunRow.status, func.count())
-            .where(RunRow.batch_seq.in_(keys))
-            .group_by(RunRow.batch_seq, RunRow.status)
+        counts: dict[int, Counter[RunStatus]] = defaultdict(Counter)
+        violated: Counter[int] = Counter()
+        for seq, status, broken, number in self._session.execute(
+            select(BatchFacetRow.batch_seq, FacetRow.status, FacetRow.violated, BatchFacetRow.runs)
+            .join(FacetRow, FacetRow.key == BatchFacetRow.facet)
+            .where(BatchFacetRow.batch_seq.in_(keys), BatchFacetRow.runs > 0)
         ):
-            counts[seq][RunStatus(status)] = number
-        broken = self._session.execute(
-            select(RunRow.batch_seq, func.count())
-            .where(RunRow.batch_seq.in_(keys), RunRow.violations > 0)
-            .group_by(RunRow.batch_seq)
-        )
-        violated = {row[0]: row[1] for row in broken}
+            counts[seq][RunStatus(status)] += number
+            violated[seq] += number if broken else 0
         return [
             BatchRecord(
                 id=row.id,
@@ -156,7 +158,7 @@ class BatchRepository:
                 created_at=row.created_at,
                 size=row.size,
                 counts=counts[row.seq],
-                violated_runs=violated.get(row.seq, 0),
+                violated_runs=violated[row.seq],
             )
             for row in rows
         ]

@@ -21,6 +21,7 @@ from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
 from drivora_service.store.evaluations import EvaluationRepository
+from drivora_service.store.facets import count_changes
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
@@ -102,6 +103,7 @@ class Database:
         self._writers = sessionmaker(
             engine.execution_options(drivora_writes=True), expire_on_commit=False
         )
+        event.listen(self._writers, "before_flush", count_changes)
 
     @contextmanager
     def read(self) -> Iterator[Transaction]:

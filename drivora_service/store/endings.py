@@ -11,6 +11,7 @@ from drivora_service.oracles.verdict import Outcome, Severity
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.store.facets import facet_key, facet_of
 from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
 
@@ -50,6 +51,7 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
         row.steps = report.steps
         row.sim_time_s = report.sim_time_s
         row.wall_time_s = report.wall_time_s
+    facet = facet_key(facet_of(row))
     session.add(ReportRow(run_seq=row.seq, body=report_to_json(report)))
     session.add_all(
         VerdictRow(
@@ -62,6 +64,8 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
             accountability=accountability(verdict) if verdict.outcome is Outcome.VIOLATED else None,
             time=verdict.time,
             counterpart=verdict.counterpart,
+            batch_seq=row.batch_seq,
+            facet=facet,
         )
         for verdict in report.verdicts
         if verdict.outcome is not Outcome.PASSED

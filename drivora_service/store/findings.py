@@ -11,9 +11,10 @@ class Finding:
 
     Attributes:
         kind: ``damaged_database``, ``missing_report``, ``early_report``, ``wrong_count``,
-            ``missing_trace``, ``damaged_trace`` or ``trace_without_run``.
-        subject: The id of the run, batch or campaign, or the path of the file; of the trace of a
-            failure, the campaign's id and the file's name.
+            ``wrong_facet``, ``missing_trace``, ``damaged_trace`` or ``trace_without_run``.
+        subject: The id of the run, batch or campaign, what the runs of a counter have in common,
+            or the path of the file; of the trace of a failure, the campaign's id and the file's
+            name.
     """
 
     kind: str

@@ -1,14 +1,14 @@
-"""From rows to records of jobs, and the query behind a filter."""
+"""From rows to records of jobs."""
 
 from __future__ import annotations
 
-from sqlalchemy import ColumnElement, Select, exists, select
+from sqlalchemy import Select, select
 
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
-from drivora_service.store.records import JobFilter, JobRecord
-from drivora_service.store.tables import BatchRow, RunRow, VerdictRow
+from drivora_service.store.records import JobRecord
+from drivora_service.store.tables import BatchRow, RunRow
 
 JobQuery = Select[RunRow, str]
 
@@ -16,29 +16,6 @@ JobQuery = Select[RunRow, str]
 def job_query() -> JobQuery:
     """Selects runs with the id of their batch."""
     return select(RunRow, BatchRow.id).join(BatchRow, BatchRow.seq == RunRow.batch_seq)
-
-
-def filtered(query: JobQuery, wanted: JobFilter) -> JobQuery:
-    """Restricts a query of :func:`job_query`."""
-    if wanted.batch_id:
-        # A constant for the planner, so that it walks the batch's own index.
-        seq = select(BatchRow.seq).where(BatchRow.id == wanted.batch_id).scalar_subquery()
-        query = query.where(RunRow.batch_seq == seq)
-    if wanted.statuses:
-        query = query.where(RunRow.status.in_(sorted(wanted.statuses)))
-    if wanted.agent:
-        query = query.where(RunRow.agent == wanted.agent)
-    if wanted.town:
-        query = query.where(RunRow.town == wanted.town)
-    if wanted.scenario_sha256:
-        query = query.where(RunRow.document_sha256 == wanted.scenario_sha256)
-    if wanted.violated is not None:
-        query = query.where(RunRow.violations > 0 if wanted.violated else RunRow.violations == 0)
-    if wanted.accountability is not None:
-        query = query.where(RunRow.accountability == wanted.accountability)
-    if wanted.oracle:
-        query = query.where(_has_verdict(wanted))
-    return query
 
 
 def to_record(row: RunRow, batch_id: str) -> JobRecord:
@@ -70,12 +47,3 @@ def to_record(row: RunRow, batch_id: str) -> JobRecord:
         wall_time_s=row.wall_time_s,
         trace_sha256=row.trace_sha256,
     )
-
-
-def _has_verdict(wanted: JobFilter) -> ColumnElement[bool]:
-    said = exists().where(
-        VerdictRow.run_seq == RunRow.seq,
-        VerdictRow.oracle == wanted.oracle,
-        VerdictRow.outcome == wanted.outcome,
-    )
-    return said if wanted.at_fault is None else said.where(VerdictRow.at_fault == wanted.at_fault)

@@ -13,11 +13,13 @@ from drivora_service.runs.encoding import report_from_json
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.chunks import batched
-from drivora_service.store.job_records import filtered, job_query, to_record
+from drivora_service.store.facet_tables import FacetRow
+from drivora_service.store.job_lists import listed_runs
+from drivora_service.store.job_records import job_query, to_record
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import AttemptRecord, JobFilter, JobRecord, NewRun, Page
-from drivora_service.store.submitting import submit_runs
-from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, ReportRow, RunRow
+from drivora_service.store.submitting import queued_runs, submit_runs
+from drivora_service.store.tables import AttemptRow, DocumentRow, ReportRow, RunRow
 
 
 class JobRepository:
@@ -70,14 +72,13 @@ class JobRepository:
             InvalidDocument: The token is not one of this query.
         """
         scope = f"jobs {newest_first} {_scope(wanted)}"
-        query = filtered(job_query(), wanted)
-        if page_token:
-            last = read_token(scope, page_token)
-            query = query.where(RunRow.seq < last if newest_first else RunRow.seq > last)
-        query = query.order_by(RunRow.seq.desc() if newest_first else RunRow.seq)
-        found = self._session.execute(query.limit(limit + 1)).all()
-        shown = found[:limit]
-        more = make_token(scope, shown[-1][0].seq) if len(found) > limit else ""
+        last = read_token(scope, page_token) if page_token else None
+        numbers = listed_runs(
+            self._session, wanted, limit=limit + 1, after=last, newest_first=newest_first
+        )
+        more = make_token(scope, numbers[limit - 1]) if len(numbers) > limit else ""
+        rows = self._session.execute(job_query().where(RunRow.seq.in_(numbers[:limit])))
+        shown = sorted(rows, key=lambda row: row[0].seq, reverse=newest_first)
         return Page(items=tuple(to_record(*row) for row in shown), next_token=more)
 
     def changed_since(self, revision: int, *, limit: int = 500) -> tuple[JobRecord, ...]:
@@ -170,14 +171,15 @@ class JobRepository:
 
     def counts(self) -> dict[RunStatus, int]:
         """Counts all runs by status; statuses that no run has are 0."""
-        found = self._session.execute(select(RunRow.status, func.count()).group_by(RunRow.status))
+        found = self._session.execute(
+            select(FacetRow.status, func.sum(FacetRow.runs)).group_by(FacetRow.status)
+        )
         numbers = {RunStatus(status): number for status, number in found}
         return {status: numbers.get(status, 0) for status in RunStatus}
 
     def queued(self) -> int:
         """Counts the runs that wait."""
-        waiting = self._session.scalars(select(BatchRow.queued).where(BatchRow.queued > 0))
-        return sum(waiting)
+        return queued_runs(self._session)
 
 
 def _scope(wanted: JobFilter) -> str:

@@ -13,6 +13,7 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.campaign_tables import EvaluationRow
 from drivora_service.store.database import Database
+from drivora_service.store.facets import subtract_runs
 from drivora_service.store.revisions import latest_revision
 from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, OwnerRow, RunRow
 from drivora_service.store.traces import TraceFolder
@@ -82,7 +83,7 @@ def prune(
 def _prune_chunk(
     session: Session, ended_before: datetime, keep_violated: bool, *, only_traces: bool
 ) -> int:
-    query = select(RunRow.seq, RunRow.batch_seq).where(
+    query = select(RunRow.seq, RunRow.batch_seq, RunRow.facet).where(
         RunRow.status.not_in(_UNFINISHED), RunRow.ended_at < ended_before
     )
     if keep_violated:
@@ -90,7 +91,7 @@ def _prune_chunk(
     if only_traces:
         query = query.where(RunRow.trace_sha256 != "")
     found = session.execute(query.order_by(RunRow.seq).limit(_CHUNK)).all()
-    chosen = RunRow.seq.in_([seq for seq, _ in found])
+    chosen = RunRow.seq.in_([seq for seq, _, _ in found])
     if only_traces:
         changed = latest_revision(session)
         session.execute(
@@ -98,7 +99,8 @@ def _prune_chunk(
         )
         return len(found)
     session.execute(delete(RunRow).where(chosen))
-    for batch_seq, number in Counter(batch for _, batch in found).items():
+    subtract_runs(session, Counter((batch, facet) for _, batch, facet in found))
+    for batch_seq, number in Counter(batch for _, batch, _ in found).items():
         session.execute(
             update(BatchRow).where(BatchRow.seq == batch_seq).values(size=BatchRow.size - number)
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -15,6 +16,8 @@ from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.endings import write_report
+from drivora_service.store.facet_tables import FacetRow
+from drivora_service.store.facets import Facet, add_counts, facet_key
 from drivora_service.store.ids import new_id
 from drivora_service.store.quarantine import (
     QuarantineRepository,
@@ -92,10 +95,16 @@ def _already_over(
 
 
 def _check_room(session: Session, more: int, limit: int) -> None:
-    queued = session.scalar(select(func.sum(BatchRow.queued)).where(BatchRow.queued > 0)) or 0
+    queued = queued_runs(session)
     if more and queued + more > limit:
         wait = math.ceil(min(queued + more - limit, queued) / _RUNS_A_SECOND)
         raise QueueFull(queued=queued, limit=limit, retry_after_s=max(1, min(wait, 600)))
+
+
+def queued_runs(session: Session) -> int:
+    """Counts the runs that wait."""
+    waiting = select(func.sum(FacetRow.runs)).where(FacetRow.status == RunStatus.QUEUED)
+    return session.scalar(waiting) or 0
 
 
 def store_documents(session: Session, runs: Sequence[NewRun]) -> None:
@@ -125,6 +134,7 @@ def _store_runs(
         return
     now = datetime.now(UTC)
     revision = latest_revision(session)
+    facets = [_facet(run, over.get(run_id)) for run, run_id in zip(runs, ids, strict=True)]
     session.execute(
         insert(RunRow),
         [
@@ -141,9 +151,16 @@ def _store_runs(
                 "seed_override": run.seed_override,
                 "feedback": None if run.feedback is None else choice_to_json(run.feedback),
                 "keeps_trace": run.keeps_trace,
-                "status": over[run_id].status if run_id in over else RunStatus.QUEUED,
+                "status": facet.status,
                 "created_at": now,
+                "facet": facet_key(facet),
             }
-            for index, (run, run_id) in enumerate(zip(runs, ids, strict=True))
+            for index, (run, run_id, facet) in enumerate(zip(runs, ids, facets, strict=True))
         ],
     )
+    add_counts(session, Counter((batch.seq, facet) for facet in facets))
+
+
+def _facet(run: NewRun, report: RunReport | None) -> Facet:
+    status = RunStatus.QUEUED if report is None else report.status
+    return Facet(agent=run.agent, town=run.town, status=status, violated=None, accountability=None)

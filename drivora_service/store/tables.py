@@ -11,6 +11,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 
 from sqlalchemy import (
+    BigInteger,
     DateTime,
     Dialect,
     ForeignKey,
@@ -99,29 +100,21 @@ class BatchRow(Base):
 class RunRow(Base):
     """One job and its run.
 
-    ``revision`` grows with every change of any run, so that "what is new" is a range.
+    ``revision`` grows with every change of any run, so that "what is new" is a range. ``facet``
+    names what lists filter by, see ``store.facets``.
     """
 
     __tablename__ = "runs"
     __table_args__ = (
-        Index("ix_runs_batch_seq_status", "batch_seq", "status"),
-        Index("ix_runs_status", "status", "seq"),
-        Index("ix_runs_agent", "agent", "seq"),
-        Index("ix_runs_town", "town", "seq"),
-        Index("ix_runs_document_sha256", "document_sha256"),
+        Index("ix_runs_facet", "facet", "seq"),
+        Index("ix_runs_batch_facet", "batch_seq", "facet", "seq"),
+        Index("ix_runs_document_facet", "document_sha256", "facet", "seq"),
         Index(
             "ix_runs_queued",
             "batch_seq",
             "seq",
             sqlite_where=text("status = 'queued'"),
             postgresql_where=text("status = 'queued'"),
-        ),
-        Index(
-            "ix_runs_violated",
-            "batch_seq",
-            "seq",
-            sqlite_where=text("violations > 0"),
-            postgresql_where=text("violations > 0"),
         ),
         Index(
             "ix_runs_to_cancel",
@@ -162,6 +155,7 @@ class RunRow(Base):
     sim_time_s: Mapped[float | None]
     wall_time_s: Mapped[float | None]
     trace_sha256: Mapped[str] = mapped_column(String(64), default="")
+    facet: Mapped[int] = mapped_column(BigInteger, default=0, server_default=text("0"))
 
     batch: Mapped[BatchRow] = relationship(lazy="raise")
 
@@ -178,11 +172,23 @@ class ReportRow(Base):
 
 
 class VerdictRow(Base):
-    """A rule that was broken, or could not be measured; rules that were kept are in the report."""
+    """A rule that was broken, or could not be measured; rules that were kept are in the report.
+
+    The batch and the facet are those of its run, which has ended and so keeps them.
+    """
 
     __tablename__ = "verdicts"
     __table_args__ = (
-        Index("ix_verdicts_oracle", "oracle", "outcome", "run_seq"),
+        Index("ix_verdicts_facet", "oracle", "outcome", "at_fault", "facet", "run_seq"),
+        Index(
+            "ix_verdicts_batch_facet",
+            "batch_seq",
+            "oracle",
+            "outcome",
+            "at_fault",
+            "facet",
+            "run_seq",
+        ),
         Index("ix_verdicts_run_seq", "run_seq"),
     )
 
@@ -196,6 +202,8 @@ class VerdictRow(Base):
     accountability: Mapped[str | None] = mapped_column(String(16))
     time: Mapped[float | None]
     counterpart: Mapped[str] = mapped_column(String(200))
+    batch_seq: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    facet: Mapped[int] = mapped_column(BigInteger, default=0, server_default=text("0"))
 
 
 class OwnerRow(Base):

@@ -12,6 +12,7 @@ from drivora_service.errors import StoreError
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.campaign_verification import campaign_counts, traced_failures
 from drivora_service.store.database import Database
+from drivora_service.store.facet_verification import facet_findings
 from drivora_service.store.findings import Finding
 from drivora_service.store.tables import BatchRow, ReportRow, RunRow
 from drivora_service.store.traces import CampaignTraces, TraceFolder
@@ -42,6 +43,7 @@ def verify(
         yield from _damage(session)
         yield from _reports(session)
         yield from _counts(session)
+        yield from facet_findings(session)
         yield from campaign_counts(session)
         expected_failures = traced_failures(session)
         traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")

@@ -1,10 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import pytest
-from sqlalchemy import event
 
 from drivora_service.errors import InvalidDocument, UnknownName
 from drivora_service.oracles.accountability import Accountability
@@ -152,52 +148,3 @@ def test_nothing_is_kept_of_a_transaction_that_fails(database: Database) -> None
         transaction.jobs.get("nobody")
     with database.read() as transaction:
         assert transaction.jobs.page().items == ()
-
-
-def test_no_query_reads_or_sorts_a_whole_table(database: Database) -> None:
-    with database.write() as transaction:
-        batch = transaction.batches.create(name="b", priority=Priority.CAMPAIGN)
-        transaction.jobs.submit([new_run(str(n)) for n in range(9)], batch_id=batch.id)
-    owner = register(database)
-    with queries(database) as asked:
-        claim(database, owner, 4)
-        with database.read() as transaction:
-            transaction.jobs.page(JobFilter(batch_id=batch.id, town="tee-town"), limit=2)
-            transaction.jobs.page(JobFilter(statuses=frozenset({RunStatus.RUNNING})), limit=2)
-            transaction.jobs.page(JobFilter(oracle="collision"), limit=2)
-            transaction.batches.get(batch.id)
-    assert len(asked) >= 5
-    steps = [step for query in asked for step in plan(database, *query)]
-    assert any("USING INDEX" in step for step in steps)
-    # The two that are not looked up are walked in their order until the page is full.
-    assert [step.split()[-1] for step in steps if step.startswith("SCAN")] == [
-        "ix_batches_claimable",
-        "runs",
-    ]
-    assert [step for step in steps if "TEMP B-TREE" in step] == []
-
-
-Query = tuple[str, tuple[object, ...]]
-
-
-@contextmanager
-def queries(database: Database) -> Iterator[list[Query]]:
-    """Collects what the database is asked, with the values."""
-    asked: list[Query] = []
-
-    def note(
-        _: object, __: object, statement: str, values: tuple[object, ...], *___: object
-    ) -> None:
-        if statement.startswith("SELECT"):
-            asked.append((statement, values))
-
-    event.listen(database.engine, "before_cursor_execute", note)
-    yield asked
-    event.remove(database.engine, "before_cursor_execute", note)
-
-
-def plan(database: Database, statement: str, values: tuple[object, ...]) -> list[str]:
-    """What SQLite would do, step by step; the same however many rows there are."""
-    with database.engine.connect() as connection:
-        rows = connection.exec_driver_sql("EXPLAIN QUERY PLAN " + statement, values)
-        return [row.detail for row in rows]

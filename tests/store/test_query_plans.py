@@ -1,0 +1,145 @@
+"""How SQLite looks for what lists ask: by an index, whatever the filters."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import combinations
+from typing import Any
+
+import pytest
+from sqlalchemy import event
+
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import Database
+from drivora_service.store.records import JobFilter, Priority
+from tests.store.samples import claim, finish, finished, new_run, register
+
+RUN_FILTERS: dict[str, Any] = {
+    "statuses": frozenset({RunStatus.FINISHED, RunStatus.QUEUED}),
+    "agent": "idm",
+    "town": "tee-town",
+    "oracle": "collision",
+    "accountability": Accountability.AVOIDABLE,
+    "violated": True,
+    "scenario_sha256": new_run("0").scenario_sha256,
+    "batch_id": "",
+}
+"""A value for each documented filter that lets something through; the batch's id comes later."""
+
+UNBOUNDED = ("runs", "verdicts", "evaluations", "failures", "reports", "documents", "attempts")
+
+
+@pytest.fixture
+def batch_id(database: Database) -> str:
+    """A batch of nine runs; one has broken a rule, one runs."""
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="b", priority=Priority.CAMPAIGN)
+        transaction.jobs.submit([new_run(str(n)) for n in range(9)], batch_id=batch.id)
+    owner = register(database)
+    first, _ = claim(database, owner, 2)
+    finish(database, owner, finished(first, "collision"))
+    return batch.id
+
+
+@pytest.mark.parametrize("newest_first", [True, False])
+def test_runs_are_found_by_an_index_whatever_the_filters(
+    database: Database, batch_id: str, newest_first: bool
+) -> None:
+    values = RUN_FILTERS | {"batch_id": batch_id}
+    several = [names for size in range(1, 4) for names in combinations(sorted(values), size)]
+    for names in (*several, tuple(values)):
+        wanted = JobFilter(**{name: values[name] for name in names})
+        with queries(database) as asked, database.read() as transaction:
+            page = transaction.jobs.page(wanted, limit=2, newest_first=newest_first)
+        assert page.items != ()
+        steps = [step for query in asked for step in plan(database, *query)]
+        refuse_unbounded(steps)
+        index = r"rowid=|facet=|document_sha256=|\(id=|run_seq="
+        touched = [step for step in steps if re.search(r"\b(runs|verdicts|batches)\b", step)]
+        assert touched != []
+        assert [step for step in touched if not re.search(index, step)] == []
+        if names == ("batch_id",):
+            assert any("ix_runs_batch_facet (batch_seq=? AND facet=?)" in step for step in steps)
+
+
+def test_pages_of_a_filter_begin_where_the_last_ended(database: Database, batch_id: str) -> None:
+    wanted = JobFilter(batch_id=batch_id)
+    with database.read() as transaction:
+        token = transaction.jobs.page(wanted, limit=2).next_token
+        with queries(database) as asked:
+            transaction.jobs.page(wanted, limit=2, page_token=token)
+    steps = [step for query in asked for step in plan(database, *query)]
+    refuse_unbounded(steps)
+    assert any("(batch_seq=? AND facet=? AND seq<?)" in step for step in steps)
+
+
+def test_counts_and_the_queue_read_no_runs_but_those_they_take(
+    database: Database, batch_id: str
+) -> None:
+    owner = register(database)
+    with queries(database) as asked:
+        with database.read() as transaction:
+            transaction.batches.get(batch_id)
+            transaction.batches.page()
+            transaction.jobs.counts()
+            transaction.jobs.queued()
+            transaction.jobs.latest_revision()
+            transaction.jobs.changed_since(0)
+            transaction.jobs.page(limit=2)
+            transaction.queue.has_work()
+            transaction.queue.to_cancel()
+        claim(database, owner, 4)
+    assert len(asked) >= 11
+    steps = [step for query in asked for step in plan(database, *query)]
+    # A list without a filter is walked from its end until the page is full, and of the revisions
+    # the greatest is read.
+    walks = ("SCAN runs", "SCAN runs USING COVERING INDEX ix_runs_revision")
+    assert {step for step in steps if step.startswith("SCAN runs")} == set(walks)
+    refuse_unbounded([step for step in steps if step not in walks])
+
+
+def test_cancelling_a_batch_reads_only_its_unfinished_runs(
+    database: Database, batch_id: str
+) -> None:
+    with queries(database) as asked, database.write() as transaction:
+        transaction.batches.cancel(batch_id)
+    steps = [step for query in asked for step in plan(database, *query)]
+    refuse_unbounded(steps)
+    assert any("ix_runs_batch_facet (batch_seq=? AND facet=?)" in step for step in steps)
+
+
+def refuse_unbounded(steps: list[str]) -> None:
+    """Fails if a table that grows with the runs is read or sorted as a whole."""
+    for step in steps:
+        table = re.match(r"SCAN (\w+)", step)
+        assert table is None or table.group(1) not in UNBOUNDED, step
+        assert "TEMP B-TREE FOR ORDER BY" not in step, steps
+
+
+Query = tuple[str, tuple[object, ...]]
+
+
+@contextmanager
+def queries(database: Database) -> Iterator[list[Query]]:
+    """Collects what the database is asked, with the values."""
+    asked: list[Query] = []
+
+    def note(
+        _: object, __: object, statement: str, values: tuple[object, ...], *___: object
+    ) -> None:
+        if statement.startswith("SELECT"):
+            asked.append((statement, values))
+
+    event.listen(database.engine, "before_cursor_execute", note)
+    yield asked
+    event.remove(database.engine, "before_cursor_execute", note)
+
+
+def plan(database: Database, statement: str, values: tuple[object, ...]) -> list[str]:
+    """What SQLite would do, step by step; the same however many rows there are."""
+    with database.engine.connect() as connection:
+        rows = connection.exec_driver_sql("EXPLAIN QUERY PLAN " + statement, values)
+        return [row.detail for row in rows]
