@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow lint types contracts schema protocol networks docs-numbers pictures lock clean
+.PHONY: help install install-dev demo test test-slow fuzz lint types contracts schema protocol networks docs-numbers pictures lock clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -40,6 +40,10 @@ test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, genera
 
 test-slow: $(DEV_STAMP) ## The slow tests, which CI runs as well
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
+
+INPUTS ?= 1000000
+fuzz: $(DEV_STAMP) ## Fuzz the parsers for long: INPUTS=1000000, PARSER=name for one
+	$(BIN)/python -m tests.fuzzing --inputs $(INPUTS) $(if $(PARSER),--parser $(PARSER))
 
 lint: $(DEV_STAMP)
 	$(BIN)/ruff check .

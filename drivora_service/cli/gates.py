@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +17,8 @@ ACCOUNTABLE = frozenset(
     {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.NOT_JUDGED}
 )
 """What a gate counts: not what is another's fault, could not be avoided, or cannot be told."""
+
+_RUNS = re.compile(r"[0-9]{1,9}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +112,9 @@ def read_gate(rules: Sequence[str], known: Collection[str], *, whose: str) -> Ga
             raise ConfigurationError(
                 f"--gate-rule {text}: {whose} no rule {rule!r}; there are: {', '.join(known)}"
             )
-        if equals and not runs.isdecimal():
+        if equals and not _RUNS.fullmatch(runs):
             raise ConfigurationError(
-                f"--gate-rule {text}: {runs!r} is no number of runs; write it as {rule}=0"
+                f"--gate-rule {rule}: {runs[:40]!r} is no number of runs; write it as {rule}=0"
             )
         allowed[rule] = int(runs or 0)
     return Gate(allowed=allowed)

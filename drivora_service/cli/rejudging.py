@@ -105,7 +105,7 @@ def _reported(path: Path) -> list[dict[str, Any]] | None:
     try:
         content = json.loads(report.read_bytes())
         return list(content["verdicts"]) if content["status"] == "finished" else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 

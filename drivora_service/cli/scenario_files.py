@@ -116,7 +116,7 @@ def written_by_drivora(path: Path) -> str:
         return ""
     try:
         content = json.loads(path.read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return ""
     if not isinstance(content, dict) or not keys <= content.keys():
         return ""

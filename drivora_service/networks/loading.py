@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
-from xml.sax import SAXException
+from xml.sax import SAXException, parseString
 
 import numpy as np
 import sumolib
 
 from drivora_service.errors import NetworkError
 from drivora_service.geometry import arc_lengths
+from drivora_service.networks.flaws import check_lanes, check_numbers, check_signals, read_line
 from drivora_service.networks.road_network import (
     Connection,
     FloatArray,
@@ -49,17 +50,19 @@ def load_network(path: Path, name: str) -> RoadNetwork:
     """
     try:
         data = path.read_bytes()
-        read: Callable[..., Any] = sumolib.net.readNet
-        net = read(str(path), withInternal=True, withFoes=False)
+        net = _read_net(data)
         programs = _read_programs(data)
         lanes = _build_lanes(net)
-        offset = tuple(float(v) for v in net.getLocationOffset())
-        boundary = tuple(float(v) for v in net.getBoundary())
+        check_signals(programs, lanes)
+        net_offset, bounds = _read_location(net)
+        junction_shapes = _read_junction_shapes(net)
     except OSError as error:
         raise NetworkError(f"network {name!r} cannot be read: {error.strerror}") from error
     except (SAXException, ElementTree.ParseError) as error:
         raise NetworkError(f"network {name!r} is not well-formed XML: {error}") from error
-    except (KeyError, ValueError, IndexError, AttributeError, TypeError) as error:
+    except NetworkError as error:
+        raise NetworkError(f"network {name!r} cannot be used: {error}") from error
+    except (LookupError, ValueError, AttributeError, TypeError, ArithmeticError) as error:
         raise NetworkError(
             f"network {name!r} is not a SUMO network ({type(error).__name__}: {error}); "
             "build one with netconvert"
@@ -73,18 +76,46 @@ def load_network(path: Path, name: str) -> RoadNetwork:
         name=name,
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
-        net_offset=(offset[0], offset[1]),
-        bounds=(boundary[0], boundary[1], boundary[2], boundary[3]),
+        net_offset=net_offset,
+        bounds=bounds,
         lanes=lanes,
         lane_by_id={lane.id: lane.index for lane in lanes},
         edge_lanes={edge: tuple(indices) for edge, indices in by_edge.items()},
-        junction_shapes={
-            node.getID(): np.array(node.getShape(), dtype=np.float64)
-            for node in net.getNodes()
-            if len(node.getShape()) >= 3
-        },
+        junction_shapes=junction_shapes,
         programs=programs,
     )
+
+
+def _read_net(data: bytes) -> Any:
+    """Reads the bytes that are hashed, with the same XML parser everywhere.
+
+    ``sumolib.net.readNet`` opens the file again, decompresses it where it can, and parses it with
+    lxml where that is installed, which may read other files.
+    """
+    if b"<!DOCTYPE" in data:
+        raise NetworkError("found a document type declaration, which is not allowed")
+    reader = sumolib.net.NetReader(withInternal=True, withFoes=False)
+    parseString(data, reader)
+    return reader.getNet()
+
+
+def _read_location(net: Any) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
+    """Returns the offset and the bounds, metres."""
+    x, y = (float(value) for value in net.getLocationOffset())
+    west, south, east, north = (float(value) for value in net.getBoundary())
+    check_numbers("the location", (x, y, west, south, east, north))
+    return (x, y), (west, south, east, north)
+
+
+def _read_junction_shapes(net: Any) -> dict[str, FloatArray]:
+    shapes = {}
+    for node in net.getNodes():
+        # A junction that only edges or connections name has none.
+        shape = node.getShape() or ()
+        if len(shape) >= 3:
+            check_numbers(f"the shape of junction {node.getID()!r}", np.ravel(shape))
+            shapes[node.getID()] = np.array(shape, dtype=np.float64)
+    return shapes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,12 +139,13 @@ def _build_lanes(net: Any) -> tuple[Lane, ...]:
                 source=source,
                 id=f"{edge.getID()}_{number}",
                 number=number,
-                points=_distinct_points(source.getShape()),
+                points=_distinct_points(read_line(source, f"{edge.getID()}_{number}")),
                 drivable=source.allows("passenger") and not on_foot_only,
                 walkable=source.allows("pedestrian"),
             )
             for number, source in enumerate(edge.getLanes())
         )
+    check_lanes((lane.id, lane.points, lane.source) for lane in raw)
     index_of = {lane.id: index for index, lane in enumerate(raw)}
     connections = [_connections(lane.source, index_of) for lane in raw]
     shapes = _usable_shapes([lane.points for lane in raw], connections)
@@ -164,12 +196,11 @@ def _connections(source: Any, index_of: dict[str, int]) -> tuple[Connection, ...
     )
 
 
-def _distinct_points(shape: Sequence[tuple[float, float]]) -> FloatArray:
-    """Returns the (n, 2) points of a shape that are far enough apart; both ends stay in place.
+def _distinct_points(points: FloatArray) -> FloatArray:
+    """Returns those of (n, 2) points that are far enough apart; both ends stay in place.
 
     Where a short piece runs backwards, its beginning is left out.
     """
-    points = np.asarray(shape, dtype=np.float64).reshape(-1, 2)
     kept: list[FloatArray] = []
     for point in points:
         if not kept or _distance(kept[-1], point) >= MIN_POINT_DISTANCE:

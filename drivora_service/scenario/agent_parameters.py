@@ -31,7 +31,7 @@ def read_agent_parameter(text: str) -> AgentParameter:
     """Reads ``NAME=VALUE`` or ``EGO:NAME=VALUE``; a value that is no JSON is text.
 
     Raises:
-        InvalidDocument: It has another form.
+        InvalidDocument: It has another form, or its value cannot be read.
     """
     place, equals, value = text.partition("=")
     ego, _, name = place.rpartition(":")
@@ -45,6 +45,11 @@ def read_agent_parameter(text: str) -> AgentParameter:
         read = json.loads(value)
     except ValueError:
         read = value
+    except RecursionError:
+        message = f"the value of {name[:80]!r} is nested too deeply; allowed: what its agent takes"
+        raise InvalidDocument(
+            (Problem(pointer="", code="agent_parameter", message=message),)
+        ) from None
     return AgentParameter(ego=ego, name=name, value=read)
 
 

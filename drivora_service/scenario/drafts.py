@@ -163,6 +163,8 @@ def _meant(place: Place, content: Any) -> Place:
     *above, key = place
     for token in above:
         content = content[token]
+    if not isinstance(content, Mapping):
+        return ()
     missing = model_at(ScenarioDocument, above).model_fields.keys() - content.keys()
     close = close_keys(str(key), sorted(missing), similar=_SPELLING)
     return (*above, *close) if close else ()

@@ -128,7 +128,10 @@ def _rank(place: str, content: Any, positions: dict[int, dict[str, int]]) -> tup
 def _tokens(details: ErrorDetails) -> tuple[str | int, ...]:
     """The place of an error; pydantic adds a ``[key]`` step for keys of mappings."""
     place = details["loc"]
-    return place[:-1] if place and place[-1] == "[key]" else place
+    # A document may have a key of that name itself; what is wrong with a key is said of the key.
+    if place[-1:] == ("[key]",) and place[-2:-1] == (details["input"],):
+        return place[:-1]
+    return place
 
 
 def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> str:

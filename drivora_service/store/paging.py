@@ -25,7 +25,7 @@ def read_token(scope: str, token: str) -> int:
     try:
         padded = token + "=" * (-len(token) % 4)
         found = json.loads(base64.urlsafe_b64decode(padded.encode("ascii")))
-    except (ValueError, binascii.Error):
+    except (ValueError, binascii.Error, RecursionError):
         found = None
     match found:
         case [str(found_scope), int(last)] if found_scope == _digest(scope):

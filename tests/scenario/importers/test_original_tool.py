@@ -31,8 +31,7 @@ def waypoint(x: float, y: float, **more: Any) -> dict[str, Any]:
     }
 
 
-@pytest.fixture
-def original() -> dict[str, Any]:
+def original_file() -> dict[str, Any]:
     """A file of the original tool on tee-town, whose network lies at its origin."""
     return {
         "id": "tee #1",
@@ -89,6 +88,11 @@ def original() -> dict[str, Any]:
         },
         "map_region": {"town": "tee-town", "region": [10.0, 120.0, -155.0, -150.0]},
     }
+
+
+@pytest.fixture
+def original() -> dict[str, Any]:
+    return original_file()
 
 
 def test_it_runs_unchanged(original: dict[str, Any], networks: NetworkCatalogue) -> None:

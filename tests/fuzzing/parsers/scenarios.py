@@ -1,0 +1,125 @@
+"""Scenario documents, as the command line and the API read them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Literal
+
+import yaml
+
+from drivora_service.errors import InvalidDocument
+from drivora_service.scenario.canonical import canonical_json, from_canonical
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.scenario.importers.reading import read_scenarios
+from drivora_service.scenario.validation import validate_data
+from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.parsers.shared import agents, check_problems, example_scenarios, networks
+from tests.scenario.conftest import GOOD
+from tests.scenario.importers.test_leaderboard import FLAT, NESTED
+from tests.scenario.importers.test_original_tool import original_file
+
+
+def _validate(data: bytes, language: Literal["json", "yaml"]) -> bool:
+    try:
+        valid = validate_data(data, networks(), agents().availability(), language)
+    except InvalidDocument as error:
+        check_problems(error, data, language)
+        return False
+    text = canonical_json(valid.scenario)
+    assert canonical_json(from_canonical(text)) == text
+    return True
+
+
+def _parse_json(data: bytes) -> bool:
+    return _validate(data, "json")
+
+
+def _parse_yaml(data: bytes) -> bool:
+    return _validate(data, "yaml")
+
+
+def _parse_file(data: bytes) -> bool:
+    try:
+        read = read_scenarios(data, name="fuzzed")
+    except InvalidDocument as error:
+        check_refusal(error)
+        return False
+    for one in read:
+        assert one.name
+        text = document_text(one.document)
+        assert parse_document(text) == one.document
+    return True
+
+
+_FULL = {
+    **GOOD,
+    "npc_vehicles": [
+        {
+            "id": "npc",
+            "model": "audi.tt",
+            "behavior": "reactive",
+            "route": [{"x": 60.0, "y": 152.7, "speed": 5}, {"x": 30.0, "y": 153.2, "yaw": 180}],
+        }
+    ],
+    "npc_walkers": [
+        {"id": "w", "model": "0001", "start_time": 1, "route": [{"x": 60.0, "y": 160.0}]}
+    ],
+    "npc_obstacles": [
+        {"id": "cone", "model": "trafficcone01", "location": {"x": 20.0, "y": 157.0}, "length": 1}
+    ],
+    "weather": {"wetness": 5, "fog_density": 10},
+    "traffic_lights": {"green_time": 9, "junctions": {}},
+    "background_traffic": {"count": 2},
+    "map_region": {
+        "town": "tee-town",
+        "region_segment": {"min_x": 0, "max_x": 400, "min_y": 0, "max_y": 400},
+    },
+    "seed": 7,
+    "max_sim_time": 30,
+    "extensions": {"a:b": [1, {"c": None}]},
+}
+
+
+def _json_seeds() -> Mapping[str, bytes]:
+    small = {
+        name: json.dumps(json.loads(data)).encode() for name, data in example_scenarios().items()
+    }
+    return {
+        "good": json.dumps(GOOD).encode(),
+        "full": json.dumps(_FULL).encode(),
+        **{name: data for name, data in small.items() if len(data) < SCENARIO_JSON.max_length},
+    }
+
+
+def _yaml_seeds() -> Mapping[str, bytes]:
+    return {
+        "good": yaml.safe_dump(GOOD, sort_keys=False).encode(),
+        "full": yaml.safe_dump(_FULL, sort_keys=False).encode(),
+        "flow": yaml.safe_dump(_FULL, default_flow_style=True).encode(),
+    }
+
+
+def _leaderboard_seeds() -> Mapping[str, bytes]:
+    return {"flat": FLAT.encode(), "nested": NESTED.encode()}
+
+
+def _original_seeds() -> Mapping[str, bytes]:
+    small = {key: original_file()[key] for key in ("id", "ego_vehicles", "map_region")}
+    return {"whole": json.dumps(original_file()).encode(), "small": json.dumps(small).encode()}
+
+
+SCENARIO_JSON = Harness(
+    name="scenario-json",
+    parse=_parse_json,
+    seeds=_json_seeds,
+    words=('"replay"', '"sumo"', '"carla"', '"config_path"', '"density"', '"stuck_after"'),
+)
+SCENARIO_YAML = Harness(name="scenario-yaml", parse=_parse_yaml, seeds=_yaml_seeds)
+LEADERBOARD = Harness(
+    name="leaderboard",
+    parse=_parse_file,
+    seeds=_leaderboard_seeds,
+    words=("route_percentage", "waypoint", "waypoints", "position", "weathers"),
+)
+ORIGINAL_TOOL = Harness(name="original-tool", parse=_parse_file, seeds=_original_seeds)
