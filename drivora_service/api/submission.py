@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from drivora_service.api.context import ApiContext
+from drivora_service.api.lookups import KnownAgents, KnownNetworks
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
@@ -30,6 +31,30 @@ class Overrides:
     seed: int | None = None
 
 
+class Checker:
+    """Checks the documents of one request; what they have in common is looked up once."""
+
+    def __init__(self, context: ApiContext, overrides: Overrides) -> None:
+        self._networks = KnownNetworks(context.networks)
+        self._agents = KnownAgents(context.agents.availability())
+        self._overrides = overrides
+
+    def validated(
+        self, data: bytes | Mapping[str, Any], form: Literal["json", "yaml"] = "json"
+    ) -> ValidScenario:
+        """Parses and checks a document.
+
+        Raises:
+            InvalidDocument: It cannot be run; every problem is named.
+        """
+        agent = self._overrides.agent
+        valid = validate_data(data, self._networks, self._agents, form, driven_by=agent)
+        scenario = with_agent_parameters(
+            valid.scenario, self._overrides.parameters, self._agents, driven_by=agent
+        )
+        return replace(valid, scenario=scenario)
+
+
 def check_overrides(context: ApiContext, overrides: Overrides) -> None:
     """Checks an agent's name.
 
@@ -45,25 +70,6 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
     if known[overrides.agent]:
         message = f"agent {overrides.agent!r} cannot be run here: {known[overrides.agent]}"
         raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
-
-
-def validated(
-    context: ApiContext,
-    data: bytes | Mapping[str, Any],
-    overrides: Overrides,
-    form: Literal["json", "yaml"] = "json",
-) -> ValidScenario:
-    """Parses and checks a document.
-
-    Raises:
-        InvalidDocument: It cannot be run; every problem is named.
-    """
-    agents = context.agents.availability()
-    valid = validate_data(data, context.networks, agents, form, driven_by=overrides.agent)
-    scenario = with_agent_parameters(
-        valid.scenario, overrides.parameters, agents, driven_by=overrides.agent
-    )
-    return replace(valid, scenario=scenario)
 
 
 def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:

@@ -122,7 +122,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
 
 def _print_to(path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
     if os.fstat(log).st_size > _LOG_BYTES:
         os.ftruncate(log, 0)
     os.dup2(log, 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -31,12 +32,12 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
     Raises:
         ServiceError: It does not start, or cannot start workers.
     """
-    data_dir.mkdir(parents=True, exist_ok=True)
+    data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     announcement = data_dir / "service.json"
     announcement.unlink(missing_ok=True)
     command = [sys.executable, "-m", "drivora_service.cli", "serve"]
     options = ["--data-dir", str(data_dir), "--workers", str(workers), "--host", "127.0.0.1"]
-    with (data_dir / "service.log").open("ab") as log:
+    with open(data_dir / "service.log", "ab", opener=_private) as log:
         process = subprocess.Popen([*command, *options, "--port", "0"], stdout=log, stderr=log)
     try:
         yield _wait_until_ready(process, announcement)
@@ -47,6 +48,10 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+def _private(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def _wait_until_ready(process: subprocess.Popen[bytes], announcement: Path) -> str:

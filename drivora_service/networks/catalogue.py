@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import threading
 from pathlib import Path
+from typing import Protocol
 
 from drivora_service.errors import UnknownName
 from drivora_service.networks.loading import load_network
@@ -26,6 +27,18 @@ def shipped_networks() -> Path:
 def is_network_name(name: str) -> bool:
     """Tells whether a name is made of letters, digits, ``_`` and ``-`` only, 64 at most."""
     return _NAME.fullmatch(name) is not None
+
+
+class NetworkLookup(Protocol):
+    """Finds road networks by name."""
+
+    def get(self, name: str) -> RoadNetwork:
+        """Returns a network.
+
+        Raises:
+            UnknownName: There is no such network.
+            NetworkError: Its file cannot be used.
+        """
 
 
 class NetworkCatalogue:

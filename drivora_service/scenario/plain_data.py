@@ -235,9 +235,9 @@ def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Pr
 def _odd_leaf(value: object) -> str:
     """Says what is odd about a value that is no container; "" where nothing is."""
     if isinstance(value, str):
-        if value.isascii():
-            return "found the NUL character; it is not allowed" if "\0" in value else ""
-        if any("\ud800" <= character <= "\udfff" for character in value):
+        if "\0" in value:
+            return "found the NUL character; it is not allowed"
+        if not value.isascii() and any("\ud800" <= character <= "\udfff" for character in value):
             return "found half a surrogate pair; text must be valid Unicode"
         return ""
     if isinstance(value, bool) or value is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -12,6 +13,8 @@ from pydantic_core import ErrorDetails
 from drivora_service.errors import Problem
 from drivora_service.scenario.fields import PATTERN_MEANINGS
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
+
+_LONGEST_GUESS = 80
 
 ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
 
@@ -89,7 +92,14 @@ def tokens(place: str, content: Any) -> tuple[str | int, ...]:
 
 def close_keys(key: str, known: Iterable[str], *, similar: float = 0.6) -> list[str]:
     """Gives the one of some keys, if any, that another was probably meant to be."""
-    return difflib.get_close_matches(key, list(known), n=1, cutoff=similar)
+    # Of a longer one none was meant, and the search takes time with its length.
+    return list(_close(key, tuple(known), similar)) if len(key) <= _LONGEST_GUESS else []
+
+
+@lru_cache(maxsize=4096)
+def _close(key: str, known: tuple[str, ...], similar: float) -> tuple[str, ...]:
+    """Finds what was meant; the documents of a batch often have the same mistakes."""
+    return tuple(difflib.get_close_matches(key, known, n=1, cutoff=similar))
 
 
 def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from drivora_service.errors import InvalidDocument, Problem, UnknownName
-from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario import fields
@@ -51,7 +51,7 @@ class ValidScenario:
 
 def validate_data(
     data: str | bytes | Mapping[str, Any],
-    networks: NetworkCatalogue,
+    networks: NetworkLookup,
     agents: Collection[str] | None,
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
     *,
@@ -90,7 +90,7 @@ def validate_data(
 
 
 def validate_document(
-    document: ScenarioDocument, networks: NetworkCatalogue, agents: Collection[str] | None
+    document: ScenarioDocument, networks: NetworkLookup, agents: Collection[str] | None
 ) -> ValidScenario:
     """Checks a document and converts it.
 
@@ -127,7 +127,7 @@ def _validated(
     document: ScenarioDocument,
     duplicates: Sequence[Problem],
     content: Mapping[str, Any],
-    networks: NetworkCatalogue,
+    networks: NetworkLookup,
     agents: Collection[str] | None,
     driven_by: str,
 ) -> ValidScenario:
@@ -151,7 +151,7 @@ def _validated(
 
 def _check(
     document: ScenarioDocument,
-    networks: NetworkCatalogue,
+    networks: NetworkLookup,
     agents: Collection[str] | None,
     driven_by: str,
     doubts: Doubts,

@@ -88,7 +88,13 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
     """Builds applications with limits and tokens of the test's choice."""
     opened: list[Database] = []
 
-    def make(*, queued_runs: int = 1000, tokens: TokenFile | None = None) -> Offline:
+    def make(
+        *,
+        queued_runs: int = 1000,
+        batch_items: int = 50,
+        body_bytes: int = BODY_LIMIT,
+        tokens: TokenFile | None = None,
+    ) -> Offline:
         database = open_database(f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}")
         woken: list[int] = []
         catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
@@ -96,7 +102,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             database=database,
             catalogues=catalogues,
             tokens=tokens,
-            limits=Limits(body_bytes=BODY_LIMIT, batch_items=50, queued_runs=queued_runs),
+            limits=Limits(body_bytes=body_bytes, batch_items=batch_items, queued_runs=queued_runs),
             trace_path=TraceFolder(tmp_path / "traces").path,
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=lambda campaign_id: CampaignFolder(tmp_path / "campaigns", campaign_id),

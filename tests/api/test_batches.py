@@ -7,7 +7,9 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.api.conftest import Offline
+from drivora_service.api.routes import batches
+from tests.api.conftest import MakeOffline, Offline
+from tests.api.test_problems import is_problem
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
 
@@ -67,6 +69,48 @@ def test_bodies_that_are_no_batch_are_refused(offline: Offline, body: bytes, cod
     answer = offline.client.post("/api/v1/batches", content=body, headers=headers)
     assert answer.status_code == 422
     assert answer.json()["problems"][0]["code"] == code
+
+
+def test_a_batch_without_a_usable_beginning_is_not_read_to_its_end(
+    offline: Offline, scenario: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(batches, "MOST_REJECTED", 3)
+    lost = {**scenario, "map_region": {"town": "Town99"}}
+    refused = offline.client.post("/api/v1/batches", json=[lost, lost, lost, scenario, lost])
+    stopped, *named = is_problem(refused, 422)["problems"]
+    assert stopped["code"] == "batch_not_checked"
+    assert "the last 2 were not looked at" in stopped["message"]
+    assert [problem["pointer"][:2] for problem in named] == ["/0", "/1", "/2"]
+    taken = offline.client.post("/api/v1/batches", json=[scenario, lost, lost, lost, lost])
+    assert (taken.json()["accepted"], taken.json()["rejected"]) == (1, 4)
+
+
+def test_a_batch_with_too_many_mistakes_is_refused_as_a_whole(
+    offline: Offline, scenario: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(batches, "MOST_PROBLEMS", 5)
+    odd = {**scenario, **{f"key{i}": 1 for i in range(3)}}
+    refused = offline.client.post("/api/v1/batches", json=[scenario, odd, odd, odd, scenario])
+    problems = is_problem(refused, 422)["problems"]
+    assert problems[0]["code"] == "batch_not_checked"
+    assert len(problems) == 1 + 5
+    assert offline.client.get("/api/v1/jobs").json()["items"] == []
+
+
+@pytest.mark.slow
+def test_ten_thousand_scenarios_are_checked_in_seconds(
+    make_offline: MakeOffline, scenario: dict[str, Any]
+) -> None:
+    """Bounds processor time, which other processes of the machine add little to."""
+    client = make_offline(queued_runs=20_000, batch_items=10_000, body_bytes=64 << 20).client
+    good = "\n".join(json.dumps({**scenario, "seed": seed}) for seed in range(10_000))
+    bad = "\n".join(json.dumps({f"key{i}{n}": 1 for n in range(200)}) for i in range(10_000))
+    for lines, status, most in ((good, 202, 20.0), (bad, 422, 10.0)):
+        before = time.process_time()
+        answer = client.post("/api/v1/batches", content=lines, headers=NDJSON, timeout=300)
+        used = time.process_time() - before
+        assert answer.status_code == status
+        assert used < most, used
 
 
 def test_pause_resume_and_cancel(offline: Offline, scenario: dict[str, Any]) -> None:

@@ -93,3 +93,9 @@ def test_values_that_contain_themselves_are_too_deep() -> None:
     loop.append(loop)
     with pytest.raises(InvalidDocument, match="nesting"):
         plain_data({"a": loop})
+
+
+def test_the_nul_character_is_refused_beside_any_other() -> None:
+    for text in ("\0", "a\0b", "é\0", "\0漢"):
+        _, (problem,) = plain_data({"extensions": text})
+        assert (problem.pointer, problem.code) == ("/extensions", "odd_value")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -24,7 +25,7 @@ from drivora_service.api.schemas.batches import (
     batch_view,
 )
 from drivora_service.api.security import reader, submitter
-from drivora_service.api.submission import Overrides, check_overrides, new_run, validated
+from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.store.database import Transaction
 from drivora_service.store.records import NewRun, Priority
@@ -32,6 +33,10 @@ from drivora_service.store.records import NewRun, Priority
 router = APIRouter(tags=["batches"])
 
 _POLL_AFTER_S = "2"
+MOST_REJECTED = 1000
+"""Scenarios at the beginning of a batch that none of which can be run is enough to refuse it."""
+MOST_PROBLEMS = 10_000
+"""In all scenarios of a batch; with more it is refused."""
 
 
 @router.post(
@@ -54,20 +59,15 @@ def post_batch(
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
 
     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
+
+    A batch is refused as well, and the rest of it not looked at, if none of its first 1,000
+    scenarios can be run, or once 10,000 problems are found.
     """
 
     def prepare() -> Work:
         check_overrides(context, overrides)
         documents = bodies.split_batch(request, body, most=context.limits.batch_items)
-        runs: list[NewRun] = []
-        rejected: dict[int, tuple[Problem, ...]] = {}
-        for item, document in enumerate(documents):
-            try:
-                runs.append(_prepared(context, document, overrides, item))
-            except InvalidDocument as error:
-                rejected[item] = error.problems
-        if not runs:
-            raise _all_rejected(rejected)
+        runs, rejected = _checked(context, documents, overrides)
 
         def commit(transaction: Transaction) -> Answer:
             batch = transaction.batches.create(name=name, priority=Priority[priority.name])
@@ -166,7 +166,38 @@ def resume_batch(context: Context, batch_id: str) -> Batch:
     return batch_view(batch, PREFIX)
 
 
-def _prepared(context: ApiContext, document: Any, overrides: Overrides, item: int) -> NewRun:
+def _checked(
+    context: ApiContext, documents: Sequence[Any], overrides: Overrides
+) -> tuple[list[NewRun], dict[int, tuple[Problem, ...]]]:
+    """Checks the documents of a batch.
+
+    Returns:
+        The runs of those that can be run, and the problems of the others, by their places.
+
+    Raises:
+        InvalidDocument: None can be run, or there are so many mistakes that the rest is not looked
+            at.
+    """
+    checker = Checker(context, overrides)
+    runs: list[NewRun] = []
+    rejected: dict[int, tuple[Problem, ...]] = {}
+    found = 0
+    for item, document in enumerate(documents):
+        try:
+            runs.append(_prepared(checker, document, overrides, item))
+            continue
+        except InvalidDocument as error:
+            rejected[item] = error.problems
+            found += len(error.problems)
+        hopeless = not runs and len(rejected) >= MOST_REJECTED
+        if (hopeless or found >= MOST_PROBLEMS) and item + 1 < len(documents):
+            raise _all_rejected(rejected, unchecked=len(documents) - item - 1, found=found)
+    if not runs:
+        raise _all_rejected(rejected, found=found)
+    return runs, rejected
+
+
+def _prepared(checker: Checker, document: Any, overrides: Overrides, item: int) -> NewRun:
     if not isinstance(document, bytes | Mapping):
         raise InvalidDocument(
             (
@@ -175,17 +206,26 @@ def _prepared(context: ApiContext, document: Any, overrides: Overrides, item: in
                 ),
             )
         )
-    return new_run(validated(context, document, overrides), overrides, item=item, label="")
+    return new_run(checker.validated(document), overrides, item=item, label="")
 
 
-def _all_rejected(rejected: Mapping[int, tuple[Problem, ...]]) -> InvalidDocument:
-    return InvalidDocument(
-        tuple(
-            Problem(pointer=f"/{item}{p.pointer}", code=p.code, message=p.message)
-            for item, problems in rejected.items()
-            for p in problems
-        )
+def _all_rejected(
+    rejected: Mapping[int, tuple[Problem, ...]], *, unchecked: int = 0, found: int
+) -> InvalidDocument:
+    """Refuses a batch with the first problems of its documents."""
+    every = (
+        Problem(pointer=f"/{item}{p.pointer}", code=p.code, message=p.message)
+        for item, problems in rejected.items()
+        for p in problems
     )
+    if not unchecked:
+        return InvalidDocument(tuple(islice(every, MOST_PROBLEMS)))
+    message = (
+        f"{found} problems in {len(rejected)} scenarios; the last {unchecked} were not looked at. "
+        "Mend these first: the batch is refused as a whole"
+    )
+    stopped = Problem(pointer="", code="batch_not_checked", message=message)
+    return InvalidDocument((stopped, *islice(every, MOST_PROBLEMS)))
 
 
 def _item_results(

@@ -13,7 +13,7 @@ from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunO
 from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.jobs import Job, JobSummary, job_of, job_summary
 from drivora_service.api.security import reader, submitter
-from drivora_service.api.submission import check_overrides, new_run, validated
+from drivora_service.api.submission import Checker, check_overrides, new_run
 from drivora_service.store.database import Transaction
 
 router = APIRouter(tags=["jobs"])
@@ -42,7 +42,8 @@ def post_job(
 
     def prepare() -> Work:
         check_overrides(context, overrides)
-        run = new_run(validated(context, body, overrides, form), overrides, item=0, label=label)
+        valid = Checker(context, overrides).validated(body, form)
+        run = new_run(valid, overrides, item=0, label=label)
 
         def commit(transaction: Transaction) -> Answer:
             limit = context.limits.queued_runs

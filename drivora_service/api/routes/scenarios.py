@@ -12,7 +12,7 @@ from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.parameters import RunOverrides
 from drivora_service.api.schemas.service import Validation
 from drivora_service.api.security import submitter
-from drivora_service.api.submission import check_overrides, validated
+from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
 
 router = APIRouter(tags=["scenarios"])
@@ -31,7 +31,7 @@ def validate_scenario(
     """Checks a scenario as posting it would, and answers with the same problems."""
     form = bodies.document_format(request)
     check_overrides(context, overrides)
-    valid = validated(context, body, overrides, form)
+    valid = Checker(context, overrides).validated(body, form)
     text = canonical_json(valid.scenario)
     agents = dict.fromkeys(ego.agent.name for ego in valid.scenario.ego_vehicles)
     return Validation(

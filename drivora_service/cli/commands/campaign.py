@@ -270,8 +270,10 @@ def _refuse_local_options(workers: int | None, evaluator: str) -> None:
 
 def _prepare() -> None:
     """Lets worker processes get ready while this one reads and checks what they are to do."""
+    from drivora_service.cli.private_files import keep_files_private
     from drivora_service.execution.fork_server import prepare_processes
 
+    keep_files_private()
     prepare_processes()
 
 

@@ -128,9 +128,11 @@ def prune(
 @contextmanager
 def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
     from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.private_files import keep_files_private
     from drivora_service.store.database import open_database
     from drivora_service.store.traces import CampaignTraces, TraceFolder
 
+    keep_files_private()
     settings = settings_for(data_dir)
     database = open_database(settings.resolved_database_url)
     try:

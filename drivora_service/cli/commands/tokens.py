@@ -36,7 +36,9 @@ def create(
 ) -> None:
     """Makes a token and shows it once; only its hash is kept."""
     from drivora_service.api.tokens import Scope
+    from drivora_service.cli.private_files import keep_files_private
 
+    keep_files_private()
     secret = _tokens(data_dir).create(name, Scope[scope.name])
     if as_json:
         print_json({"name": name, "scope": scope.value, "token": secret})

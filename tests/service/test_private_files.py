@@ -1,0 +1,64 @@
+"""What a service keeps is for its owner only, whatever the umask that it was started with."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.cli.service_process import running_service
+from tests.api.test_campaigns import small_campaign
+
+PREFIX = "/api/v1"
+
+
+@pytest.fixture
+def open_umask() -> Iterator[None]:
+    before = os.umask(0o022)
+    yield
+    os.umask(before)
+
+
+def open_to_others(folder: Path) -> dict[str, str]:
+    """Returns the modes of all files and folders that anyone but the owner may use."""
+    modes = {path: stat.S_IMODE(path.lstat().st_mode) for path in (folder, *folder.rglob("*"))}
+    return {
+        str(path.relative_to(folder)): f"{mode:o}" for path, mode in modes.items() if mode & 0o77
+    }
+
+
+def follow(client: httpx.Client, url: str, key: str, final: set[str]) -> None:
+    deadline = time.monotonic() + 300
+    while (found := client.get(url).json())[key] not in final:
+        assert time.monotonic() < deadline, found
+        time.sleep(0.2)
+
+
+def drivora(*arguments: str) -> None:
+    subprocess.run([sys.executable, "-m", "drivora_service.cli", *arguments], check=True)
+
+
+@pytest.mark.usefixtures("open_umask")
+def test_every_file_of_a_run_a_campaign_and_a_backup_is_private(tmp_path: Path) -> None:
+    data, backup = tmp_path / "data", tmp_path / "backup"
+    with running_service(data, workers=1) as url, httpx.Client(base_url=url, timeout=60) as client:
+        job = client.post(f"{PREFIX}/jobs", json=SCENARIO).headers["Location"]
+        campaign = client.post(f"{PREFIX}/campaigns", json=small_campaign("random"))
+        follow(client, job, "status", {"finished"})
+        follow(client, campaign.headers["Location"], "state", {"finished"})
+        drivora("tokens", "create", "ci", "--data-dir", str(data))
+        drivora("store", "backup", str(backup), "--data-dir", str(data))
+        names = {path.name for path in data.rglob("*")}
+        assert {"drivora.sqlite3", "drivora.sqlite3-wal", "service.json", "tokens.json"} <= names
+        assert list(data.glob("traces/**/*.parquet"))
+        assert list(data.glob("campaigns/**/*"))
+        assert open_to_others(data) == {}
+        assert open_to_others(backup) == {}
