@@ -150,7 +150,7 @@ def test_routes_that_cannot_be_driven(good: dict[str, Any], network: RoadNetwork
         },
     ]
     with pytest.raises(InvalidDocument) as caught:
-        validate_document(parse_document(good), catalogue, AGENTS)  # type: ignore[arg-type]  # only get() is used
+        validate_document(parse_document(good), catalogue, AGENTS)
     assert places_of(caught.value.problems) == [
         ("/ego_vehicles/0/route/2", "no_route"),
         ("/npc_vehicles/0/route/1", "no_route"),
@@ -323,8 +323,8 @@ def test_levels_of_a_bridge_do_not_meet(good: dict[str, Any], network: RoadNetwo
     good["ego_vehicles"][0]["route"] = [here, on_lane(raised, "market_2_0", 80)]
     cone: dict[str, Any] = {"id": "cone", "model": "trafficcone01", "location": {**here, "z": 0.0}}
     good["npc_obstacles"] = [cone]
-    validate_document(parse_document(good), OneNetwork(raised), AGENTS)  # type: ignore[arg-type]  # only get() is used
+    validate_document(parse_document(good), OneNetwork(raised), AGENTS)
     cone["location"]["z"] = 5.0
     with pytest.raises(InvalidDocument) as caught:
-        validate_document(parse_document(good), OneNetwork(raised), AGENTS)  # type: ignore[arg-type]  # only get() is used
+        validate_document(parse_document(good), OneNetwork(raised), AGENTS)
     assert places_of(caught.value.problems) == [("/npc_obstacles/0/location", "overlapping_start")]
