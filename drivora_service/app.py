@@ -7,8 +7,11 @@ import json
 import os
 import signal
 import socket
-from collections.abc import AsyncIterator
+import sys
+import threading
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 import structlog
@@ -22,8 +25,9 @@ from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.supervisor import CampaignSupervisor
-from drivora_service.errors import ConfigurationError
+from drivora_service.errors import ConfigurationError, ServiceBroken
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -39,11 +43,26 @@ ANNOUNCEMENT = "service.json"
 
 _GRACE_S = 5
 
+_BREAKDOWN_S = 30.0
+"""Seconds in which a server with a broken part must have shut down; then the process just ends."""
+
+_BROKEN = 3
+"""Exit code of such an end, as of everything that could not be done."""
+
+_PATIENCE_S = 5.0
+"""Seconds for which a request waits for other writers of the database."""
+
 _log = structlog.stdlib.get_logger(__name__)
 
 
-def create_app(settings: Settings) -> FastAPI:
+def create_app(
+    settings: Settings, *, on_fatal: Callable[[str], None] = lambda _message: None
+) -> FastAPI:
     """Builds the service; it begins to work with the first event of the application's life.
+
+    Args:
+        settings: Of the installation.
+        on_fatal: Told why the process is of no use any more and must be started anew.
 
     Raises:
         ConfigurationError: The settings would open the service to others without tokens.
@@ -54,25 +73,46 @@ def create_app(settings: Settings) -> FastAPI:
     settings.data_dir.mkdir(parents=True, exist_ok=True)
     exclusive = settings.resolved_database_url.startswith("sqlite")
     lock = ServerLock(settings.data_dir)
-    database = open_database(settings.resolved_database_url)
+    database = open_database(settings.resolved_database_url, patience_s=_PATIENCE_S)
     traces = TraceFolder(settings.traces_dir)
+    workers_folder = settings.data_dir / "workers"
+    infrastructure = Infrastructure(
+        {
+            "database": database.probe,
+            "traces": folder_probe(traces.root),
+            "data": folder_probe(workers_folder),
+        },
+        on_fatal=on_fatal,
+    )
     executor = LocalExecutor(
         slots=settings.workers,
         setup=worker_setup(settings),
-        folder=settings.data_dir / "workers",
+        folder=workers_folder,
         limits=run_limits(settings),
     )
-    dispatcher = Dispatcher(database, executor, traces, exclusive=exclusive)
+    dispatcher = Dispatcher(
+        database, executor, traces, infrastructure, exclusive=exclusive, on_fatal=on_fatal
+    )
     engine_setup = _engine_setup(settings)
     campaigns = CampaignSupervisor(
         database,
         engine_setup,
         at_once=settings.campaigns_at_once,
         on_queued=dispatcher.wake,
+        explained=lambda: bool(infrastructure.confirm_now()),
+        on_fatal=on_fatal,
     )
+
+    def faults() -> Mapping[str, str]:
+        return {
+            **{condition.name: condition.fault for condition in infrastructure.conditions()},
+            "workers": dispatcher.fault,
+            "campaigns": campaigns.fault,
+        }
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        infrastructure.start(on_change=dispatcher.wake)
         dispatcher.start()
         try:
             # Else the first document would wait for the kernels that check it.
@@ -84,6 +124,7 @@ def create_app(settings: Settings) -> FastAPI:
             campaigns.stop()
             dispatcher.stop()
             executor.close()
+            infrastructure.stop()
             database.close()
             lock.release()
 
@@ -105,8 +146,9 @@ def create_app(settings: Settings) -> FastAPI:
         campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,
         wake_campaigns=campaigns.wake,
-        worker_fault=lambda: dispatcher.fault,
-        campaigns_alive=lambda: campaigns.is_alive,
+        faults=faults,
+        storage_fault=lambda: infrastructure.fault,
+        stopping=lambda: False,
     )
     return create_api(context, lifespan)
 
@@ -117,11 +159,13 @@ def serve_until_stopped(settings: Settings) -> None:
     Raises:
         ConfigurationError: The settings cannot be used.
         Conflict: Another process serves this data folder.
+        ServiceBroken: A part of it failed too often; whatever started the process shall do it anew.
         StoreError: The database cannot be used.
     """
     configure_logs(form=settings.log_format, level=settings.log_level)
+    breakdown = _Breakdown()
     config = uvicorn.Config(
-        create_app(settings),
+        create_app(settings, on_fatal=breakdown.report),
         host=settings.host,
         port=settings.port,
         log_config=None,
@@ -141,11 +185,43 @@ def serve_until_stopped(settings: Settings) -> None:
     # uvicorn passes a signal on once it has shut down; this makes that a normal end.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        uvicorn.Server(config).run(sockets=[listener])
+        server = uvicorn.Server(config)
+        breakdown.stop = partial(setattr, server, "should_exit", True)
+        server.run(sockets=[listener])
     except KeyboardInterrupt:
         _log.info("stopped")
     finally:
         announcement.unlink(missing_ok=True)
+    if breakdown.message:
+        raise ServiceBroken(breakdown.message)
+
+
+class _Breakdown:
+    """Ends the server when a part of it has given up.
+
+    Attributes:
+        message: Why it ended; "" while everything works.
+        stop: Has the server shut down in good order.
+    """
+
+    def __init__(self) -> None:
+        self.message = ""
+        self.stop: Callable[[], None] = lambda: None
+
+    def report(self, message: str) -> None:
+        """Takes why a part has given up; the first reason counts."""
+        if self.message:
+            return
+        self.message = message
+        # What is broken may also keep the server from shutting down.
+        deadline = threading.Timer(_BREAKDOWN_S, self._end_now)
+        deadline.daemon = True
+        deadline.start()
+        self.stop()
+
+    def _end_now(self) -> None:
+        print(f"error: {self.message}", file=sys.stderr, flush=True)
+        os._exit(_BROKEN)
 
 
 def _announce(path: Path, url: str) -> None:

@@ -15,8 +15,10 @@ The tree::
     ├── SearchError            a gene space or a tester cannot be used as asked
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
+    │   ├── StoreUnavailable   the database cannot be used now, and may be a little later
     │   ├── Conflict           the request contradicts what is stored
     │   └── QueueFull          more runs wait than the queue may hold
+    ├── ServiceBroken          this process cannot serve any more and must be started anew
     ├── ServiceError           a service that was asked over HTTP refused, or did not answer
     └── ConfigurationError     a setting cannot be used
 """
@@ -139,6 +141,13 @@ class StoreError(DrivoraError):
     """The database or a trace file cannot be used."""
 
 
+class StoreUnavailable(StoreError):
+    """The database cannot be used now: it is locked, or what it lies on is full or gone.
+
+    It passes without a change of the request; what was asked for has not been done.
+    """
+
+
 class Conflict(StoreError):
     """The request contradicts what is stored."""
 
@@ -158,6 +167,10 @@ class QueueFull(StoreError):
             f"{queued} runs wait and the queue holds {limit}; try again in {retry_after_s} s, "
             "or raise DRIVORA_QUEUE_LIMIT"
         )
+
+
+class ServiceBroken(DrivoraError):
+    """A part of this service fails again and again: the process ends, to be started anew."""
 
 
 class ServiceError(DrivoraError):

@@ -29,6 +29,7 @@ from drivora_service.api.routes import (
     runs,
     scenarios,
 )
+from drivora_service.api.write_gate import WriteGate
 
 _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """What the page of the API may load."""
@@ -69,7 +70,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
             module.router,
             prefix=PREFIX,
             dependencies=[Depends(refuse_unknown_parameters)],
-            responses={422: problem_answer(422)},
+            responses={422: problem_answer(422), 503: problem_answer(503)},
         )
     api.include_router(health.router)
     api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
@@ -86,6 +87,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     install_problem_handlers(api, methods)
     install_openapi(api, tokens_needed=context.tokens is not None)
     api.add_middleware(HeadAsGet)
+    api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     return api

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -48,8 +48,10 @@ class ApiContext:
         campaign_folder: Gives the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
         wake_campaigns: Tells the supervisor of campaigns that one is to be run.
-        worker_fault: Why no run can be begun and what to do, "" while runs are handed out.
-        campaigns_alive: Whether the supervisor of campaigns starts them.
+        faults: What must work before requests are sent here, by name, with what is wrong and what
+            to do, or "". Known without waiting for anything.
+        storage_fault: Why nothing can be stored and what to do, "" while it can; known likewise.
+        stopping: Whether the service takes no more work because it is being stopped.
     """
 
     database: Database
@@ -61,8 +63,9 @@ class ApiContext:
     campaign_folder: Callable[[str], CampaignFolder]
     wake: Callable[[], None]
     wake_campaigns: Callable[[], None]
-    worker_fault: Callable[[], str]
-    campaigns_alive: Callable[[], bool]
+    faults: Callable[[], Mapping[str, str]]
+    storage_fault: Callable[[], str]
+    stopping: Callable[[], bool]
 
     @property
     def networks(self) -> NetworkCatalogue:
@@ -86,4 +89,9 @@ def context_of(request: Request) -> ApiContext:
     return context
 
 
-Context = Annotated[ApiContext, Depends(context_of)]
+async def _context(request: Request) -> ApiContext:
+    # In the event loop: a plain function would take a thread for it.
+    return context_of(request)
+
+
+Context = Annotated[ApiContext, Depends(_context)]

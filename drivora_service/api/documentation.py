@@ -177,4 +177,8 @@ _ERRORS: Mapping[int, tuple[str, str]] = {
     415: ("Unsupported Media Type", "the body must be plain application/json"),
     422: ("Unprocessable Entity", "1 problem in the document"),
     429: ("Too Many Requests", "the queue is full; try again later"),
+    503: (
+        "Service Unavailable",
+        "nothing can be stored now: database: the database cannot be used now: database is locked",
+    ),
 }

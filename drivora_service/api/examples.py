@@ -162,6 +162,8 @@ READINESS = service.Readiness(
     ready=True,
     checks=(
         service.Check(name="database", ok=True, detail=""),
+        service.Check(name="traces", ok=True, detail=""),
+        service.Check(name="data", ok=True, detail=""),
         service.Check(name="workers", ok=True, detail=""),
         service.Check(name="campaigns", ok=True, detail=""),
     ),
@@ -170,6 +172,8 @@ NOT_READY = service.Readiness(
     ready=False,
     checks=(
         service.Check(name="database", ok=True, detail=""),
+        service.Check(name="traces", ok=True, detail=""),
+        service.Check(name="data", ok=True, detail=""),
         service.Check(
             name="workers",
             ok=False,

@@ -21,11 +21,13 @@ from drivora_service.errors import (
     NetworkError,
     Problem,
     QueueFull,
+    StoreUnavailable,
     UnknownName,
 )
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_PROBLEMS = 200
+_UNAVAILABLE_S = "5"
 
 _log = structlog.stdlib.get_logger(__name__)
 
@@ -136,6 +138,11 @@ def _answer(request: Request, error: Exception) -> Response:
             headers = {"Retry-After": str(error.retry_after_s)}
             return problem_response(
                 HTTPStatus.TOO_MANY_REQUESTS, str(error), instance=path, headers=headers
+            )
+        case StoreUnavailable():
+            headers = {"Retry-After": _UNAVAILABLE_S}
+            return problem_response(
+                HTTPStatus.SERVICE_UNAVAILABLE, str(error), instance=path, headers=headers
             )
         case NetworkError() | CampaignError():
             return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, str(error), instance=path)

@@ -11,7 +11,7 @@ from fastapi.routing import APIRoute
 from drivora_service.errors import InvalidDocument, Problem
 
 
-def refuse_unknown_parameters(request: Request) -> None:
+async def refuse_unknown_parameters(request: Request) -> None:
     """Checks the names of a request's query parameters.
 
     Raises:

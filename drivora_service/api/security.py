@@ -43,12 +43,12 @@ def _require(
     request.state.client = token.name
 
 
-def reader(request: Request, credentials: Credentials) -> None:
+async def reader(request: Request, credentials: Credentials) -> None:
     """Lets requests pass that may look."""
     _require(request, credentials, Scope.READ)
 
 
-def submitter(request: Request, credentials: Credentials) -> None:
+async def submitter(request: Request, credentials: Credentials) -> None:
     """Lets requests pass that may post and cancel."""
     _require(request, credentials, Scope.SUBMIT)
 

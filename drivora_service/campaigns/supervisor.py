@@ -13,9 +13,9 @@ from multiprocessing.process import BaseProcess
 import structlog
 
 from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
-from drivora_service.errors import StoreError
 from drivora_service.execution.deaths import signal_name
 from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
+from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 
@@ -69,6 +69,8 @@ class CampaignSupervisor:
         *,
         at_once: int,
         on_queued: Callable[[], None] = lambda: None,
+        explained: Callable[[], bool] = lambda: False,
+        on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
         """Prepares the thread.
 
@@ -77,6 +79,8 @@ class CampaignSupervisor:
             setup: What every process is told.
             at_once: Campaigns that may run at once; the others wait.
             on_queued: Called when a campaign has queued runs.
+            explained: Whether a failure is due to a known fault of the infrastructure.
+            on_fatal: Told why the thread has given up.
         """
         self._database, self._setup = database, setup
         self._at_once, self._on_queued = at_once, on_queued
@@ -84,20 +88,25 @@ class CampaignSupervisor:
         self._deaths: dict[str, _Deaths] = {}
         self._not_before: dict[str, float] = {}
         self._look_at = 0.0
-        self._stopping = False
         self._woken, self._waker = multiprocessing.Pipe(duplex=False)
         self._waking = threading.Lock()
         # The kernel ends an engine with the thread that started it, so that must be this one.
-        self._thread = threading.Thread(target=self._run, name="campaigns", daemon=True)
+        self._thread = SupervisedThread(
+            "campaigns",
+            self._turn,
+            at_end=self._end_engines,
+            explained=explained,
+            on_fatal=on_fatal,
+        )
 
     def start(self) -> None:
         """Starts the thread, and with it the campaigns that wait."""
         self._thread.start()
 
     @property
-    def is_alive(self) -> bool:
-        """Whether campaigns are being run."""
-        return self._thread.is_alive() and not self._stopping
+    def fault(self) -> str:
+        """Why no campaign is started, "" while they are."""
+        return "" if self._thread.is_alive else "no campaign is started: its thread has ended"
 
     def wake(self) -> None:
         """Tells that a campaign was made or is to go on; otherwise it is seen within a second."""
@@ -106,18 +115,11 @@ class CampaignSupervisor:
 
     def stop(self) -> None:
         """Ends every engine; their campaigns go on when the service is started again."""
-        self._stopping = True
+        self._thread.stop()
         self.wake()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._thread.join()
 
-    def _run(self) -> None:
-        while not self._stopping:
-            try:
-                self._turn()
-            except StoreError as error:
-                _log.error("database_unusable", error=str(error))
-                time.sleep(_LOOK_S)
+    def _end_engines(self) -> None:
         for engine in self._engines.values():
             kill_process(engine.process)
 

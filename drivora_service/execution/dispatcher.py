@@ -4,25 +4,33 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from datetime import timedelta
 
 import structlog
 
-from drivora_service.errors import StoreError
+from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.execution.executor import Executor
+from drivora_service.execution.infrastructure import Infrastructure
+from drivora_service.execution.ownership import Ownership
 from drivora_service.execution.pace import Pace
+from drivora_service.execution.storage_failures import (
+    may_be_storage,
+    unpreparable_trace,
+    unwritable_report,
+)
+from drivora_service.execution.supervised import Patience, SupervisedThread
+from drivora_service.fault_log import FaultLog
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.report import RunSpec
+from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
 from drivora_service.store.traces import TraceFolder
 
 _POLL_S = 0.5
 _HEARTBEAT_S = 2.0
-_SILENCE_S = 30.0
-"""Seconds without a heartbeat after which another server's runs are taken over."""
 
 _WRITE_S = 0.25
 """Seconds between two writings while the slots have work; a transaction costs as much as ten
@@ -35,7 +43,8 @@ class Dispatcher:
     """A thread that keeps the executor's slots busy with what the store has queued.
 
     It is the only one that writes ends of runs. The next runs of the slots wait in the executor, so
-    that no slot waits for the database.
+    that no slot waits for the database. While the infrastructure has a fault, no run is claimed,
+    and what ends because of the fault goes back to the queue unharmed.
     """
 
     def __init__(
@@ -43,9 +52,11 @@ class Dispatcher:
         database: Database,
         executor: Executor,
         traces: TraceFolder,
+        infrastructure: Infrastructure,
         *,
         exclusive: bool,
         policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
+        on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
         """Prepares the loop.
 
@@ -53,23 +64,34 @@ class Dispatcher:
             database: What is queued, and where ends are written.
             executor: What runs it. Closing it is for the caller, after :meth:`stop`.
             traces: Where workers write traces.
+            infrastructure: What tells a fault of the infrastructure from one of a run.
             exclusive: Whether no other process can be dispatching from this database (the caller
                 holds the ``ServerLock``), so that the leases of all others are taken over at once.
             policy: How often a run may fail for reasons that are not its own.
+            on_fatal: Told, from the thread, why it has given up.
         """
         self._database, self._executor, self._traces = database, executor, traces
-        self._exclusive, self._policy = exclusive, policy
-        self._owner_id = ""
+        self._infrastructure = infrastructure
+        self._policy = policy
+        self._ownership = Ownership(database, policy, exclusive=exclusive)
         self._in_flight: set[str] = set()
+        self._claimed: deque[RunSpec] = deque()
         self._unwritten: list[AttemptEnd] = []
         self._withdrawn: set[str] = set()
-        self._fault = ""
-        self._cancelling: set[str] = set()
+        self._faults = FaultLog(_log)
         self._pace = Pace(executor.capacity)
         self._next_beat = 0.0
         self._next_write = 0.0
-        self._stop_at: float | None = None
-        self._thread = threading.Thread(target=self._run, name="dispatcher", daemon=True)
+        self._stopping = threading.Event()
+        self._stop_at = 0.0
+        self._thread = SupervisedThread(
+            "dispatcher",
+            self._turn_or_end,
+            at_end=self._release_all,
+            explained=lambda: bool(self._infrastructure.confirm_now()),
+            on_fatal=on_fatal,
+            patience=Patience(longest_s=5.0),
+        )
 
     def start(self) -> None:
         """Takes over what dead servers left behind and starts the loop.
@@ -77,16 +99,13 @@ class Dispatcher:
         Raises:
             StoreError: The database cannot be used.
         """
-        with self._database.write() as transaction:
-            self._owner_id = transaction.workers.register()
-            transaction.idempotency.clean(unfinished=self._exclusive)
-        self._take_over(silent_for=timedelta(0) if self._exclusive else timedelta(0, _SILENCE_S))
+        self._ownership.register()
         self._thread.start()
 
     @property
     def is_alive(self) -> bool:
         """Whether runs are being handed out."""
-        return self._thread.is_alive() and self._stop_at is None
+        return self._thread.is_alive and not self._stopping.is_set()
 
     @property
     def fault(self) -> str:
@@ -108,64 +127,54 @@ class Dispatcher:
                 queue unharmed.
         """
         self._stop_at = time.monotonic() + drain_s
+        self._stopping.set()
         self._executor.wake()
         self._thread.join()
 
-    def _run(self) -> None:
-        while not self._is_over():
-            try:
-                self._turn()
-            except StoreError as error:
-                # What has ended is still in hand and is written when the database is back.
-                _log.error("database_unusable", error=str(error))
-                time.sleep(_POLL_S)
-        try:
-            with self._database.write() as transaction:
-                transaction.queue.release(self._owner_id, sorted(self._in_flight))
-                transaction.workers.leave(self._owner_id)
-        except StoreError as error:
-            # The next server takes the runs over.
-            _log.error("leaving_without_goodbye", error=str(error))
-
-    def _is_over(self) -> bool:
-        if self._stop_at is None:
-            return False
-        return not self._in_flight or time.monotonic() >= self._stop_at
+    def _turn_or_end(self) -> None:
+        if self._stopping.is_set() and (not self._in_flight or time.monotonic() >= self._stop_at):
+            self._thread.stop()
+            return
+        self._turn()
 
     def _turn(self) -> None:
         self._collect()
         self._look_for_a_fault()
+        self._release_withdrawn()
         if self._unwritten or self._has_room_and_work():
-            for spec in self._write_and_claim():
-                self._executor.submit(spec)
+            self._write_and_claim()
             self._next_write = time.monotonic() + _WRITE_S
+        self._submit_claimed()
         self._cancel()
-        now = time.monotonic()
-        if now >= self._next_beat:
-            self._next_beat = now + _HEARTBEAT_S
-            with self._database.write() as transaction:
-                transaction.workers.beat(self._owner_id, self._executor.slots())
-            if not self._exclusive:
-                self._take_over(silent_for=timedelta(seconds=_SILENCE_S))
+        self._beat()
 
     def _collect(self) -> None:
         """Takes what has ended; lingers for more as long as no slot can run out of work."""
-        timeout = 0.0 if self._unwritten else _POLL_S
+        timeout = 0.0 if self._unwritten or self._claimed else _POLL_S
         while True:
             ended = self._executor.wait(timeout)
-            self._unwritten += ended
-            for end in ended:
-                self._pace.note((end.ended - end.started).total_seconds())
+            self._take_ends(ended)
             timeout = self._next_write - time.monotonic()
             slots_have_work = len(self._in_flight) - len(self._unwritten) > self._executor.capacity
-            if not ended or timeout <= 0 or not slots_have_work or self._stop_at is not None:
+            if not ended or timeout <= 0 or not slots_have_work or self._stopping.is_set():
                 return
 
-    def _room(self) -> int:
-        """Runs that may be claimed now."""
-        if self._stop_at is not None or self._executor.fault:
+    def _take_ends(self, ends: Sequence[AttemptEnd]) -> None:
+        """Keeps ends to be written; what a fault of the storage ended goes back unharmed."""
+        self._unwritten += ends
+        for end in ends:
+            self._pace.note((end.ended - end.started).total_seconds())
+        suspects = [end for end in ends if may_be_storage(end.report)]
+        if not suspects or not self._infrastructure.confirm_now():
+            return
+        self._withdrawn.update(end.report.run_id for end in suspects)
+        self._unwritten = [end for end in self._unwritten if end not in suspects]
+
+    def _room(self, *, ended: int = 0) -> int:
+        """Runs that may be claimed now, where so many of those in flight have ended."""
+        if self._stopping.is_set() or self._executor.fault or self._infrastructure.fault:
             return 0
-        return self._pace.wanted_in_flight() - len(self._in_flight)
+        return self._pace.wanted_in_flight() - len(self._in_flight) + ended
 
     def _has_room_and_work(self) -> bool:
         if self._room() <= 0:
@@ -173,84 +182,107 @@ class Dispatcher:
         with self._database.read() as transaction:
             return transaction.queue.has_work()
 
-    def _write_and_claim(self) -> tuple[RunSpec, ...]:
+    def _write_and_claim(self) -> None:
         """Writes the ends in hand and claims what there is room for, in one transaction."""
         try:
-            return self._commit(self._unwritten)
-        except StoreError:
-            raise
+            self._commit(self._unwritten, room=self._room(ended=len(self._unwritten)))
         except Exception as error:
+            if not self._unwritten or isinstance(error, StoreUnavailable):
+                raise
             # One of the reports cannot be written as it is; the runs behind it shall not suffer.
-            _log.error("unwritable_report", error=repr(error))
+            self._faults.error("unwritable_report", error=repr(error))
             for end in self._unwritten[:]:
                 self._commit_alone(end)
-            return ()
 
-    def _commit(self, ends: Sequence[AttemptEnd]) -> tuple[RunSpec, ...]:
+    def _commit(self, ends: Sequence[AttemptEnd], *, room: int = 0) -> None:
         done = {end.report.run_id for end in ends}
         with self._database.write() as transaction:
-            transaction.queue.finish(self._owner_id, ends, self._policy)
+            transaction.queue.finish(self._ownership.owner_id, ends, self._policy)
             specs = transaction.queue.claim(
-                self._owner_id, self._room() + len(done), trace_path=self._traces.prepare
+                self._ownership.owner_id,
+                room,
+                trace_path=lambda run_id: str(self._traces.path(run_id)),
             )
         self._unwritten = [end for end in self._unwritten if end.report.run_id not in done]
         self._in_flight -= done
-        self._cancelling -= done
-        self._in_flight |= {spec.run_id for spec in specs}
-        return specs
+        self._in_flight.update(spec.run_id for spec in specs)
+        self._claimed += specs
 
     def _commit_alone(self, end: AttemptEnd) -> None:
         try:
-            specs = self._commit([end])
-        except StoreError:
+            self._commit([end])
+        except StoreUnavailable:
             raise
         except Exception as error:
-            specs = self._commit([replace(end, report=_unwritable(end.report, error))])
-        for spec in specs:
+            self._commit([replace(end, report=unwritable_report(end.report, error))])
+
+    def _submit_claimed(self) -> None:
+        """Hands what was claimed to the executor; what it does not take is kept for another try."""
+        while self._claimed:
+            spec = self._claimed[0]
+            if spec.trace_path:
+                try:
+                    self._traces.prepare(spec.run_id)
+                except OSError as error:
+                    self._claimed.popleft()
+                    self._take_ends([unpreparable_trace(spec, error)])
+                    continue
             self._executor.submit(spec)
+            self._claimed.popleft()
 
     def _look_for_a_fault(self) -> None:
-        """Puts runs that cannot be begun back into the queue, unharmed; the log is told once."""
-        before, self._fault = self._fault, self._executor.fault
-        if self._fault:
+        """Takes back runs that cannot be begun."""
+        fault = self._executor.fault
+        if fault:
+            self._faults.error("workers_cannot_start", reason=fault)
+        else:
+            self._faults.over("workers_cannot_start", "workers_start_again")
+        if fault or self._infrastructure.fault:
             self._withdrawn.update(self._executor.withdraw())
-            if not before:
-                _log.error("workers_cannot_start", reason=self._fault)
-        elif before:
-            _log.info("workers_start_again")
+            self._withdrawn.update(spec.run_id for spec in self._claimed)
+            self._claimed.clear()
+
+    def _release_withdrawn(self) -> None:
+        """Puts runs back into the queue, unharmed."""
         if not self._withdrawn:
             return
         with self._database.write() as transaction:
-            transaction.queue.release(self._owner_id, sorted(self._withdrawn))
+            transaction.queue.release(self._ownership.owner_id, sorted(self._withdrawn))
         self._in_flight -= self._withdrawn
-        self._cancelling -= self._withdrawn
         self._withdrawn.clear()
 
     def _cancel(self) -> None:
+        """Asks for the end of runs again and again, since a run may be between two hands."""
         if not self._in_flight:
             return
         with self._database.read() as transaction:
             wanted = self._in_flight.intersection(transaction.queue.to_cancel())
-        for run_id in wanted - self._cancelling:
-            self._cancelling.add(run_id)
+        for run_id in wanted.difference(end.report.run_id for end in self._unwritten):
             self._executor.cancel(run_id)
 
-    def _take_over(self, *, silent_for: timedelta) -> None:
-        with self._database.read() as transaction:
-            dead = transaction.workers.dead_owners(me=self._owner_id, silent_for=silent_for)
-        for owner_id in dead:
+    def _beat(self) -> None:
+        now = time.monotonic()
+        if now < self._next_beat:
+            return
+        self._next_beat = now + _HEARTBEAT_S
+        self._ownership.beat(self._slots())
+
+    def _slots(self) -> tuple[SlotState, ...]:
+        try:
+            return self._executor.slots()
+        except Exception as error:
+            # A heartbeat matters more than what it tells of the slots.
+            self._faults.error("slots_unknown", exc_info=error)
+            return ()
+
+    def _release_all(self) -> None:
+        self._stopping.set()
+        try:
+            if self._unwritten:
+                self._write_and_claim()
             with self._database.write() as transaction:
-                runs = transaction.queue.reclaim(owner_id, self._policy)
-                transaction.workers.leave(owner_id)
-            _log.warning("took_over_from_dead_server", owner=owner_id, runs=runs)
-
-
-def _unwritable(report: RunReport, error: Exception) -> RunReport:
-    return RunReport(
-        run_id=report.run_id,
-        status=RunStatus.INFRASTRUCTURE_FAILED,
-        failure=RunFailure(
-            cause="unwritable_report",
-            message=f"the report of the {report.status} run cannot be stored: {error!r}"[:500],
-        ),
-    )
+                transaction.queue.release(self._ownership.owner_id, sorted(self._in_flight))
+                transaction.workers.leave(self._ownership.owner_id)
+        except StoreError as error:
+            # The next server takes the runs over.
+            _log.error("lease_release_failed", error=str(error))

@@ -10,6 +10,7 @@ schema's key-value metadata holds one JSON document under ``drivora_trace``.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -45,6 +46,7 @@ def write_trace(trace: Trace, path: Path) -> None:
     table = _table(trace).replace_schema_metadata({_KEY: header.encode()})
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         pq.write_table(
             table,
             partial,
@@ -60,7 +62,8 @@ def write_trace(trace: Trace, path: Path) -> None:
     except OSError as error:
         raise StoreError(f"cannot write the trace {path.name}: {error}") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            partial.unlink(missing_ok=True)
 
 
 def read_trace(path: Path) -> Trace:

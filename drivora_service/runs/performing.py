@@ -23,6 +23,7 @@ from drivora_service.errors import (
     PluginError,
     SearchError,
     SimulatorError,
+    StoreError,
     UnknownName,
 )
 from drivora_service.feedback.catalogue import score
@@ -174,7 +175,11 @@ def _perform(
         for ego, agent in course.agents.items()
     }
     if spec.trace_path:
-        write_trace(trace, Path(spec.trace_path))
+        try:
+            write_trace(trace, Path(spec.trace_path))
+        except (OSError, StoreError) as error:
+            failure = RunFailure(cause="trace_not_written", message=str(error))
+            return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
     steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
     verdicts = judge_all(trace, network, default_oracles(), view=view)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import Connection, Engine, create_engine, event, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session, sessionmaker
 
-from drivora_service.errors import StoreError
+from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaign_views import CampaignViewRepository
@@ -29,7 +30,8 @@ from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
 from drivora_service.store.workers import WorkerRepository
 
-_BUSY_TIMEOUT_MS = 30_000
+PATIENCE_S = 30.0
+"""Seconds to wait for other writers unless another time is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,13 +94,12 @@ class Transaction:
 class Database:
     """A migrated database. Safe to share between threads; one transaction a thread."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
         # SQLite has one writer. Waiting for a lock of ours is fair and prompt, where SQLite's own
         # waiting sleeps and tries again.
-        self._writing: AbstractContextManager[Any] = (
-            threading.Lock() if engine.dialect.name == "sqlite" else nullcontext()
-        )
+        self._writing = threading.Lock() if engine.dialect.name == "sqlite" else None
+        self._patience_s = patience_s
         self._readers = sessionmaker(engine, expire_on_commit=False)
         self._writers = sessionmaker(
             engine.execution_options(drivora_writes=True), expire_on_commit=False
@@ -120,21 +121,60 @@ class Database:
         """Reads and writes that are committed together at the end, or not at all.
 
         Raises:
+            StoreUnavailable: Another writer is not done in time, or the disk is full or gone.
             StoreError: The database cannot be used.
         """
-        with _store_errors(), self._writing, self._writers() as session, session.begin():
+        with (
+            self._turn_to_write(),
+            _store_errors(),
+            self._writers() as session,
+            session.begin(),
+        ):
             yield Transaction(session)
+
+    def probe(self) -> None:
+        """Writes, and changes nothing.
+
+        Raises:
+            StoreUnavailable: Nothing can be written now.
+            StoreError: The database cannot be used.
+        """
+        with self.write() as transaction:
+            transaction.session.execute(
+                text("UPDATE alembic_version SET version_num = version_num")
+            )
+
+    @contextmanager
+    def _turn_to_write(self) -> Iterator[None]:
+        """Waits for the other threads that write, but not for longer than is patient.
+
+        Else every thread of the service would end up waiting here while another process has locked
+        the database, and none would be left for those who only read.
+        """
+        if self._writing is None:
+            yield
+            return
+        if not self._writing.acquire(timeout=self._patience_s):
+            raise StoreUnavailable(
+                f"the database was busy with other writes for {self._patience_s:g} s; try again"
+            )
+        try:
+            yield
+        finally:
+            self._writing.release()
 
     def close(self) -> None:
         """Closes every connection."""
         self.engine.dispose()
 
 
-def open_database(url: str) -> Database:
+def open_database(url: str, *, patience_s: float = PATIENCE_S) -> Database:
     """Opens a database, makes it if it does not exist, and migrates it to this version.
 
     Args:
         url: SQLAlchemy address, such as ``sqlite:////var/lib/drivora/drivora.sqlite3``.
+        patience_s: Seconds to wait for the other threads that write, and as long again for other
+            processes.
 
     Raises:
         StoreError: It cannot be opened, or was written by a newer version.
@@ -150,17 +190,17 @@ def open_database(url: str) -> Database:
     with _store_errors():
         engine = create_engine(parsed, pool_size=16, max_overflow=48)
         if engine.dialect.name == "sqlite":
-            event.listen(engine, "connect", _configure_sqlite)
+            event.listen(engine, "connect", partial(_configure_sqlite, patience_s))
             event.listen(engine, "begin", _begin_sqlite)
         try:
             migrate(engine)
         except BaseException:
             engine.dispose()
             raise
-    return Database(engine)
+    return Database(engine, patience_s=patience_s)
 
 
-def _configure_sqlite(connection: sqlite3.Connection, _record: object) -> None:
+def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record: object) -> None:
     # sqlite3 would begin transactions by itself, and too late for consistent reads.
     connection.isolation_level = None
     cursor = connection.cursor()
@@ -169,7 +209,7 @@ def _configure_sqlite(connection: sqlite3.Connection, _record: object) -> None:
         # FULL: what was answered with 202 also survives a loss of power.
         cursor.execute("PRAGMA synchronous = FULL")
         cursor.execute("PRAGMA foreign_keys = ON")
-        cursor.execute(f"PRAGMA busy_timeout = {_BUSY_TIMEOUT_MS}")
+        cursor.execute(f"PRAGMA busy_timeout = {round(1000 * patience_s)}")
         cursor.execute("PRAGMA cache_size = -65536")
     except sqlite3.Error:
         # The pool has not taken it yet, so that nothing else would close it.
@@ -188,5 +228,12 @@ def _begin_sqlite(connection: Connection) -> None:
 def _store_errors() -> Iterator[None]:
     try:
         yield
+    except (OperationalError, PoolTimeoutError) as error:
+        raise StoreUnavailable(f"the database cannot be used now: {_reason(error)}") from error
     except SQLAlchemyError as error:
         raise StoreError(f"the database cannot be used: {error}") from error
+
+
+def _reason(error: SQLAlchemyError) -> str:
+    """Returns what the driver said, without the statement and its values."""
+    return str(error.orig) if isinstance(error, OperationalError) else str(error)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import socket
 from collections.abc import Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
@@ -38,8 +38,11 @@ class WorkerRepository:
 
     def beat(self, owner_id: str, slots: Sequence[SlotState]) -> None:
         """Says that an owner lives and what its slots do."""
+        # An owner that was taken for dead and lives has leases of its own from now on.
         self._session.execute(
-            update(OwnerRow).where(OwnerRow.id == owner_id).values(heartbeat_at=datetime.now(UTC))
+            update(OwnerRow)
+            .where(OwnerRow.id == owner_id)
+            .values(heartbeat_at=datetime.now(UTC), ended_at=None)
         )
         self._session.execute(delete(SlotRow).where(SlotRow.owner_id == owner_id))
         self._session.add_all(
@@ -66,14 +69,15 @@ class WorkerRepository:
         )
         self._session.execute(delete(SlotRow).where(SlotRow.owner_id == owner_id))
 
-    def dead_owners(self, *, me: str, silent_for: timedelta) -> tuple[str, ...]:
-        """Gives the owners other than ``me`` that gave no heartbeat for so long."""
-        query = select(OwnerRow.id).where(
-            OwnerRow.id != me,
-            OwnerRow.ended_at.is_(None),
-            OwnerRow.heartbeat_at <= datetime.now(UTC) - silent_for,
+    def heartbeats(self, *, me: str) -> dict[str, datetime]:
+        """Returns the last heartbeats of the owners other than ``me`` that have not left.
+
+        They are times of the owners' own clocks: fit to see that one is new, not how old it is.
+        """
+        query = select(OwnerRow.id, OwnerRow.heartbeat_at).where(
+            OwnerRow.id != me, OwnerRow.ended_at.is_(None)
         )
-        return tuple(self._session.scalars(query))
+        return {row.id: row.heartbeat_at for row in self._session.execute(query)}
 
     def living(self) -> tuple[OwnerRecord, ...]:
         """Gives the owners that have not left, with their slots."""

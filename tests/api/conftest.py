@@ -108,8 +108,9 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             campaign_folder=lambda campaign_id: CampaignFolder(tmp_path / "campaigns", campaign_id),
             wake=lambda: woken.append(1),
             wake_campaigns=lambda: woken.append(1),
-            worker_fault=lambda: "there are none",
-            campaigns_alive=lambda: False,
+            faults=lambda: {"workers": "there are none"},
+            storage_fault=lambda: "",
+            stopping=lambda: False,
         )
         app = create_api(context)
         url = stack.enter_context(served(app))

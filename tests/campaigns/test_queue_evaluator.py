@@ -11,6 +11,7 @@ from drivora_service.campaigns.evaluator import Answer, Evaluator, EvaluatorCont
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
 from drivora_service.errors import Conflict
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.observations.trace_file import read_trace
@@ -66,7 +67,9 @@ class TestQueue(EvaluatorContract):
             limits=context.limits,
         )
         self.stack.callback(executor.close)
-        dispatcher = Dispatcher(self.database, executor, self.traces, exclusive=True)
+        dispatcher = Dispatcher(
+            self.database, executor, self.traces, Infrastructure({}), exclusive=True
+        )
         dispatcher.start()
         self.stack.callback(dispatcher.stop)
         return QueueEvaluator(

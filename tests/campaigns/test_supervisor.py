@@ -212,7 +212,7 @@ def test_an_engine_that_is_killed_is_started_again(
     lock = service.setup.folder(campaign).path / "lock"
     wait_until(lambda: lock.read_text() not in ("", str(first)))
     assert service.record(campaign).state is RUNNING
-    assert service.supervisor.is_alive
+    assert service.supervisor.fault == ""
 
 
 def test_a_campaign_whose_engine_always_dies_has_failed(

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
@@ -26,7 +27,9 @@ def main(data_dir: Path) -> None:
         perform="tests.execution.worker_tasks:perform",
         warm_up="",
     )
-    dispatcher = Dispatcher(database, executor, TraceFolder(data_dir / "traces"), exclusive=True)
+    traces = TraceFolder(data_dir / "traces")
+    infrastructure = Infrastructure({"database": database.probe})
+    dispatcher = Dispatcher(database, executor, traces, infrastructure, exclusive=True)
     dispatcher.start()
     print("serving", flush=True)
     while any(slot.run_id for slot in executor.slots()) or waiting(database):

@@ -5,20 +5,25 @@ from __future__ import annotations
 import contextlib
 import os
 import random
+import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import Any, cast
 
 import psutil
 import pytest
 
 from drivora_service.execution.dispatcher import Dispatcher
-from drivora_service.execution.executor import Limits
+from drivora_service.execution.executor import Executor, Limits
+from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.supervised import Patience
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import JobFilter, NewRun, Priority
@@ -37,21 +42,33 @@ def database(tmp_path: Path) -> Iterator[Database]:
 
 @contextlib.contextmanager
 def serving(
-    database: Database, tmp_path: Path, *, drain_s: float = 0.0, slots: int = 2
+    database: Database,
+    tmp_path: Path,
+    *,
+    drain_s: float = 0.0,
+    slots: int = 2,
+    wrap: Callable[[LocalExecutor], Executor] = lambda executor: executor,
+    on_fatal: Callable[[str], None] = print,
 ) -> Iterator[Dispatcher]:
     limits = Limits(agent_deadline_s=1.0, memory_bytes=600 << 20)
     folder = tmp_path / "workers"
+    traces = TraceFolder(tmp_path / "traces")
+    infrastructure = Infrastructure(
+        {"database": database.probe, "traces": folder_probe(traces.root)}
+    )
     with LocalExecutor(
         slots=slots, setup=None, folder=folder, limits=limits, perform=TASKS, warm_up=""
     ) as executor:
         dispatcher = Dispatcher(
-            database, executor, TraceFolder(tmp_path / "traces"), exclusive=True
+            database, wrap(executor), traces, infrastructure, exclusive=True, on_fatal=on_fatal
         )
+        infrastructure.start(on_change=dispatcher.wake)
         dispatcher.start()
         try:
             yield dispatcher
         finally:
             dispatcher.stop(drain_s=drain_s)
+            infrastructure.stop()
 
 
 def submit(database: Database, *documents: str) -> tuple[str, ...]:
@@ -200,3 +217,135 @@ def test_nothing_is_lost_or_counted_twice_when_the_server_is_killed(
     assert all(set(outcome[:-1]) <= {"interrupted"} for outcome in outcomes)
     assert sum(len(outcome) - 1 for outcome in outcomes) == interrupted > 0
     assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
+
+
+def outcomes(database: Database, runs: Iterable[str]) -> Counter[str]:
+    with database.read() as transaction:
+        return Counter(a.outcome for run in runs for a in transaction.jobs.attempts(run))
+
+
+def wait_for(condition: Callable[[], bool], *, seconds: float = 60.0) -> None:
+    limit = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.02)
+
+
+def test_a_file_in_the_way_of_the_traces_pauses_the_queue_and_costs_no_run(
+    database: Database, tmp_path: Path
+) -> None:
+    folder = tmp_path / "traces"
+    folder.write_text("in the way")
+    with serving(database, tmp_path) as dispatcher:
+        runs = submit(database, *["sleep 0"] * 10)
+        time.sleep(2.0)
+        assert dispatcher.is_alive
+        assert statuses(database) == {RunStatus.QUEUED: 10}
+        folder.unlink()
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.FINISHED: 10}
+    assert set(outcomes(database, runs)) <= {"finished", "released"}
+
+
+def test_a_run_whose_trace_cannot_be_written_goes_back_unharmed_if_the_storage_is_at_fault(
+    database: Database, tmp_path: Path
+) -> None:
+    folder = tmp_path / "traces"
+    with serving(database, tmp_path) as dispatcher:
+        runs = submit(database, *["writes-trace 0.3"] * 4)
+        wait_until_running(database, 4)
+        shutil.rmtree(folder)
+        folder.write_text("in the way")
+        wait_for(lambda: statuses(database)[RunStatus.QUEUED] == 4)
+        assert dispatcher.is_alive
+        folder.unlink()
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.FINISHED: 4}
+    assert outcomes(database, runs)["infrastructure_failed"] == 0
+    assert outcomes(database, runs)["released"] >= 2
+
+
+def test_a_run_whose_trace_cannot_be_written_to_a_storage_that_is_well_fails_after_three(
+    database: Database, tmp_path: Path
+) -> None:
+    (one, *_) = runs = submit(database, "sleep 0", "sleep 0")
+    (tmp_path / "traces").mkdir()
+    in_the_way = TraceFolder(tmp_path / "traces").path(one).parent
+    in_the_way.write_text("in the way")
+    with serving(database, tmp_path):
+        wait_until_over(database)
+    with database.read() as transaction:
+        reports = transaction.jobs.reports(runs)
+    report = reports[one]
+    assert report.status is RunStatus.INFRASTRUCTURE_FAILED
+    assert report.failure is not None
+    assert report.failure.cause == "trace_not_written"
+    assert outcomes(database, [one]) == {"infrastructure_failed": 3}
+
+
+def test_a_locked_database_loses_no_end(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'drivora.sqlite3'}"
+    database = open_database(url, patience_s=0.2)
+    with serving(database, tmp_path) as dispatcher:
+        runs = submit(database, *["sleep 0.3"] * 6)
+        wait_until_running(database, 4)
+        other = sqlite3.connect(tmp_path / "drivora.sqlite3")
+        other.execute("BEGIN IMMEDIATE")
+        time.sleep(3.0)
+        assert statuses(database)[RunStatus.FINISHED] == 0
+        assert dispatcher.is_alive
+        other.rollback()
+        other.close()
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.FINISHED: 6}
+    assert set(outcomes(database, runs)) <= {"finished", "released"}
+    database.close()
+
+
+class Faulty:
+    """An executor that fails now and then, or always, at what a test chooses."""
+
+    def __init__(self, inner: LocalExecutor, name: str, *, times: int) -> None:
+        self._inner, self._name, self._times = inner, name, times
+
+    def __getattribute__(self, name: str) -> Any:
+        if name.startswith("_"):
+            return object.__getattribute__(self, name)
+        if name == self._name and self._times > 0:
+            self._times -= 1
+            raise RuntimeError(f"{name} failed")
+        return getattr(self._inner, name)
+
+
+@pytest.mark.parametrize("name", ["submit", "wait", "slots", "cancel", "fault", "withdraw"])
+def test_whatever_the_executor_raises_runs_go_on(
+    database: Database, tmp_path: Path, name: str
+) -> None:
+    def wrap(executor: LocalExecutor) -> Executor:
+        return cast("Executor", Faulty(executor, name, times=3))
+
+    with serving(database, tmp_path, wrap=wrap) as dispatcher:
+        hanging, *_ = submit(database, "hangs", *["sleep 0"] * 4)
+        wait_for(lambda: statuses(database)[RunStatus.FINISHED] == 4)
+        with database.write() as transaction:
+            transaction.jobs.cancel(hanging)
+        wait_until_over(database)
+        assert dispatcher.is_alive
+    assert statuses(database) == {RunStatus.FINISHED: 4, RunStatus.CANCELLED: 1}
+
+
+def test_a_dispatcher_that_always_fails_gives_up_and_hands_its_runs_back(
+    database: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Patience, "pause_s", lambda *_: 0.01)
+    told: list[str] = []
+
+    def wrap(executor: LocalExecutor) -> Executor:
+        return cast("Executor", Faulty(executor, "submit", times=10_000))
+
+    with serving(database, tmp_path, wrap=wrap, on_fatal=told.append) as dispatcher:
+        submit(database, *["sleep 0"] * 3)
+        wait_for(lambda: not dispatcher.is_alive)
+        assert "thread" in dispatcher.fault
+    assert "'dispatcher' failed 10 times in a row" in told[0]
+    assert statuses(database) == {RunStatus.QUEUED: 3}

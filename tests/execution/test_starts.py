@@ -17,6 +17,7 @@ import pytest
 from drivora_service.cli.campaign_files import read_campaign_file, shipped_campaigns
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
 from drivora_service.execution.starts import WorkerStarts, pause_s
@@ -151,7 +152,9 @@ def test_runs_stay_queued_and_lose_no_attempt(
             return {job.status for job in transaction.jobs.page(limit=10).items}
 
     with workers(tmp_path, slots=2) as executor:
-        dispatcher = Dispatcher(database, executor, TraceFolder(tmp_path), exclusive=True)
+        dispatcher = Dispatcher(
+            database, executor, TraceFolder(tmp_path), Infrastructure({}), exclusive=True
+        )
         dispatcher.start()
         try:
             wait_for_fault(executor)

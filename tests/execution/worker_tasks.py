@@ -11,7 +11,7 @@ from pathlib import Path
 
 from drivora_service.errors import SimulatorError
 from drivora_service.runs.progress import ProgressBoard
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.simulation.phase import Phase
 
 
@@ -23,6 +23,15 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     match word:
         case "sleep":
             time.sleep(float(argument))
+        case "writes-trace":
+            time.sleep(float(argument))
+            try:
+                Path(spec.trace_path).write_bytes(b"trace")
+            except OSError as error:
+                failure = RunFailure(cause="trace_not_written", message=str(error))
+                return RunReport(
+                    run_id=spec.run_id, status=RunStatus.INFRASTRUCTURE_FAILED, failure=failure
+                )
         case "burn":
             end = time.perf_counter() + float(argument)
             while time.perf_counter() < end:

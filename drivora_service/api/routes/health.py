@@ -1,7 +1,12 @@
-"""Whether the service lives, can take work, and how it does."""
+"""Whether the service lives, can take work, and how it does.
+
+The first two are answered in the event loop from what is known, without a thread and without the
+database, so that they come at once however many clients read and whatever the storage does.
+"""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib.metadata import version
 
 from fastapi import APIRouter, Depends, Response
@@ -12,15 +17,14 @@ from drivora_service.api.documentation import answers, problem_answer
 from drivora_service.api.schemas.service import Check, Health, Readiness
 from drivora_service.api.security import reader
 from drivora_service.api.service_metrics import CONTENT_TYPE, metrics_text
-from drivora_service.errors import StoreError
 
 router = APIRouter(tags=["service"])
 
 
 @router.get("/healthz", response_model=Health, responses=answers(examples.HEALTH))
-def healthz() -> Health:
+async def healthz() -> Health:
     """Answers as long as the process lives."""
-    return Health(status="ok", version=version("drivora"))
+    return Health(status="ok", version=_version())
 
 
 @router.get(
@@ -31,9 +35,11 @@ def healthz() -> Health:
         503: {**answers(examples.NOT_READY)[200], "model": Readiness, "description": "Not ready"},
     },
 )
-def readyz(context: Context, response: Response) -> Readiness:
+async def readyz(context: Context, response: Response) -> Readiness:
     """Answers 200 if runs can be taken and begun and campaigns started, else 503 and why."""
-    checks = (_database(context), _workers(context), _campaigns(context))
+    checks = tuple(
+        Check(name=name, ok=not fault, detail=fault) for name, fault in context.faults().items()
+    )
     ready = all(check.ok for check in checks)
     response.status_code = 200 if ready else 503
     return Readiness(ready=ready, checks=checks)
@@ -59,20 +65,6 @@ def metrics(context: Context) -> Response:
     return Response(metrics_text(context), media_type=CONTENT_TYPE)
 
 
-def _database(context: Context) -> Check:
-    try:
-        with context.database.read() as transaction:
-            transaction.jobs.queued()
-    except StoreError as error:
-        return Check(name="database", ok=False, detail=str(error))
-    return Check(name="database", ok=True, detail="")
-
-
-def _workers(context: Context) -> Check:
-    fault = context.worker_fault()
-    return Check(name="workers", ok=not fault, detail=fault)
-
-
-def _campaigns(context: Context) -> Check:
-    alive = context.campaigns_alive()
-    return Check(name="campaigns", ok=alive, detail="" if alive else "no campaign is started")
+@lru_cache(maxsize=1)
+def _version() -> str:
+    return version("drivora")

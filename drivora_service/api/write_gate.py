@@ -1,0 +1,64 @@
+"""Refuses at once what cannot be stored now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from http import HTTPStatus
+
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from drivora_service.api.problems import problem_response
+
+RETRY_AFTER = {"Retry-After": "5"}
+"""What a client is told that shall come again when a fault may be over."""
+
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class WriteGate:
+    """ASGI middleware: 503 for requests that change something while nothing can be stored.
+
+    It knows that without a thread and without the database, so that a fault which lasts makes
+    nobody wait. Validating is always possible. Giving up and pausing is tried even then: it needs
+    less than what is refused, and may be the way out.
+    """
+
+    def __init__(
+        self, app: ASGIApp, *, storage_fault: Callable[[], str], stopping: Callable[[], bool]
+    ) -> None:
+        """Takes what knows.
+
+        Args:
+            app: What serves the requests that pass.
+            storage_fault: Returns why nothing can be stored and what to do, "" if it can.
+            stopping: Whether the service takes no more work because it is being stopped.
+        """
+        self._app, self._storage_fault, self._stopping = app, storage_fault, stopping
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serves a request."""
+        detail = ""
+        if scope["type"] == "http" and scope["method"] not in _SAFE_METHODS:
+            detail = self._refusal(scope["path"])
+        if not detail:
+            await self._app(scope, receive, send)
+            return
+        # The rest of the body, so that the client reads the answer instead of losing it.
+        message = await receive()
+        while message["type"] == "http.request" and message.get("more_body", False):
+            message = await receive()
+        response = problem_response(
+            HTTPStatus.SERVICE_UNAVAILABLE, detail, instance=scope["path"], headers=RETRY_AFTER
+        )
+        await response(scope, receive, send)
+
+    def _refusal(self, path: str) -> str:
+        action = path.rpartition(":")[2]
+        if action == "validate":
+            return ""
+        if self._stopping():
+            return "the service is being stopped and takes no more work; ask again later"
+        if action in ("cancel", "pause"):
+            return ""
+        fault = self._storage_fault()
+        return f"nothing can be stored now: {fault}" if fault else ""

@@ -1,0 +1,173 @@
+"""Whether what every run needs can be written: a fault of that is no run's."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import structlog
+
+from drivora_service.errors import StoreError
+from drivora_service.execution.supervised import SupervisedThread
+from drivora_service.fault_log import FaultLog
+
+Probe = Callable[[], None]
+"""Tries to write; raises ``OSError`` or ``StoreError`` if that is not possible."""
+
+_WELL_S = 5.0
+_FAULTY_S = (0.5, 1.0, 2.0, 4.0, 5.0)
+"""Pauses between the probes while nothing is wrong, and after a fault was found."""
+
+_SILENT_S = 30.0
+"""Seconds after which a probe that has not come back counts as failed: a network drive hangs."""
+
+_FREE_BYTES = 16 << 20
+_FREE_SHARE = 0.25
+"""What must be free on a volume for a trace: so many bytes, or this share of a smaller volume."""
+
+_WRITTEN = bytes(64 << 10)
+
+_log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """What a probe has found.
+
+    Attributes:
+        name: Of what it tries, such as ``traces``.
+        fault: What is wrong and what to do, "" if nothing is.
+    """
+
+    name: str
+    fault: str
+
+
+class Infrastructure:
+    """Probes, in a thread, what the service writes to; answers are kept. Safe for several threads.
+
+    While anything is wrong no run is begun, and none that fails of it is counted as failed.
+    """
+
+    def __init__(
+        self, probes: Mapping[str, Probe], *, on_fatal: Callable[[str], None] = lambda _: None
+    ) -> None:
+        """Begins with no fault.
+
+        Args:
+            probes: What to try, by the name under which it is reported.
+            on_fatal: Told why the thread has given up.
+        """
+        self._probes = dict(probes)
+        self._found = dict.fromkeys(self._probes, "")
+        self._on_change: Callable[[], None] = lambda: None
+        self._faults = FaultLog(_log)
+        self._probing = threading.Lock()
+        self._begun_at: float | None = None
+        self._failures = 0
+        self._again = threading.Event()
+        self._thread = SupervisedThread("infrastructure", self._turn, on_fatal=on_fatal)
+
+    @property
+    def fault(self) -> str:
+        """What is wrong and what to do, "" if nothing is; answered from what was found last."""
+        return "; ".join(f"{c.name}: {c.fault}" for c in self.conditions() if c.fault)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Returns what was found last, one for each probe."""
+        begun = self._begun_at
+        silent = begun is not None and time.monotonic() - begun > _SILENT_S
+        hung = f"writing has not ended for {_SILENT_S:g} s; look at its disk" if silent else ""
+        return tuple(
+            Condition(name=name, fault=fault or hung) for name, fault in self._found.items()
+        )
+
+    def confirm_now(self) -> str:
+        """Probes at once, in the calling thread.
+
+        Returns:
+            The fault; "" if everything can be written.
+        """
+        if self._probe():
+            # The thread shall look again soon, and not only when it would have.
+            self._again.set()
+        return self.fault
+
+    def start(self, *, on_change: Callable[[], None]) -> None:
+        """Starts the thread.
+
+        Args:
+            on_change: Called, from any thread that probes, when a fault has come or gone.
+        """
+        self._on_change = on_change
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Ends the thread; one that hangs in a probe is left behind."""
+        self._thread.stop()
+        self._again.set()
+        self._thread.join(1.0)
+
+    def _probe(self) -> bool:
+        """Tries everything; says whether a fault has come or gone."""
+        with self._probing:
+            before = any(self._found.values())
+            self._begun_at = time.monotonic()
+            try:
+                for name, probe in self._probes.items():
+                    self._found[name] = self._try(name, probe)
+            finally:
+                self._begun_at = None
+            found = any(self._found.values())
+            self._failures = self._failures + 1 if found else 0
+        if found != before:
+            self._on_change()
+        return found != before
+
+    def _turn(self) -> None:
+        self._again.clear()
+        self._probe()
+        failures = self._failures
+        pause = _FAULTY_S[min(failures, len(_FAULTY_S)) - 1] if failures else _WELL_S
+        self._again.wait(pause)
+
+    def _try(self, name: str, probe: Probe) -> str:
+        try:
+            probe()
+        except (OSError, StoreError) as error:
+            self._faults.error(f"{name}_not_writable", reason=str(error))
+            return str(error)
+        self._faults.over(f"{name}_not_writable", f"{name}_writable_again")
+        return ""
+
+
+def folder_probe(folder: Path) -> Probe:
+    """Returns a probe that writes a file into a folder, and makes the folder if it is gone."""
+
+    def probe() -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            volume = os.statvfs(folder)
+            free = volume.f_bavail * volume.f_frsize
+            needed = min(_FREE_BYTES, int(_FREE_SHARE * volume.f_blocks * volume.f_frsize))
+            path = folder / f".probe.{os.getpid()}"
+            try:
+                path.write_bytes(_WRITTEN)
+            finally:
+                path.unlink(missing_ok=True)
+        except OSError as error:
+            raise OSError(
+                f"nothing can be written to {folder}: {error.strerror or error}; make it a folder "
+                "that can be written to, with free space"
+            ) from error
+        if free < needed:
+            raise OSError(
+                f"only {free >> 10} KiB are free for {folder}; a run needs {needed >> 10} KiB: "
+                "`drivora store prune` removes old runs"
+            )
+
+    return probe

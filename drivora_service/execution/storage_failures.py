@@ -1,0 +1,51 @@
+"""Ends of runs that the storage may have caused, and reports of ends that it did cause."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+
+TRACE_NOT_WRITTEN = "trace_not_written"
+"""Cause of a run whose trace could not be written."""
+
+_SIGNS = ("No space left on device", "Disk quota exceeded", "Read-only file system")
+"""What the operating system says of a storage that takes nothing, in the message of any failure."""
+
+
+def may_be_storage(report: RunReport) -> bool:
+    """Whether a probe of the storage is to decide if this is the run's own end.
+
+    So is an agent that raised because nothing could be written to its log.
+    """
+    if report.status is RunStatus.INFRASTRUCTURE_FAILED:
+        return True
+    failure = report.failure
+    return failure is not None and any(sign in failure.message for sign in _SIGNS)
+
+
+def unpreparable_trace(spec: RunSpec, error: OSError) -> AttemptEnd:
+    """Returns the end of a run that was not begun because its trace has no folder."""
+    now = datetime.now(UTC)
+    report = RunReport(
+        run_id=spec.run_id,
+        status=RunStatus.INFRASTRUCTURE_FAILED,
+        failure=RunFailure(
+            cause=TRACE_NOT_WRITTEN,
+            message=f"the folder of the run's trace cannot be made: {error}",
+        ),
+    )
+    return AttemptEnd(report=report, worker="", started=now, ended=now)
+
+
+def unwritable_report(report: RunReport, error: Exception) -> RunReport:
+    """Returns what is stored of a run whose report cannot be."""
+    return RunReport(
+        run_id=report.run_id,
+        status=RunStatus.INFRASTRUCTURE_FAILED,
+        failure=RunFailure(
+            cause="unwritable_report",
+            message=f"the report of the {report.status} run cannot be stored: {error!r}"[:500],
+        ),
+    )
