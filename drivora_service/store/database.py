@@ -228,10 +228,18 @@ def _begin_sqlite(connection: Connection) -> None:
 def _store_errors() -> Iterator[None]:
     try:
         yield
-    except (OperationalError, PoolTimeoutError) as error:
-        raise StoreUnavailable(f"the database cannot be used now: {_reason(error)}") from error
     except SQLAlchemyError as error:
+        if _passes(error):
+            raise StoreUnavailable(f"the database cannot be used now: {_reason(error)}") from error
         raise StoreError(f"the database cannot be used: {error}") from error
+
+
+def _passes(error: SQLAlchemyError) -> bool:
+    """Whether an error is due to what the database lies on, or to others who use it."""
+    if not isinstance(error, OperationalError):
+        return isinstance(error, PoolTimeoutError)
+    # SQLite reports a wrong statement by the same class, as plain SQLITE_ERROR.
+    return getattr(error.orig, "sqlite_errorname", "") != "SQLITE_ERROR"
 
 
 def _reason(error: SQLAlchemyError) -> str:
