@@ -224,6 +224,14 @@ class AgentCatalogue:
                 log="".join(traceback.format_exception(error))[-4000:],
             ) from error
 
+    def is_in_process(self, name: str) -> bool:
+        """Tells whether the code of an agent runs in the process that makes it.
+
+        Raises:
+            AgentError: If its manifest cannot be used.
+        """
+        return self._manifest(name) is None
+
     def begin_run(self) -> None:
         """Takes back the ADSs of the last run, whose agents are not used any more."""
         if self._hosts is not None:

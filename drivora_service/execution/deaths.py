@@ -39,12 +39,7 @@ def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> R
     A signal from outside, such as the kernel's when memory is short, is nobody's.
     """
     name = signal_name(exit_code)
-    in_agent = progress.phase is Phase.IN_AGENT
-    place = (
-        f"in the agent of ego number {progress.ego} at {progress.call}"
-        if in_agent
-        else f"while {progress.phase.name.lower()}, at step {progress.step}"
-    )
+    in_agent, place = progress.phase is Phase.IN_AGENT, _place(progress)
     if name and -exit_code not in _CRASHES:
         return report_loss(run_id, f"the worker was ended by {name} {place}", log)
     how = f"died of {name}" if name else f"exited with code {exit_code}"
@@ -57,6 +52,33 @@ def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> R
             log=log,
         ),
     )
+
+
+def report_breach(run_id: str, what: str, progress: Progress, log: str) -> RunReport:
+    """Makes the report of a run whose worker sent something that no worker sends.
+
+    Args:
+        run_id: The run.
+        what: What was found.
+        progress: Where the worker was.
+        log: The last lines of its log.
+    """
+    in_agent = progress.phase is Phase.IN_AGENT
+    return RunReport(
+        run_id=run_id,
+        status=RunStatus.AGENT_FAILED if in_agent else RunStatus.INFRASTRUCTURE_FAILED,
+        failure=RunFailure(
+            cause="worker_protocol",
+            message=f"the worker broke the protocol {_place(progress)}: {what}",
+            log=log,
+        ),
+    )
+
+
+def _place(progress: Progress) -> str:
+    if progress.phase is Phase.IN_AGENT:
+        return f"in the agent of ego number {progress.ego} at {progress.call}"
+    return f"while {progress.phase.name.lower()}, at step {progress.step}"
 
 
 def report_loss(run_id: str, message: str, log: str) -> RunReport:

@@ -17,11 +17,12 @@ class Limits:
     Attributes:
         wall_time_s: Seconds a run may take.
         agent_deadline_s: Seconds one call of an agent may take.
-        memory_bytes: Resident memory a worker process may have.
+        memory_bytes: Resident memory a worker process may have, with all that was started in it.
         runs_per_worker: Runs after which a worker process is replaced, against leaks in code under
             test; the simulator has none worth mentioning, and a start costs seconds.
         start_s: Seconds a new worker process may take until it is ready; the first one of an
             installation compiles.
+        log_bytes: Size beyond which all but the end of a worker's log is dropped.
     """
 
     wall_time_s: float = 600.0
@@ -29,6 +30,7 @@ class Limits:
     memory_bytes: int = 2 << 30
     runs_per_worker: int = 2000
     start_s: float = 300.0
+    log_bytes: int = 8 << 20
 
 
 class Executor(Protocol):

@@ -27,6 +27,9 @@ ENVIRONMENT = {
 }
 """Environment variables with which every process must be started."""
 
+_TOLD_S = 0.2
+"""Seconds within which a fork server tells the end of a process."""
+
 _log = structlog.get_logger(__name__)
 
 # With each start, multiprocessing looks at all the processes there are. Of two threads that look at
@@ -99,3 +102,12 @@ def kill_process(process: BaseProcess) -> None:
     with _looking:
         process.join()
         process.close()
+
+
+def forget_process(process: BaseProcess) -> None:
+    """Lets go of a process that has ended; if that is not known yet, of nothing."""
+    # Where the fork server is stopped, it does not tell the end of its children.
+    if wait([process.sentinel], _TOLD_S):
+        with _looking:
+            process.join()
+            process.close()

@@ -12,7 +12,7 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.fork_server import prepare_processes
 from drivora_service.execution.slot import Slot
 from drivora_service.execution.starts import WorkerStarts
-from drivora_service.execution.worker import PERFORM, WARM_UP, WorkerFiles
+from drivora_service.execution.worker import PERFORM, WARM_UP
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
@@ -37,7 +37,7 @@ class LocalExecutor:
         Args:
             slots: Worker processes.
             setup: What every worker is told; must be picklable.
-            folder: For the workers' logs and progress; made if it does not exist.
+            folder: For the workers' logs; made if it does not exist.
             limits: What a worker may use.
             perform: What does a run, as ``module:function``; see ``execution.worker.Perform``.
             warm_up: What gets a worker ready, as ``module:function``, or "" for nothing.
@@ -60,10 +60,7 @@ class LocalExecutor:
                 perform=perform,
                 warm_up=warm_up,
                 setup=setup,
-                files=WorkerFiles(
-                    log=folder / f"{name}.log",
-                    board=folder / f"{name}.board",
-                ),
+                log=folder / f"{name}.log",
                 limits=limits,
                 starts=self._starts,
                 source=self,

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
 import fcntl
 import multiprocessing
 import os
 import platform
 import signal
 import threading
+from collections.abc import Sequence
 from multiprocessing.connection import wait
+
+_PR_SET_PDEATHSIG = 1
 
 
 def die_with_parent() -> None:
@@ -31,9 +35,28 @@ def die_with_parent() -> None:
         if wait([parent.sentinel], 0):
             os._exit(1)
         return
+    _die_when_ready([parent.sentinel])
 
+
+def die_with_keeper(keeper: int, lifeline: int) -> None:
+    """Arranges that this process, a worker, is killed when its keeper dies or the server does.
+
+    Args:
+        keeper: Process id of the keeper, which has forked this process.
+        lifeline: The reading end of a pipe of which only the keeper holds the other.
+    """
+    if platform.system() == "Linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
+        if os.getppid() != keeper:
+            os._exit(1)
+    else:
+        _die_when_ready([lifeline])
+    die_with_parent()
+
+
+def _die_when_ready(files: Sequence[int]) -> None:
     def watch() -> None:
-        wait([parent.sentinel])
+        wait(files)
         os._exit(1)
 
     threading.Thread(target=watch, name="parent-watch", daemon=True).start()

@@ -8,20 +8,27 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Protocol
 
 import structlog
 
-from drivora_service.execution.child import Child, NotReadyError, WorkerDiedError
-from drivora_service.execution.deaths import report_death, report_loss, signal_name
+from drivora_service.execution.channel import ProtocolError
+from drivora_service.execution.child import Child, NotReadyError
+from drivora_service.execution.deaths import (
+    report_breach,
+    report_death,
+    report_loss,
+    signal_name,
+)
 from drivora_service.execution.executor import Limits
+from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
 from drivora_service.execution.starts import WorkerStarts
-from drivora_service.execution.watch import Watch
-from drivora_service.execution.worker import WorkerFiles
+from drivora_service.execution.watch import Look, Watch
+from drivora_service.execution.worker import WorkerTask
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
-from drivora_service.runs.progress import Progress
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.simulation.phase import Phase
 
@@ -63,7 +70,7 @@ class Slot:
         perform: str,
         warm_up: str,
         setup: object,
-        files: WorkerFiles,
+        log: Path,
         limits: Limits,
         starts: WorkerStarts,
         source: Source,
@@ -73,13 +80,8 @@ class Slot:
         self.name = name
         self._limits, self._starts = limits, starts
         self._source, self._sink = source, sink
-        self._child = Child(
-            perform=perform,
-            warm_up=warm_up,
-            setup=setup,
-            files=files,
-            runs_per_worker=limits.runs_per_worker,
-        )
+        task = WorkerTask(perform=perform, warm_up=warm_up, setup=setup)
+        self._child = Child(task, log=log, limits=limits)
         self._run_id = ""
         self._runs = 0
         self._last_crash = ""
@@ -92,14 +94,14 @@ class Slot:
     def state(self) -> SlotState:
         """Returns what the slot does; never raises."""
         child = self._child
-        progress = child.progress()
+        progress, process = child.progress(), child.reading()
         return SlotState(
             name=self.name,
             pid=child.pid,
             run_id=self._run_id,
-            phase="starting" if progress is None else progress.phase.name.lower(),
-            step=0 if progress is None else progress.step,
-            memory_bytes=child.memory_bytes(),
+            phase=progress.phase.name.lower() if child.ready else "starting",
+            step=progress.step,
+            memory_bytes=0 if process is None else process.memory_bytes,
             runs=self._runs,
             restarts=max(child.restarts, 0),
             last_crash=self._last_crash,
@@ -128,7 +130,7 @@ class Slot:
                 if self._closing.wait(self._starts.failed(self.name, repr(error), certain=False)):
                     break
         try:
-            child.end()
+            child.close()
         except Exception as error:
             self._say("worker_not_ended", error)
 
@@ -149,7 +151,7 @@ class Slot:
             spec = self._source.take()
             if spec is None:
                 return
-            if not child.lives:
+            if not child.is_idle:
                 # It died while it had nothing to do, which is no run's fault.
                 self._source.put_back(spec)
                 child.end()
@@ -157,6 +159,20 @@ class Slot:
             self._unsent = self._attempt(child, spec)
             self._sink(self._unsent)
             self._unsent = None
+            if child.ready and not child.worn:
+                self._look_for_strangers(child, spec.run_id)
+
+    def _look_for_strangers(self, child: Child, run_id: str) -> None:
+        """Retires a worker in which a run has left processes behind: they end with it."""
+        try:
+            strangers = child.strangers()
+        except KeeperLostError as error:
+            self._last_crash = str(error)
+            child.retire()
+            return
+        if strangers:
+            child.log.note(f"run {run_id} left processes behind: {', '.join(strangers)}")
+            child.retire()
 
     def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
         """Performs an attempt; always returns its end, so that no run is lost here."""
@@ -172,6 +188,8 @@ class Slot:
             self._last_crash = f"the worker process was lost: {error!r}"
             with contextlib.suppress(Exception):
                 child.end()
+        if _leaves_a_mark(report, in_process=child.progress().in_process):
+            child.retire()
         self._run_id = ""
         self._runs += 1
         return AttemptEnd(
@@ -184,31 +202,44 @@ class Slot:
 
     def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport, int]:
         """Has the worker do a run; returns the report and the exit code of a worker that died."""
-        log_begin = child.log_size()
+        exit_code = 0
         try:
             child.begin(spec)
-            return self._supervise(child, spec.run_id, log_begin), 0
+            return self._supervise(child, spec.run_id), 0
         except WorkerDiedError as death:
-            log = child.log_tail(log_begin)
-            report = report_death(spec.run_id, death.exit_code, _progress(child), log)
-            self._last_crash = "" if report.failure is None else report.failure.message
-            child.end()
-            return report, death.exit_code
+            exit_code = death.exit_code
+            report = report_death(spec.run_id, exit_code, child.progress(), child.log.tail())
+        except KeeperLostError as error:
+            report = report_loss(spec.run_id, str(error), child.log.tail())
+        except ProtocolError as error:
+            report = report_breach(spec.run_id, str(error), child.progress(), child.log.tail())
+        self._last_crash = "" if report.failure is None else report.failure.message
+        child.end()
+        return report, exit_code
 
-    def _supervise(self, child: Child, run_id: str, log_begin: int) -> RunReport:
+    def _supervise(self, child: Child, run_id: str) -> RunReport:
         begun = time.monotonic()
         watch = Watch(self._limits, now=begun)
         while True:
-            report = child.wait(_POLL_S)
+            report = child.wait(run_id, _POLL_S)
             if report is not None:
+                if child.progress().phase is Phase.IN_AGENT:
+                    raise ProtocolError("a report that came while an agent was called")
                 return report
-            now = time.monotonic()
             if self._closing.is_set() or self._source.is_cancelled(run_id):
                 child.end()
                 return cancelled_report(run_id)
-            breach = watch.check(_progress(child), child.memory_bytes(), now=now)
+            now = time.monotonic()
+            breach = watch.check(
+                Look(
+                    progress=child.progress(),
+                    process=child.reading(),
+                    family_memory=child.family_memory(),
+                    now=now,
+                )
+            )
             if breach is not None:
-                failure = replace(breach.failure, log=child.log_tail(log_begin))
+                failure = replace(breach.failure, log=child.log.tail())
                 child.end()
                 return RunReport(
                     run_id=run_id,
@@ -216,6 +247,7 @@ class Slot:
                     wall_time_s=now - begun,
                     failure=failure,
                 )
+            child.log.cut()
 
     def _start(self, child: Child) -> None:
         """Starts a worker, as often as it takes until one is ready or the slot ends."""
@@ -232,7 +264,7 @@ class Slot:
             except NotReadyError as error:
                 reason, certain = str(error), True
             except WorkerDiedError as death:
-                last = child.log_tail(0).rpartition("\n")[2]
+                last = child.log.tail().rpartition("\n")[2]
                 reason = f"{death} before it was ready: {last or 'its log is empty'}"
             except Exception as error:
                 # The system is short of processes or memory, which passes; the slot must not.
@@ -249,9 +281,17 @@ class Slot:
         return False
 
 
-def _progress(child: Child) -> Progress:
-    """Returns what a worker that was started shows of its progress."""
-    progress = child.progress()
-    return (
-        Progress(phase=Phase.IDLE, step=0, ego=0, run_counter=0) if progress is None else progress
-    )
+def _leaves_a_mark(report: RunReport, *, in_process: bool) -> bool:
+    """Tells whether a run may have left the worker in a state that no other run should find.
+
+    Args:
+        report: How the run ended.
+        in_process: Whether agents were made in the worker process.
+    """
+    match report.status:
+        case RunStatus.FINISHED:
+            return False
+        case RunStatus.INVALID | RunStatus.AGENT_FAILED:
+            return in_process
+        case _:
+            return True

@@ -1,13 +1,46 @@
-"""The limits of a run, checked from outside while it goes on."""
+"""The limits of a run, checked from outside while it goes on.
+
+A worker may be slow through no fault of its code: stopped by a signal, waiting for memory that was
+swapped out, crowded out by other processes, or seen late because the server was. So what counts
+against an agent is the time that the worker itself has had: the seconds in which it slept, which
+is up to its code, and the processor time that it used otherwise.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from drivora_service.execution.executor import Limits
+from drivora_service.execution.processes import ProcessReading
 from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunFailure, RunStatus
 from drivora_service.simulation.phase import Phase
+
+_LONGEST_GAP_S = 1.0
+"""Seconds between two looks that count; more means that the server itself was held up."""
+
+_OWN_SHARE = 0.5
+"""Share of its wall time that a run must have had itself to be too long by its own doing."""
+
+_SLEEPING = frozenset("SIKWPXx")
+"""States in ``proc(5)`` in which a process waits because its code does; R, D, T and t are not."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """A worker in a run, seen at one moment.
+
+    Attributes:
+        progress: What it shows.
+        process: What the system tells of it, ``None`` if that is not known.
+        family_memory: Bytes of memory of what was started in it.
+        now: Seconds of a monotonic clock.
+    """
+
+    progress: Progress
+    process: ProcessReading | None
+    family_memory: int = 0
+    now: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,53 +54,96 @@ class Breach:
 class Watch:
     """Watches one run.
 
-    A run that is too long is timed out. An agent that stays in one call for too long has failed.
-    Memory is laid to the agent if it was seen growing past the limit within a call of it, and to
-    the simulator otherwise.
+    A run that is too long is timed out, or was stopped if it had little of that time itself. An
+    agent that stays in one call for too long has failed. Memory is attributed to the agent if the
+    worker was seen beyond the limit within a call of it, or through processes that it started, and
+    to the simulator otherwise.
     """
 
     def __init__(self, limits: Limits, *, now: float) -> None:
         """Begins at ``now``, in seconds of a monotonic clock."""
         self._limits = limits
-        self._begun = now
+        self._last = now
+        self._cpu_s: float | None = None
+        self._passed = self._own = 0.0
         self._seen: Progress | None = None
-        self._seen_since = now
+        self._in_call = 0.0
 
-    def check(self, progress: Progress, memory_bytes: int, *, now: float) -> Breach | None:
-        """Looks at a reading taken ``now``; gives the first limit that is broken."""
-        if progress != self._seen:
-            self._seen, self._seen_since = progress, now
-        in_agent = progress.phase is Phase.IN_AGENT
-        if memory_bytes > self._limits.memory_bytes:
-            return self._memory_breach(progress, memory_bytes)
-        if in_agent and now - self._seen_since > self._limits.agent_deadline_s:
+    def check(self, look: Look) -> Breach | None:
+        """Takes a look into account; returns the first limit that is broken."""
+        own = self._account(look)
+        if look.progress != self._seen:
+            self._seen, self._in_call = look.progress, 0.0
+        else:
+            self._in_call += own
+        in_agent = look.progress.phase is Phase.IN_AGENT
+        resident = 0 if look.process is None else look.process.memory_bytes
+        if resident + look.family_memory > self._limits.memory_bytes:
+            return self._memory_breach(look, resident)
+        if in_agent and self._in_call > self._limits.agent_deadline_s:
             return Breach(
                 status=RunStatus.AGENT_FAILED,
                 failure=RunFailure(
                     cause="agent_hung",
-                    message=f"the agent of ego number {progress.ego} did not return from "
-                    f"{progress.call} within {self._limits.agent_deadline_s:g} s",
+                    message=f"the agent of ego number {look.progress.ego} did not return from "
+                    f"{look.progress.call} within {self._limits.agent_deadline_s:g} s",
                 ),
             )
-        if now - self._begun > self._limits.wall_time_s:
-            return Breach(
-                status=RunStatus.TIMED_OUT,
-                failure=RunFailure(
-                    cause="wall_time_limit",
-                    message=f"the run did not end within {self._limits.wall_time_s:g} s; it was "
-                    f"{_where(progress)}",
-                ),
-            )
+        if self._passed > self._limits.wall_time_s:
+            return self._time_breach(look.progress)
         return None
 
-    def _memory_breach(self, progress: Progress, memory_bytes: int) -> Breach:
-        in_agent = progress.phase is Phase.IN_AGENT
+    def _account(self, look: Look) -> float:
+        """Returns the seconds since the last look that the worker had itself."""
+        elapsed = max(0.0, look.now - self._last)
+        passed = min(elapsed, _LONGEST_GAP_S)
+        process = look.process
+        if process is None or process.state in _SLEEPING:
+            own = passed
+        else:
+            # Several threads may have used more than there was.
+            own = 0.0 if self._cpu_s is None else min(process.cpu_s - self._cpu_s, elapsed)
+        self._last = look.now
+        self._cpu_s = self._cpu_s if process is None else process.cpu_s
+        self._passed += passed
+        self._own += own
+        return own
+
+    def _time_breach(self, progress: Progress) -> Breach:
+        limit = self._limits.wall_time_s
+        if self._own < _OWN_SHARE * limit:
+            return Breach(
+                status=RunStatus.INFRASTRUCTURE_FAILED,
+                failure=RunFailure(
+                    cause="worker_stopped",
+                    message=f"the worker was stopped or held up: of {limit:g} s it had "
+                    f"{self._own:.3g} s itself; it was {_where(progress)}",
+                ),
+            )
         return Breach(
-            status=RunStatus.AGENT_FAILED if in_agent else RunStatus.SIMULATOR_CRASHED,
+            status=RunStatus.TIMED_OUT,
+            failure=RunFailure(
+                cause="wall_time_limit",
+                message=f"the run did not end within {limit:g} s; it was {_where(progress)}",
+            ),
+        )
+
+    def _memory_breach(self, look: Look, resident: int) -> Breach:
+        limit = self._limits.memory_bytes
+        started = resident <= limit
+        by_agent = started or look.progress.phase is Phase.IN_AGENT
+        grown = (
+            f"the worker grew to {resident >> 20} MiB and the processes that were started in it to "
+            f"{look.family_memory >> 20} MiB"
+            if look.family_memory
+            else f"the worker grew to {resident >> 20} MiB"
+        )
+        return Breach(
+            status=RunStatus.AGENT_FAILED if by_agent else RunStatus.SIMULATOR_CRASHED,
             failure=RunFailure(
                 cause="memory_limit",
-                message=f"the worker grew to {memory_bytes >> 20} MiB, beyond the limit of "
-                f"{self._limits.memory_bytes >> 20} MiB; it was {_where(progress)}",
+                message=f"{grown}, beyond the limit of {limit >> 20} MiB; "
+                f"it was {_where(look.progress)}",
             ),
         )
 

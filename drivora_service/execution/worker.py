@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import faulthandler
 import os
+import pickle
 import pkgutil
+import socket
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from pathlib import Path
 
 from drivora_service.errors import DrivoraError, SimulatorError
-from drivora_service.execution.parent_death import die_with_parent
+from drivora_service.execution.channel import ChannelClosedError, Frame, Kind, receive, send
+from drivora_service.execution.messages import NotReady, frame_of, frame_of_report
 from drivora_service.runs.lifecycle import SIMULATOR_ERROR
 from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.simulation.phase import Phase
 
 Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
 """What does a run: given the spec, the worker's set-up and the board on which to show progress."""
@@ -32,75 +34,54 @@ WARM_UP = "drivora_service.runs.warm_up:warm_up"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WorkerFiles:
-    """The files by which a worker and its slot know of each other.
+class WorkerTask:
+    """What a worker does.
 
     Attributes:
-        log: Takes everything that the worker process prints.
-        board: See :class:`ProgressBoard`.
+        perform: The :data:`Perform` to use, as ``module:function``.
+        warm_up: What to call first, or "" for nothing.
+        setup: What it gets with every run; must be picklable.
     """
 
-    log: Path
-    board: Path
+    perform: str
+    warm_up: str
+    setup: object
 
 
-@dataclass(frozen=True, slots=True)
-class Ready:
-    """What a worker sends when it has been set up."""
-
-
-@dataclass(frozen=True, slots=True)
-class NotReady:
-    """What a worker sends instead when it cannot be set up; it ends then.
-
-    Attributes:
-        reason: What was found and, where it is known, what to do.
-    """
-
-    reason: str
-
-
-def serve(
-    channel: Connection, perform: str, warm_up: str, setup: object, files: WorkerFiles
-) -> None:
+def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
     """Is the worker: does the runs that come through the channel until that is closed.
 
-    Sends :class:`Ready` once, and then the report of each run; or :class:`NotReady`, and ends.
+    Sends that it is ready once, and then the report of each run; or why it is not, and returns.
 
     Args:
         channel: The worker's end of the connection with its slot.
-        perform: The :data:`Perform` to use, as ``module:function``.
-        warm_up: What to call first, or "" for nothing.
-        setup: What it gets with every run.
-        files: Where to log and to show progress.
+        board_file: Descriptor of the memory in which to show progress.
+        task: What to do.
     """
-    die_with_parent()
-    # A session of its own: an interrupt typed at a terminal is the server's to handle, and whatever
-    # an agent starts can be ended together with the worker.
-    os.setsid()
-    log = os.open(files.log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-    os.dup2(log, 1)
-    os.dup2(log, 2)
-    os.close(log)
     faulthandler.enable()
-    board = ProgressBoard(files.board)
-    board.cells[:] = 0
+    board = ProgressBoard(board_file)
+    os.close(board_file)
     try:
-        if warm_up:
-            pkgutil.resolve_name(warm_up)(setup)
-        do: Perform = pkgutil.resolve_name(perform)
+        if task.warm_up:
+            pkgutil.resolve_name(task.warm_up)(task.setup)
+        do: Perform = pkgutil.resolve_name(task.perform)
     except Exception as error:
         traceback.print_exc()
         known = isinstance(error, DrivoraError)
-        channel.send(NotReady(str(error) if known else f"{type(error).__name__}: {error}"))
+        reason = str(error) if known else f"{type(error).__name__}: {error}"
+        send(channel, frame_of(NotReady(reason=reason)))
         return
-    channel.send(Ready())
+    send(channel, Frame(Kind.READY))
     while True:
         try:
-            spec = channel.recv()
-        except EOFError:
+            frame = receive(channel)
+        except ChannelClosedError:
             return
-        channel.send(_work(do, spec, setup, board))
+        spec: RunSpec = pickle.loads(frame.body)
+        report = _work(do, spec, task.setup, board)
+        # A report that comes while an agent is called is not the worker's own.
+        board.cells[0] = Phase.IDLE
+        send(channel, frame_of_report(report))
 
 
 def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:

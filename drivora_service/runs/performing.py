@@ -36,7 +36,7 @@ from drivora_service.oracles.catalogue import default_oracles, judge_all
 from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.runs.integrity import judging_code, sentence
 from drivora_service.runs.measuring import make_feedback, measure_run
-from drivora_service.runs.progress import ProgressBoard
+from drivora_service.runs.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import from_canonical
@@ -103,9 +103,9 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     Raises:
         SimulatorError: If SUMO itself fails; the slot records it as a crash.
     """
-    cells = np.zeros(4, dtype=np.int64) if board is None else board.cells
+    cells = np.zeros(BOARD_CELLS, dtype=np.int64) if board is None else board.cells
     cells[3] += 1
-    cells[1] = cells[2] = 0
+    cells[1] = cells[2] = cells[4] = 0
     cells[0] = Phase.PREPARING
     course = _Course(started=time.perf_counter(), versions=_versions())
     try:
@@ -152,6 +152,7 @@ def _perform(
         rules = (oracle.name for oracle in installed)
         course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
+    cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else make_feedback(spec.feedback)
     episode = Episode(

@@ -115,7 +115,7 @@ def test_a_hung_agent_is_named(start: Start, document: str) -> None:
 
 
 def test_a_run_that_hangs_elsewhere_is_timed_out(start: Start) -> None:
-    executor = start(limits=replace(LIMITS, wall_time_s=0.3))
+    executor = start(limits=replace(LIMITS, wall_time_s=1.5))
     report = run(executor, "hangs").report
     assert (report.status, failure_of(report).cause) == (RunStatus.TIMED_OUT, "wall_time_limit")
     assert_usable(executor)
@@ -173,7 +173,7 @@ def test_workers_are_recycled(start: Start) -> None:
 
 
 def test_a_log_does_not_grow_for_ever(start: Start, tmp_path: Path) -> None:
-    executor = start()
+    executor = start(limits=replace(LIMITS, log_bytes=1 << 20))
     assert_usable(executor)
     with (tmp_path / "slot-0.log").open("a") as log:
         log.write("much\n" * 1_000_000)

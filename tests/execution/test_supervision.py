@@ -108,11 +108,11 @@ def test_slots_can_be_looked_at_where_nothing_reaps_orphans(
 
 
 def test_an_unknown_phase_harms_no_look(executor: LocalExecutor) -> None:
-    assert look_again_and_again(executor, ["writes-board 77 5 0 1", "sleep 0"]) == []
+    assert look_again_and_again(executor, ["writes-board 77 5 0 1 0", "sleep 0"]) == []
 
 
 def test_numbers_of_the_board_are_bounded(executor: LocalExecutor) -> None:
-    executor.submit(RunSpec(run_id="run", document=f"writes-board 2 {2**62} {-(2**62)} 1"))
+    executor.submit(RunSpec(run_id="run", document=f"writes-board 2 {2**62} {-(2**62)} 1 0"))
     limit = time.monotonic() + 30
     steps = set()
     while time.monotonic() < limit and not (ends := executor.wait(0.02)):

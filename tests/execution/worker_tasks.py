@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
+import pickle
 import signal
+import socket
+import struct
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,6 +24,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     """Does what the first word of the document says, with the second as its argument."""
     word, _, argument = spec.document.partition(" ")
     board.cells[3] += 1
+    board.cells[4] = 0
     board.cells[0] = Phase.SIMULATING
     match word:
         case "sleep":
@@ -78,6 +84,56 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             if os.fork() == 0:
                 time.sleep(3600)
             time.sleep(3600)
+        case "agent-sleeps":
+            _call_agent(board)
+            time.sleep(float(argument))
+        case "agent-stops-itself":
+            _call_agent(board)
+            os.kill(os.getpid(), signal.SIGSTOP)
+        case "sends" | "agent-sends":
+            if word == "agent-sends":
+                _call_agent(board)
+            _send(spec, *argument.split())
+            time.sleep(3600)
+        case "sends-twice":
+            _channel().sendall(_frame(4, _report(spec)))
+        case "daemonizes":
+            _daemonize(Path(argument))
+        case "daemonizes-and-crashes":
+            _daemonize(Path(argument))
+            ctypes.string_at(0)
+        case "child-grows":
+            _call_agent(board)
+            grow = "import time; kept = bytearray(b'x') * (500 << 20); time.sleep(3600)"
+            subprocess.run([sys.executable, "-c", grow], check=True)
+        case "forks-and-idles":
+            _call_agent(board)
+            shared = bytearray(os.urandom(1 << 20)) * int(argument)
+            children = [pid for pid in (os.fork() for _ in range(3)) if pid]
+            time.sleep(4)
+            if len(children) < 3:
+                os._exit(len(shared) % 1)
+            for pid in children:
+                os.waitpid(pid, 0)
+        case "floods":
+            until = time.monotonic() + float(argument)
+            while time.monotonic() < until:
+                os.write(1, b"again and again\n" * 4096)
+            print("the last words", flush=True)
+        case "replaces-log":
+            log, target = argument.split()
+            Path(log).unlink()
+            Path(log).symlink_to(target)
+            print("something new", flush=True)
+            os._exit(3)
+        case "reports":
+            status, _, where = argument.partition(" ")
+            board.cells[4] = where == "in-process"
+            return RunReport(
+                run_id=spec.run_id,
+                status=RunStatus(status),
+                failure=RunFailure(cause="of_a_test", message="as asked"),
+            )
         case "writes-board":
             board.cells[:] = [int(cell) for cell in argument.split()]
             time.sleep(0.3)
@@ -93,8 +149,83 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     return _finished(spec, {"pid": str(os.getpid()), "setup": str(setup)})
 
 
+def _channel() -> socket.socket:
+    """Finds the worker's end of its channel, as code under test could."""
+    for file in Path("/proc/self/fd").iterdir():
+        try:
+            if str(file.readlink()).startswith("socket:"):
+                return socket.socket(fileno=os.dup(int(file.name)))
+        except OSError:
+            continue
+    raise AssertionError("the worker has no socket")
+
+
+def _frame(kind: int, body: bytes, length: int | None = None) -> bytes:
+    return struct.pack("!4sII", b"drvr", kind, len(body) if length is None else length) + body
+
+
+def _report(spec: RunSpec, **changes: object) -> bytes:
+    fields = {"run_id": spec.run_id, "status": "finished", **changes}
+    return json.dumps(fields).encode()
+
+
+class _Touch:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return os.mknod, (self.path,)
+
+
+def _send(spec: RunSpec, what: str, argument: str = "") -> None:
+    channel = _channel()
+    match what:
+        case "header":
+            channel.sendall(_frame(4, b"", length=1000))
+        case "huge":
+            channel.sendall(_frame(4, b"much", length=2**32 - 1))
+        case "pickle":
+            body = pickle.dumps(_Touch(argument))
+            channel.sendall(struct.pack("!i", len(body)) + body)
+        case "framed-pickle":
+            channel.sendall(_frame(4, pickle.dumps(_Touch(argument))))
+        case "kind":
+            channel.sendall(_frame(77, b""))
+        case "ready":
+            channel.sendall(_frame(1, b""))
+        case "other-run":
+            channel.sendall(_frame(4, _report(spec, run_id="another")))
+        case "not-final":
+            channel.sendall(_frame(4, _report(spec, status="running")))
+        case "many-steps":
+            channel.sendall(_frame(4, _report(spec, steps=2**80)))
+        case "no-schema":
+            channel.sendall(_frame(4, b'{"status": ["finished"]}'))
+        case "deep":
+            channel.sendall(_frame(4, b"[" * 1_000_000))
+        case "own-report":
+            channel.sendall(_frame(4, _report(spec)))
+        case "nothing-more":
+            channel.shutdown(socket.SHUT_RDWR)
+
+
+def _daemonize(note: Path) -> None:
+    """Starts a process that leaves the session and has no parent here; notes its id."""
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            note.write_text(str(os.getpid()))
+            time.sleep(3600)
+        os._exit(0)
+    os.wait()
+    while not note.exists() or not note.read_text():
+        time.sleep(0.01)
+
+
 def _call_agent(board: ProgressBoard) -> None:
-    board.cells[1], board.cells[2] = 17, 2
+    board.cells[1], board.cells[2], board.cells[4] = 17, 2, 1
     board.cells[0] = Phase.IN_AGENT
 
 

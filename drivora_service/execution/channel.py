@@ -1,0 +1,189 @@
+"""Messages between a slot and the processes that it owns: frames of bytes, never pickles.
+
+A worker runs code under test, which may write anything to its end of the channel, or stop in the
+middle of a message. So the slot's end never blocks, holds no more than one message of bounded
+length, and gives up on a message that does not end.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import struct
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+LONGEST_BODY = 64 << 20
+"""Bytes of the longest message that a slot accepts."""
+
+_MAGIC = b"drvr"
+_HEADER = struct.Struct("!4sII")
+_CHUNK = 1 << 20
+_WHOLE_WITHIN_S = 10.0
+"""Seconds within which a message must be there as a whole once it was begun."""
+
+
+class Kind(IntEnum):
+    """What a message says."""
+
+    READY = 1
+    NOT_READY = 2
+    RUN = 3
+    REPORT = 4
+    STARTED = 5
+    ENDED = 6
+    END = 7
+    LOOK = 8
+    STRANGERS = 9
+
+
+class ProtocolError(Exception):
+    """The other side sent something that is no message of this protocol."""
+
+
+class ChannelClosedError(Exception):
+    """The other side has closed its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One message."""
+
+    kind: Kind
+    body: bytes = b""
+
+
+class Channel:
+    """A slot's end of a channel."""
+
+    def __init__(self, end: socket.socket) -> None:
+        """Takes over one end of a pair of stream sockets."""
+        end.setblocking(False)
+        self._socket = end
+        self._coming = bytearray()
+        self._going = bytearray()
+        self._begun = 0.0
+
+    def fileno(self) -> int:
+        """Returns the file descriptor, -1 once it is closed."""
+        return self._socket.fileno()
+
+    @property
+    def has_more_to_send(self) -> bool:
+        """Whether a part of a message waits for the other side to read."""
+        return bool(self._going)
+
+    @property
+    def is_within_message(self) -> bool:
+        """Whether a message has been begun and is not there as a whole."""
+        return bool(self._coming)
+
+    def put(self, frame: Frame) -> None:
+        """Sends a message, as far as the other side takes it now; :meth:`flush` sends the rest."""
+        self._going += _HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body
+        self.flush()
+
+    def flush(self) -> None:
+        """Sends what waits, as far as the other side takes it now."""
+        # An end that was closed is found by the next read.
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError, BlockingIOError):
+            while self._going:
+                del self._going[: self._socket.send(bytes(self._going[:_CHUNK]))]
+
+    def read(self) -> Frame | None:
+        """Returns the next message, ``None`` if there is none as a whole.
+
+        Raises:
+            ProtocolError: What has come is no message, or one that was begun does not end.
+            ChannelClosedError: The other side has closed its end; no message is left.
+        """
+        while (frame := self._next()) is None:
+            try:
+                data = self._socket.recv(_CHUNK)
+            except BlockingIOError:
+                if self._coming and time.monotonic() - self._begun > _WHOLE_WITHIN_S:
+                    raise ProtocolError(
+                        f"a message that was begun did not end within {_WHOLE_WITHIN_S:g} s"
+                    ) from None
+                return None
+            except ConnectionResetError:
+                data = b""
+            if not data:
+                raise ChannelClosedError("closed by the other side")
+            if not self._coming:
+                self._begun = time.monotonic()
+            self._coming += data
+        return frame
+
+    def _next(self) -> Frame | None:
+        """Takes a whole message out of what has come."""
+        if len(self._coming) < _HEADER.size:
+            return None
+        kind, length = _checked_header(self._coming)
+        end = _HEADER.size + length
+        if len(self._coming) < end:
+            return None
+        frame = Frame(kind, bytes(self._coming[_HEADER.size : end]))
+        del self._coming[:end]
+        self._begun = time.monotonic()
+        return frame
+
+    def close(self) -> None:
+        """Closes this end."""
+        self._socket.close()
+
+
+def wait_for(channels: Sequence[Channel], timeout: float) -> None:
+    """Waits until one of some channels has something to read or room to send; sends what waits.
+
+    Args:
+        channels: The channels.
+        timeout: Seconds after which to return in any case.
+    """
+    poll = select.poll()
+    for channel in channels:
+        poll.register(channel, select.POLLIN | (select.POLLOUT if channel.has_more_to_send else 0))
+    poll.poll(max(0.0, 1000.0 * timeout))
+    for channel in channels:
+        channel.flush()
+
+
+def send(end: socket.socket, frame: Frame) -> None:
+    """Sends a message from the side of the process that a slot owns; waits until it is sent."""
+    end.sendall(_HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body)
+
+
+def receive(end: socket.socket) -> Frame:
+    """Waits for a message on the side of the process that a slot owns.
+
+    Raises:
+        ChannelClosedError: The slot has closed its end.
+        ProtocolError: It is no message.
+    """
+    kind, length = _checked_header(_exactly(end, _HEADER.size))
+    return Frame(kind, bytes(_exactly(end, length)))
+
+
+def _exactly(end: socket.socket, count: int) -> bytearray:
+    found = bytearray()
+    while len(found) < count:
+        data = end.recv(min(count - len(found), _CHUNK))
+        if not data:
+            raise ChannelClosedError("closed by the slot")
+        found += data
+    return found
+
+
+def _checked_header(data: bytearray) -> tuple[Kind, int]:
+    magic, kind, length = _HEADER.unpack_from(data)
+    if magic != _MAGIC:
+        raise ProtocolError(f"found {bytes(magic)!r} where a message begins; expected {_MAGIC!r}")
+    if length > LONGEST_BODY:
+        raise ProtocolError(f"a message of {length} bytes; allowed: {LONGEST_BODY}")
+    try:
+        return Kind(kind), length
+    except ValueError:
+        raise ProtocolError(f"a message of the unknown kind {kind}") from None

@@ -1,0 +1,162 @@
+"""What the system tells of processes: state, processor time, memory, descendants.
+
+On Linux a look reads two small files. Elsewhere psutil is asked, which is slower.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+
+_LINUX = sys.platform == "linux"
+_TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+_STOPPED = {psutil.STATUS_STOPPED: "T", psutil.STATUS_RUNNING: "R", psutil.STATUS_ZOMBIE: "Z"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProcessReading:
+    """A process at one moment.
+
+    Attributes:
+        state: As in ``proc(5)``: R runs or could, S sleeps, D waits for a disk, T was stopped, Z
+            has ended.
+        cpu_s: Seconds of processor time that it has had, of all its threads.
+        memory_bytes: Resident memory.
+        started: When it was started, in a unit of the system: with the process id, this names a
+            process for good.
+        name: Of its program.
+    """
+
+    state: str
+    cpu_s: float
+    memory_bytes: int
+    started: float
+    name: str
+
+
+def read_process(pid: int) -> ProcessReading | None:
+    """Reads what a process is at; ``None`` if there is none."""
+    if not _LINUX:
+        return _ask_psutil(pid)
+    try:
+        text = Path(f"/proc/{pid}/stat").read_bytes().decode(errors="replace")
+    except OSError:
+        return None
+    # The name may hold anything, brackets and spaces too.
+    name, _, rest = text.partition("(")[2].rpartition(")")
+    fields = rest.split()
+    return ProcessReading(
+        state=fields[0],
+        cpu_s=_TICK_S * (int(fields[11]) + int(fields[12])),
+        memory_bytes=_PAGE * int(fields[21]),
+        started=float(fields[19]),
+        name=name,
+    )
+
+
+def _ask_psutil(pid: int) -> ProcessReading | None:
+    try:
+        process = psutil.Process(pid)
+        with process.oneshot():
+            times = process.cpu_times()
+            return ProcessReading(
+                state=_STOPPED.get(process.status(), "S"),
+                cpu_s=times.user + times.system,
+                memory_bytes=process.memory_info().rss,
+                started=process.create_time(),
+                name=process.name(),
+            )
+    except psutil.Error:
+        return None
+
+
+def children_of(pid: int) -> list[int]:
+    """Returns the children of a process, without a look at all processes where that is possible."""
+    found: list[int] = []
+    try:
+        if _LINUX:
+            for task in Path(f"/proc/{pid}/task").iterdir():
+                with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                    found += map(int, (task / "children").read_text().split())
+            if found or Path(f"/proc/{pid}/task/{pid}/children").exists():
+                return found
+        return [child.pid for child in psutil.Process(pid).children()]
+    except (OSError, psutil.Error):
+        return found
+
+
+def descendants_of(pid: int, *, spare: Callable[[int], bool]) -> list[int]:
+    """Returns the children of a process, their children, and so on.
+
+    Args:
+        pid: The process.
+        spare: Tells which are left out, with their own descendants.
+    """
+    found: dict[int, None] = {}
+    coming = children_of(pid)
+    while coming:
+        child = coming.pop()
+        if child not in found and not spare(child):
+            found[child] = None
+            coming += children_of(child)
+    return list(found)
+
+
+def proportional_memory(pids: Iterable[int]) -> int:
+    """Returns the bytes of memory of some processes, pages that several share counted once.
+
+    It takes milliseconds for each; where the system does not tell, what is resident counts.
+    """
+    total = 0
+    for pid in pids:
+        try:
+            text = Path(f"/proc/{pid}/smaps_rollup").read_text()
+            total += next(
+                1024 * int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")
+            )
+        except (OSError, StopIteration):
+            reading = read_process(pid)
+            total += 0 if reading is None else reading.memory_bytes
+    return total
+
+
+class ProcessHandle:
+    """A process that may be signalled without meeting another that has its id now."""
+
+    def __init__(self, pid: int) -> None:
+        """Takes hold of a process that lives, or has not been reaped."""
+        self.pid = pid
+        self._file = -1
+        with contextlib.suppress(OSError):
+            if hasattr(os, "pidfd_open"):
+                self._file = os.pidfd_open(pid)
+        reading = read_process(pid)
+        self._started = None if reading is None else reading.started
+
+    @property
+    def lives(self) -> bool:
+        """Whether the process has not ended."""
+        reading = read_process(self.pid)
+        return reading is not None and reading.started == self._started and reading.state != "Z"
+
+    def kill(self) -> None:
+        """Kills the process, if it is still there."""
+        with contextlib.suppress(OSError):
+            if self._file >= 0:
+                signal.pidfd_send_signal(self._file, signal.SIGKILL)
+            elif self.lives:
+                os.kill(self.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        """Lets go of the process."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1

@@ -1,0 +1,93 @@
+"""What a worker prints, in a file of bounded size that only its slot opens by name."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+from pathlib import Path
+
+_TAIL_BYTES = 16_384
+_TAIL_LINES = 40
+_KEPT = 256 << 10
+"""Bytes of a log's end that are kept when it is cut."""
+
+
+class WorkerLog:
+    """The log of a slot's workers.
+
+    Code under test may write to the file as it likes, and may put something else in its place: the
+    slot opens no file that it has not made itself.
+    """
+
+    def __init__(self, path: Path, *, longest: int) -> None:
+        """Begins without a file; :meth:`open` makes it.
+
+        Args:
+            path: Where it is to lie.
+            longest: Bytes beyond which it is cut.
+        """
+        self._path, self._longest = path, longest
+        self._file = -1
+        self._begin = 0
+
+    def open(self) -> int:
+        """Makes the file, unless it is there, and returns its descriptor, which stays the log's.
+
+        Raises:
+            OSError: It cannot be made.
+        """
+        if self._file >= 0 and not self._is_in_place():
+            self.close()
+        if self._file < 0:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with contextlib.suppress(FileNotFoundError):
+                self._path.unlink()
+            flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+            self._file = os.open(self._path, flags, 0o600)
+        return self._file
+
+    def _is_in_place(self) -> bool:
+        try:
+            named, ours = os.lstat(self._path), os.fstat(self._file)
+        except OSError:
+            return False
+        same = (named.st_dev, named.st_ino) == (ours.st_dev, ours.st_ino)
+        return same and stat.S_ISREG(ours.st_mode)
+
+    def mark(self) -> None:
+        """Lets :meth:`tail` begin with what is printed from now on."""
+        self._begin = self._size()
+
+    def _size(self) -> int:
+        return 0 if self._file < 0 else os.fstat(self._file).st_size
+
+    def tail(self) -> str:
+        """Returns the last lines that were printed since the mark."""
+        end = self._size()
+        begin = max(self._begin if self._begin <= end else 0, end - _TAIL_BYTES)
+        text = os.pread(self._file, end - begin, begin) if end > begin else b""
+        return "\n".join(text.decode(errors="replace").splitlines()[-_TAIL_LINES:])
+
+    def cut(self) -> None:
+        """Keeps no more than the end of the log, with a line that says so, if it is too long."""
+        size = self._size()
+        if size <= self._longest:
+            return
+        kept = os.pread(self._file, _KEPT, size - _KEPT)
+        os.ftruncate(self._file, 0)
+        line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
+        os.write(self._file, line + kept)
+        self._begin = 0
+
+    def note(self, text: str) -> None:
+        """Adds a line of the slot's own."""
+        if self._file >= 0:
+            os.write(self._file, f"[{text}]\n".encode(errors="replace"))
+
+    def close(self) -> None:
+        """Closes the file, which stays where it lies."""
+        if self._file >= 0:
+            os.close(self._file)
+        self._file = -1
+        self._begin = 0
