@@ -19,6 +19,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from drivora_service.api.application import create_api
+from drivora_service.api.connections import BoundedConnection, raise_descriptor_limit
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.engine_process import EngineSetup
@@ -164,8 +165,11 @@ def serve_until_stopped(settings: Settings) -> None:
     """
     configure_logs(form=settings.log_format, level=settings.log_level)
     breakdown = _Breakdown()
+    BoundedConnection.most = raise_descriptor_limit()
     config = uvicorn.Config(
         create_app(settings, on_fatal=breakdown.report),
+        http=BoundedConnection,
+        ws="none",
         host=settings.host,
         port=settings.port,
         log_config=None,

@@ -13,6 +13,7 @@ from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
 from drivora_service.api.docs_page import docs_page
 from drivora_service.api.documentation import install_openapi, problem_answer
+from drivora_service.api.load_guard import LoadGuard
 from drivora_service.api.methods import HeadAsGet, MethodTable
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
@@ -86,8 +87,10 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     methods.add(health.router.routes)
     install_problem_handlers(api, methods)
     install_openapi(api, tokens_needed=context.tokens is not None)
+    # The last added is the outermost.
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
+    api.add_middleware(LoadGuard)
     return api

@@ -13,6 +13,9 @@ from drivora_service.api.problems import ApiError, problem_response
 DRAIN_SECONDS = 2.0
 DRAIN_BYTES = 16 << 20
 """What a client on the same machine sends in some hundredths of a second."""
+BODY_SECONDS = 20.0
+BODY_BYTES_A_SECOND = 16 << 10
+"""A client that sends more slowly, after the first seconds, only holds a connection."""
 _CLOSE = {"Connection": "close"}
 
 
@@ -23,7 +26,7 @@ class BodyLimit:
     as it comes. The answer is sent at once and the connection closed a little later: until then
     what still comes is thrown away, because a client that is writing to a closed connection may
     lose the answer before it reads it. A client that goes on for longer than ``DRAIN_SECONDS`` or
-    ``DRAIN_BYTES`` is cut off.
+    ``DRAIN_BYTES`` is cut off. A body that comes too slowly is answered with 408.
     """
 
     def __init__(self, app: ASGIApp, *, max_bytes: int) -> None:
@@ -45,10 +48,23 @@ class BodyLimit:
             return
         received = 0
         too_large = False
+        complete = False
+        began = asyncio.get_running_loop().time()
 
         async def counted_receive() -> Message:
-            nonlocal received, too_large
-            message = await receive()
+            nonlocal received, too_large, complete
+            # After the body's end it is waited for the client to leave, for as long as it likes.
+            latest = None if complete else began + BODY_SECONDS + received / BODY_BYTES_A_SECOND
+            try:
+                async with asyncio.timeout_at(latest):
+                    message = await receive()
+            except TimeoutError:
+                raise ApiError(
+                    HTTPStatus.REQUEST_TIMEOUT,
+                    f"the body came too slowly: {received} bytes so far",
+                    headers=_CLOSE,
+                ) from None
+            complete = not message.get("more_body", False)
             if message["type"] == "http.request":
                 received += len(message.get("body", b""))
                 if received > self._max_bytes:

@@ -29,7 +29,7 @@ PageToken = Annotated[
 Label = Annotated[str, Query(max_length=200, description="Name for people.")]
 
 
-def _overrides(
+async def _overrides(
     agent: Annotated[
         str, Query(max_length=200, description="Drives every ego in place of the documented one.")
     ] = "",
@@ -52,7 +52,7 @@ def _overrides(
 RunOverrides = Annotated[Overrides, Depends(_overrides)]
 
 
-def _job_filter(
+async def _job_filter(
     batch: Annotated[str, Query(max_length=40, description="Of this batch.")] = "",
     status: Annotated[list[RunStatus] | None, Query(description="In any of these states.")] = None,
     agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
@@ -89,7 +89,7 @@ def _job_filter(
 Filter = Annotated[JobFilter, Depends(_job_filter)]
 
 
-def _step_range(
+async def _step_range(
     first: Annotated[int, Query(ge=0, le=10**9, description="First step, from 0.")] = 0,
     last: Annotated[
         int | None, Query(ge=0, le=10**9, description="Last step, itself included.")

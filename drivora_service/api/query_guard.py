@@ -10,20 +10,21 @@ from fastapi.routing import APIRoute
 
 from drivora_service.errors import InvalidDocument, Problem
 
+_MOST_NAMED = 20
+
 
 async def refuse_unknown_parameters(request: Request) -> None:
     """Checks the names of a request's query parameters.
 
     Raises:
-        InvalidDocument: The operation does not have some of them; each is named.
+        InvalidDocument: The operation does not have some of them; the first ones are named.
     """
     route = request.scope.get("route")
     if not isinstance(route, APIRoute) or not request.query_params:
         return
     known = parameters_of(route)
-    problems = tuple(
-        _problem(name, known) for name in dict.fromkeys(request.query_params) if name not in known
-    )
+    unknown = [name for name in dict.fromkeys(request.query_params) if name not in known]
+    problems = tuple(_problem(name, known) for name in unknown[:_MOST_NAMED])
     if problems:
         raise InvalidDocument(problems)
 
@@ -39,7 +40,7 @@ def _names(dependant: Dependant) -> list[str]:
 
 
 def _problem(name: str, known: tuple[str, ...]) -> Problem:
-    close = difflib.get_close_matches(name, known, n=1)
+    close = difflib.get_close_matches(name[:80], known, n=1)
     meant = f"did you mean {close[0]!r}? Allowed" if close else "allowed"
     allowed = f"{meant}: {', '.join(sorted(known))}" if known else "this operation has none"
     return Problem(

@@ -1,0 +1,56 @@
+"""A bound on the requests that are served at once: what is beyond it is refused at once."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from drivora_service.api.context import PREFIX
+from drivora_service.api.problems import problem_response
+
+MOST_REQUESTS = 256
+"""More would not be answered sooner: they would only wait here instead of at the client."""
+RETRY_AFTER_S = 1
+
+_HEALTH = frozenset(
+    {"/healthz", "/readyz", "/metrics"}
+    | {f"{PREFIX}/{name}" for name in ("healthz", "readyz", "metrics")}
+)
+
+
+class LoadGuard:
+    """ASGI middleware: 503 with ``Retry-After`` for a request beyond ``most`` at once.
+
+    How the service does can always be asked.
+    """
+
+    def __init__(self, app: ASGIApp, *, most: int = MOST_REQUESTS) -> None:
+        self._app = app
+        self._most = most
+        self._served = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serves a request."""
+        if scope["type"] != "http" or scope["path"] in _HEALTH:
+            await self._app(scope, receive, send)
+            return
+        if self._served >= self._most:
+            await overloaded(scope, receive, send)
+            return
+        self._served += 1
+        try:
+            await self._app(scope, receive, send)
+        finally:
+            self._served -= 1
+
+
+async def overloaded(scope: Scope, receive: Receive, send: Send) -> None:
+    """Answers that the service is busy and when to come back; closes the connection."""
+    response = problem_response(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        f"too many requests at once; try again in {RETRY_AFTER_S} s",
+        instance=scope["path"],
+        headers={"Retry-After": str(RETRY_AFTER_S), "Connection": "close"},
+    )
+    await response(scope, receive, send)
