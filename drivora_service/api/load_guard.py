@@ -13,16 +13,14 @@ MOST_REQUESTS = 256
 """More would not be answered sooner: they would only wait here instead of at the client."""
 RETRY_AFTER_S = 1
 
-_HEALTH = frozenset(
-    {"/healthz", "/readyz", "/metrics"}
-    | {f"{PREFIX}/{name}" for name in ("healthz", "readyz", "metrics")}
-)
+_HEALTH = frozenset(f"{prefix}/{name}" for prefix in ("", PREFIX) for name in ("healthz", "readyz"))
+"""Answered without a thread and without the database."""
 
 
 class LoadGuard:
     """ASGI middleware: 503 with ``Retry-After`` for a request beyond ``most`` at once.
 
-    How the service does can always be asked.
+    Whether the service lives and is ready can always be asked.
     """
 
     def __init__(self, app: ASGIApp, *, most: int = MOST_REQUESTS) -> None:

@@ -26,7 +26,7 @@ class Slow:
         await PlainTextResponse("done")(scope, receive, send)
 
 
-async def ask(app: LoadGuard, path: str) -> dict[str, Any]:
+async def ask(app: LoadGuard, path: str) -> dict[Any, Any]:
     sent: list[Message] = []
 
     async def receive() -> Message:
@@ -49,7 +49,7 @@ def test_what_is_beyond_the_bound_is_told_to_come_back() -> None:
         assert refused["status"] == 503
         assert refused[b"retry-after"] == b"1"
         assert refused[b"content-type"] == b"application/problem+json"
-        for health in ("/healthz", "/api/v1/healthz", "/readyz", "/metrics"):
+        for health in ("/healthz", "/api/v1/healthz", "/readyz", "/api/v1/readyz"):
             assert (await ask(app, health))["status"] == 200
         inner.gate.set()
         assert [answer["status"] for answer in await asyncio.gather(*waiting)] == [200] * 3
