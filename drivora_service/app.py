@@ -71,7 +71,7 @@ def create_app(
         StoreError: The database cannot be used.
     """
     tokens = _tokens(settings)
-    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     exclusive = settings.resolved_database_url.startswith("sqlite")
     lock = ServerLock(settings.data_dir)
     database = open_database(settings.resolved_database_url, patience_s=_PATIENCE_S)

@@ -61,6 +61,17 @@ class Settings(BaseSettings):
     agent_deadline_s: float = Field(
         default=10.0, gt=0, description="Seconds of wall time that one call of an agent may take."
     )
+    agent_user: str = Field(
+        default="",
+        description="Account that ADSs in processes of their own run under; needs a service that "
+        "runs as root. Empty: that of the service.",
+    )
+    agent_memory_mb: int = Field(
+        default=4096,
+        ge=64,
+        description="Memory of an ADS in a process of its own with all that it starts, MiB, before "
+        "it is ended.",
+    )
     memory_limit_mb: int = Field(
         default=2048, ge=256, description="Memory of a worker process, MiB, before it is ended."
     )

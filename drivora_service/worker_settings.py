@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import stat
+
+from drivora_service.agents.remote.confinement import Confinement, account
+from drivora_service.errors import ConfigurationError
 from drivora_service.execution.executor import Limits as RunLimits
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.worker_setup import WorkerSetup
@@ -9,13 +13,38 @@ from drivora_service.settings import Settings
 
 
 def worker_setup(settings: Settings) -> WorkerSetup:
-    """Gives what every worker is told."""
+    """Gives what every worker is told.
+
+    Raises:
+        ConfigurationError: ADSs cannot run under the account that they should.
+    """
     return WorkerSetup(
         shipped_networks=shipped_networks(),
         imported_networks=settings.imported_networks_dir,
         agents=settings.agents_folder,
         agent_deadline_s=settings.agent_deadline_s,
+        confinement=_confinement(settings),
     )
+
+
+def _confinement(settings: Settings) -> Confinement:
+    memory = settings.agent_memory_mb << 20
+    if not settings.agent_user:
+        return Confinement(memory_bytes=memory)
+    user, group = account(settings.agent_user)
+    data = settings.data_dir.resolve()
+    if settings.agents_folder.is_relative_to(data):
+        raise ConfigurationError(
+            f"DRIVORA_AGENT_USER: ADSs of the account {settings.agent_user!r} cannot read the "
+            f"folder of agents {settings.agents_folder}, as it lies in the data folder, which they "
+            "must not read; set DRIVORA_AGENTS_DIR to a folder outside it"
+        )
+    if data.exists() and stat.S_IMODE(data.stat().st_mode) & 0o077:
+        raise ConfigurationError(
+            f"DRIVORA_AGENT_USER: other accounts may read the data folder {data}; run "
+            f"`chmod 700 {data}`"
+        )
+    return Confinement(user=user, group=group, memory_bytes=memory)
 
 
 def run_limits(settings: Settings) -> RunLimits:

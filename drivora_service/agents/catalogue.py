@@ -23,6 +23,7 @@ from drivora_service.agents.manifest import AgentManifest, read_manifest
 from drivora_service.agents.manifest_files import operator_manifests, shipped_manifests
 from drivora_service.agents.manifest_parameters import parameters_type
 from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, read_agent_parameters
+from drivora_service.agents.remote.confinement import Confinement
 from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
 from drivora_service.errors import AgentError, Problem, UnknownName
 from drivora_service.parameters import (
@@ -58,6 +59,7 @@ class AgentCatalogue:
         fetched: tuple[FetchedAgentPlugin, ...] = FETCHED,
         folder: Path | None = None,
         longest_call_s: float = LONGEST_CALL_S,
+        confinement: Confinement = Confinement(),  # noqa: B008 # frozen
     ) -> None:
         """Looks up what there is, without loading it.
 
@@ -67,6 +69,7 @@ class AgentCatalogue:
             folder: Where agents are installed, and where the operator's manifests lie; without one
                 no agent counts as installed that would have to be.
             longest_call_s: Seconds that one call of an agent may take.
+            confinement: User account and limits of ADSs in processes of their own.
         """
         self._table = PluginTable(
             kind="agent",
@@ -79,6 +82,7 @@ class AgentCatalogue:
         self._shipped = shipped_manifests()
         self._folder = folder
         self._longest_call_s = longest_call_s
+        self._confinement = confinement
         self._hosts: AgentHosts | None = None
 
     def names(self) -> tuple[str, ...]:
@@ -292,7 +296,7 @@ class AgentCatalogue:
             # gRPC takes a while to load, which those who only look names up need not wait for.
             from drivora_service.agents.remote.processes import AgentHosts
 
-            self._hosts = AgentHosts(self._longest_call_s)
+            self._hosts = AgentHosts(self._longest_call_s, self._confinement)
         return self._hosts
 
 

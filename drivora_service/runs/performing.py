@@ -59,7 +59,11 @@ def _networks(setup: WorkerSetup) -> NetworkCatalogue:
 @lru_cache(maxsize=1)
 def _agents(setup: WorkerSetup) -> AgentCatalogue:
     """Gives the catalogue, one a process, so that the ADSs which it starts stay for later runs."""
-    return AgentCatalogue(folder=setup.agents, longest_call_s=setup.agent_deadline_s)
+    return AgentCatalogue(
+        folder=setup.agents,
+        longest_call_s=setup.agent_deadline_s,
+        confinement=setup.confinement,
+    )
 
 
 @lru_cache(maxsize=1)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+
+from drivora_service.agents.remote.confinement import Confinement
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,6 +20,7 @@ class WorkerSetup:
         agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; an
             ADS in a process of its own must be found to hang before.
         installed_oracles: Whether oracles of installed packages judge as well.
+        confinement: User account and limits of ADSs in processes of their own.
     """
 
     shipped_networks: Path
@@ -25,3 +28,4 @@ class WorkerSetup:
     agents: Path | None = None
     agent_deadline_s: float = 10.0
     installed_oracles: bool = True
+    confinement: Confinement = field(default_factory=Confinement)

@@ -186,7 +186,7 @@ def open_database(url: str, *, patience_s: float = PATIENCE_S) -> Database:
     if parsed.get_backend_name() == "sqlite":
         if not parsed.database or parsed.database == ":memory:":
             raise StoreError("a database in memory cannot be shared by threads; give a file")
-        Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
+        Path(parsed.database).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with _store_errors():
         engine = create_engine(parsed, pool_size=16, max_overflow=48)
         if engine.dialect.name == "sqlite":

@@ -2,30 +2,36 @@
 
 On Linux that is all of its descendants; elsewhere, those that stay in its group of processes.
 
-Started as ``python -I -S guard.py PARENT FOLDER LOG COMMAND…``; needs nothing but the standard
-library. It ends when the command does, when it is told to (SIGTERM), and when the process PARENT
-dies, however that one dies. In the last two cases it removes FOLDER.
+Started as ``python -I -S guard.py PARENT FOLDER LOG CONFINEMENT COMMAND…``; needs nothing but the
+standard library. It ends when the command does, when it is told to (SIGTERM), and when the process
+PARENT dies, however that one dies. In the last two cases it removes FOLDER. CONFINEMENT is JSON
+with the fields of ``Confinement``: the user account and the limits of the command.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import json
 import os
+import resource
 import select
 import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 LOG_BYTES = 1 << 20
 """Size at which the older half of the log is dropped."""
 
-_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 1, 36, 38
 _CHUNK = 1 << 16
 _WATCH_S = 1.0
+_MEMORY_WATCH_S = 0.25
 _DRAINED_S = 0.2
 
 
@@ -51,7 +57,9 @@ class BoundedLog:
         self._file.close()
 
 
-def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
+def main(
+    parent: int, folder: Path, log: BoundedLog, confinement: dict[str, Any], command: list[str]
+) -> int:
     """Does what the module says; gives the exit code, of a signal 128 and its number."""
     signal.signal(signal.SIGTERM, _stop)
     # Told to end while the command is being started, it would know of nothing to end: not before.
@@ -61,18 +69,36 @@ def main(parent: int, folder: Path, log: BoundedLog, command: list[str]) -> int:
     output, inlet = os.pipe()
     try:
         child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=inlet, stderr=inlet, preexec_fn=_begin_child
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=inlet,
+            stderr=inlet,
+            **_account(confinement),
+            # After the change of the user, which would undo some of it.
+            preexec_fn=lambda: _begin_child(confinement),
         )
-    except OSError as error:
+    except (OSError, subprocess.SubprocessError) as error:
         log.write(f"the command cannot be started: {error}\n".encode())
         return 127
     os.close(inlet)
     try:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
+        looked = time.monotonic()
         while os.getppid() == parent:
             # The end of the command is seen by its output's end, or, where something that it
             # started has that too, by looking once a second.
-            if _copy(output, log, _WATCH_S) and child.poll() is None:
+            copied = _copy(output, log, _MEMORY_WATCH_S)
+            if time.monotonic() - looked > _MEMORY_WATCH_S:
+                looked = time.monotonic()
+                used = _memory(_descendants())
+                if used > confinement["memory_bytes"]:
+                    log.write(
+                        f"[ended: {used >> 20} MiB of memory; allowed: "
+                        f"{confinement['memory_bytes'] >> 20} MiB "
+                        "(DRIVORA_AGENT_MEMORY_MB)]\n".encode()
+                    )
+                    child.kill()
+            if copied and child.poll() is None:
                 continue
             _bury_orphans(child.pid)
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -119,10 +145,48 @@ def _stop(_number: int, _frame: FrameType | None) -> None:
     raise SystemExit(0)
 
 
-def _begin_child() -> None:
+def _account(confinement: dict[str, Any]) -> dict[str, Any]:
+    """Gives the arguments that start a process under the user account, with no other group."""
+    user, group = confinement["user"], confinement["group"]
+    return {} if user is None else {"user": user, "group": group, "extra_groups": []}
+
+
+def _begin_child(confinement: dict[str, Any]) -> None:
     os.setpgid(0, 0)
+    limits = [
+        (resource.RLIMIT_CORE, 0),
+        (resource.RLIMIT_FSIZE, confinement["file_bytes"]),
+        (resource.RLIMIT_NOFILE, confinement["files"]),
+    ]
+    if confinement["user"] is not None:
+        limits.append((resource.RLIMIT_NPROC, confinement["processes"]))
+    for what, most in limits:
+        _, hard = resource.getrlimit(what)
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(what, (most, most))
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
     _die_with_parent(signal.SIGKILL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
+
+
+def _descendants() -> list[int]:
+    """Gives the processes that the command consists of, as far as the system tells them."""
+    found, todo = [], _children()
+    while todo:
+        pid = todo.pop()
+        found.append(pid)
+        todo += _children(pid)
+    return found
+
+
+def _memory(processes: list[int]) -> int:
+    """Gives the resident memory of processes, bytes; what they share counts in each."""
+    pages = 0
+    for pid in processes:
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            pages += int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * resource.getpagesize()
 
 
 def _adopt_orphans() -> None:
@@ -131,12 +195,15 @@ def _adopt_orphans() -> None:
         ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def _children() -> list[int]:
-    own = os.getpid()
+def _children(of: int | None = None) -> list[int]:
+    """Gives the children of a process, of all its threads; ours unless another is named."""
+    found: list[int] = []
     try:
-        return [int(pid) for pid in Path(f"/proc/self/task/{own}/children").read_text().split()]
+        for children in Path(f"/proc/{of or os.getpid()}/task").glob("*/children"):
+            found += map(int, children.read_text().split())
     except OSError:
-        return []
+        pass
+    return found
 
 
 def _bury_orphans(command: int) -> None:
@@ -167,4 +234,12 @@ def _die_with_parent(number: signal.Signals) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), Path(sys.argv[2]), BoundedLog(Path(sys.argv[3])), sys.argv[4:]))
+    sys.exit(
+        main(
+            int(sys.argv[1]),
+            Path(sys.argv[2]),
+            BoundedLog(Path(sys.argv[3])),
+            json.loads(sys.argv[4]),
+            sys.argv[5:],
+        )
+    )

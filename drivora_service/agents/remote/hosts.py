@@ -17,6 +17,7 @@ import grpc
 
 from drivora_service.agents.manifest import AgentManifest, command_line
 from drivora_service.agents.remote import guard
+from drivora_service.agents.remote.confinement import Confinement, variables_for
 from drivora_service.agents.remote.connection import Connection
 from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE, VERSION
 from drivora_service.errors import AgentError
@@ -27,6 +28,8 @@ _TAIL_LINES = 40
 _LOOK_S = 0.02
 _LONGEST_SOCKET_PATH = 107
 """Bytes of the path of a Unix socket, the closing zero left out (unix(7))."""
+_SCRATCH = "own"
+"""Of the folder of an ADS, the part in which it may write."""
 _SHORT_FOLDER = "/tmp"
 """Where sockets go if the folder for temporary files has a path that is too long for them."""
 _ASK_S = 5.0
@@ -64,7 +67,7 @@ class Host(Protocol):
 
 def _socket_folder() -> Path:
     """Makes a folder for temporary files in which a socket's path is not too long."""
-    prefix, drawn, socket = "drivora-agent-", 8, "socket"
+    prefix, drawn, socket = "drivora-agent-", 8, f"{_SCRATCH}/socket"
     parent = tempfile.gettempdir()
     if len(os.fsencode(parent)) + len(prefix) + drawn + len(socket) + 2 > _LONGEST_SOCKET_PATH:
         parent = _SHORT_FOLDER
@@ -80,8 +83,13 @@ def _not_started(manifest: AgentManifest, error: OSError) -> AgentError:
 class ProcessHost:
     """An ADS in a process that is started here, on a socket in a folder of its own."""
 
-    def __init__(self, manifest: AgentManifest, python: Path) -> None:
+    def __init__(self, manifest: AgentManifest, python: Path, confinement: Confinement) -> None:
         """Starts it and waits until it answers.
+
+        Args:
+            manifest: Of the ADS.
+            python: The interpreter for it.
+            confinement: Its user account and limits.
 
         Raises:
             AgentError: It ends before, does not answer in time, or speaks another protocol.
@@ -93,7 +101,9 @@ class ProcessHost:
             raise _not_started(manifest, error) from error
         self._log = self._folder / "log"
         self._last_words = ""
-        socket = self._folder / "socket"
+        self._confinement = confinement
+        self._scratch = self._folder / _SCRATCH
+        socket = self._scratch / "socket"
         address = f"unix:{socket}"
         try:
             self._process = self._start(manifest, python, address)
@@ -113,16 +123,14 @@ class ProcessHost:
         return subprocess.Popen(
             [
                 sys.executable, "-I", "-S", guard.__file__, str(os.getpid()), str(self._folder),
-                str(self._log), *command_line(manifest, python),
+                str(self._log), self._confinement.text(), *command_line(manifest, python),
             ],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             cwd=manifest.folder, env=self._environment(manifest, address), start_new_session=True,
         )  # fmt: skip
 
     def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
-        """Gives the variables for the ADS: Drivora's own, which may be secret, are not for it.
-
-        Those that its manifest asks for are: the operator set them for it.
+        """Gives the variables for the ADS; makes the folders that they name.
 
         The ADS finds ``drivora_service`` in a folder with nothing beside it: in the folder where it
         is installed there are packages of versions that the ADS did not ask for.
@@ -130,12 +138,17 @@ class ProcessHost:
         packages = self._folder / "packages"
         packages.mkdir()
         (packages / _PACKAGE.name).symlink_to(_PACKAGE, target_is_directory=True)
-        kept = {
-            name: value
-            for name, value in os.environ.items()
-            if (not name.startswith("DRIVORA_") or name in manifest.settings)
-            and name not in ("PYTHONPATH", "PYTHONHOME")
-        }
+        self._scratch.mkdir(mode=0o700)
+        kept = variables_for(dict(os.environ), scratch=self._scratch, settings=manifest.settings)
+        user, group = self._confinement.user, self._confinement.group
+        if user is not None and group is not None:
+            os.chown(self._scratch, user, group)
+            # It may pass through, to what is its own, and list nothing.
+            self._folder.chmod(0o711)
+            packages.chmod(0o755)
+            kept.update(HOME=str(self._scratch))
+            kept.pop("USER", None)
+            kept.pop("LOGNAME", None)
         kept.update(manifest.variables)
         paths = (str(packages), kept.get("PYTHONPATH", ""))
         kept["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)

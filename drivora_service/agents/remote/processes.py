@@ -7,6 +7,7 @@ from pathlib import Path
 
 from drivora_service.agents.manifest import AgentDeadlines, AgentManifest
 from drivora_service.agents.remote.agent import RemoteAgent
+from drivora_service.agents.remote.confinement import Confinement
 from drivora_service.agents.remote.hosts import AddressHost, Host, ProcessHost
 
 
@@ -21,14 +22,16 @@ class _Kept:
 class AgentHosts:
     """Gives every ego of a run an ADS of its own, and the same ones to the next run."""
 
-    def __init__(self, longest_call_s: float) -> None:
+    def __init__(self, longest_call_s: float, confinement: Confinement) -> None:
         """Begins without any.
 
         Args:
+            confinement: User account and limits of the processes.
             longest_call_s: Seconds after which a call of an agent costs the worker its life; an ADS
                 must be found to hang before.
         """
         self._within = max(longest_call_s - 1.0, 0.5 * longest_call_s)
+        self._confinement = confinement
         self._kept: list[_Kept] = []
 
     def begin_run(self) -> None:
@@ -59,7 +62,11 @@ class AgentHosts:
             # It died in between, or the operator has changed what is to be run.
             self._kept.remove(kept)
             kept.host.end()
-        host = AddressHost(manifest) if manifest.address else ProcessHost(manifest, python)
+        host = (
+            AddressHost(manifest)
+            if manifest.address
+            else ProcessHost(manifest, python, self._confinement)
+        )
         self._kept.append(_Kept(manifest=manifest, python=python, host=host))
         return host
 

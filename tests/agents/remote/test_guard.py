@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from drivora_service.agents.remote import guard
+from drivora_service.agents.remote.confinement import Confinement
 from drivora_service.agents.remote.guard import BoundedLog
 
 
@@ -23,7 +24,7 @@ def start(tmp_path: Path, code: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         [
             sys.executable, "-I", "-S", guard.__file__, str(os.getpid()), str(folder),
-            str(tmp_path / "log"), sys.executable, "-c", code,
+            str(tmp_path / "log"), Confinement().text(), sys.executable, "-c", code,
         ]
     )  # fmt: skip
 
@@ -112,21 +113,23 @@ def test_what_left_the_group_of_the_command_is_ended_too(tmp_path: Path, told: b
 
 
 _TOLD_WHILE_STARTING = """
-import os, signal, sys, time
+import json, os, signal, sys, time
 from pathlib import Path
 from drivora_service.agents.remote import guard
+from drivora_service.agents.remote.confinement import Confinement
 
 begin_child = guard._begin_child
 
-def begin():
+def begin(confinement):
     os.kill(os.getppid(), signal.SIGTERM)
     time.sleep(0.2)
-    begin_child()
+    begin_child(confinement)
 
 guard._begin_child = begin
 folder, log = Path(sys.argv[2]), guard.BoundedLog(Path(sys.argv[3]))
 sleep = [sys.executable, "-c", "import os, time; print(os.getpid(), flush=True); time.sleep(3600)"]
-sys.exit(guard.main(int(sys.argv[1]), folder, log, sleep))
+confinement = json.loads(Confinement().text())
+sys.exit(guard.main(int(sys.argv[1]), folder, log, confinement, sleep))
 """
 
 

@@ -275,7 +275,7 @@ def test_an_ads_at_an_address_is_reached_and_left_alone(
     home = AgentCatalogue(folder=agents)
     here = home.create("drives", {})
     assert here is not None
-    socket = next((tmp_path / "temporary").resolve().glob("*/socket"))
+    socket = next((tmp_path / "temporary").resolve().glob("*/own/socket"))
     add_agent(agents, "elsewhere", command=[], address=f"unix:{socket}")
     trace = drive(catalogue, "elsewhere")
     assert trace.step_count == 41
@@ -297,7 +297,7 @@ def test_two_runs_at_one_address_do_not_mix(
 ) -> None:
     add_agent(agents, "drives")
     catalogue.create("drives", {})
-    socket = next((tmp_path / "temporary").resolve().glob("*/socket"))
+    socket = next((tmp_path / "temporary").resolve().glob("*/own/socket"))
     add_agent(agents, "elsewhere", command=[], address=f"unix:{socket}")
     other = (place("-harbour_1_0", 20), place("-harbour_1_0", 120))
     two = scenario(
