@@ -15,14 +15,14 @@ from xml.parsers import expat
 from drivora_service.errors import NetworkError
 from drivora_service.networks.catalogue import is_network_name, shipped_networks
 from drivora_service.networks.loading import load_network
-from drivora_service.networks.netconvert import convert, netconvert_version
+from drivora_service.networks.netconvert import MAX_SECONDS, convert, netconvert_version
 from drivora_service.networks.provenance import FILE_NAME, Provenance
 
 MAX_SOURCE_BYTES = 256 * 1024 * 1024
 """A larger file is refused: a whole CARLA town has 1 to 60 MB, a city extract about 100 MB."""
 
-# What netconvert says when every road was left out.
-_NOTHING_LEFT = re.compile(r"No (nodes|edges) loaded")
+# What is said when every road was left out.
+_NOTHING_LEFT = re.compile(r"No (nodes|edges) loaded|found no lane")
 _NOTHING_LEFT_HINT = " (the file has no road that is open to cars)"
 
 # Nothing is fetched to validate a file, and cars find no way to turn round on an open road.
@@ -91,6 +91,7 @@ def import_network(
     *,
     replace: bool = False,
     max_bytes: int = MAX_SOURCE_BYTES,
+    max_seconds: float = MAX_SECONDS,
 ) -> Path:
     """Imports a road network under a name.
 
@@ -103,6 +104,7 @@ def import_network(
         into: Directory of the imported networks; made where it is missing.
         replace: Put it in the place of an imported network of the same name.
         max_bytes: Larger files are refused.
+        max_seconds: A conversion that takes longer is given up.
 
     Returns:
         ``into/<name>/<name>.net.xml``; ``provenance.yaml`` lies beside it.
@@ -126,7 +128,7 @@ def import_network(
     with _staging(into) as stage:
         path = stage / f"{name}.net.xml"
         try:
-            network, version = _network_bytes(data, form, stage)
+            network, version = _network_bytes(data, form, stage, max_seconds)
             path.write_bytes(network)
             load_network(path, name)
         except NetworkError as error:
@@ -192,7 +194,9 @@ def _root_element(data: bytes, file_name: str) -> str:
     return roots[0]
 
 
-def _network_bytes(data: bytes, form: _Format, stage: Path) -> tuple[bytes, str | None]:
+def _network_bytes(
+    data: bytes, form: _Format, stage: Path, max_seconds: float
+) -> tuple[bytes, str | None]:
     """Gives the network and the version of netconvert that made it, if one did."""
     if form.reader is None:
         return data, None
@@ -200,7 +204,8 @@ def _network_bytes(data: bytes, form: _Format, stage: Path) -> tuple[bytes, str 
     source = stage / "source.xml"
     source.write_bytes(data)
     try:
-        return convert([form.reader, str(source), *form.options]), version
+        arguments = [form.reader, str(source), *form.options]
+        return convert(arguments, timeout=max_seconds), version
     finally:
         source.unlink()
 

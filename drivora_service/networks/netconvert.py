@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.metadata
 import importlib.util
 import os
 import re
+import resource
+import signal
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from drivora_service.errors import NetworkError
@@ -16,6 +19,22 @@ from drivora_service.errors import NetworkError
 # The time, the machine's paths and the options: different on every machine.
 _HEADER = re.compile(rb"<!-- generated on .*?-->\s*", re.DOTALL)
 _SHOWN_ERRORS = 5
+
+MAX_SECONDS = 600.0
+"""That a conversion may take; a city takes a minute."""
+
+MAX_MEMORY_BYTES = 8 << 30
+"""Of address space; 100 MB of OpenStreetMap need about a third."""
+
+MAX_OUTPUT_BYTES = 1 << 30
+"""Of each file that it writes."""
+
+_LIMITS = (
+    (resource.RLIMIT_AS, MAX_MEMORY_BYTES),
+    (resource.RLIMIT_FSIZE, MAX_OUTPUT_BYTES),
+)
+_READ_BYTES = 1_000_000
+"""Of what it prints; the first errors are the ones that tell."""
 
 
 def netconvert_version() -> str:
@@ -31,7 +50,7 @@ def netconvert_version() -> str:
         raise _missing() from None
 
 
-def convert(arguments: Sequence[str], *, timeout: float = 600.0) -> bytes:
+def convert(arguments: Sequence[str], *, timeout: float = MAX_SECONDS) -> bytes:
     """Runs netconvert and gives the network it wrote, without the header that varies.
 
     Args:
@@ -39,29 +58,81 @@ def convert(arguments: Sequence[str], *, timeout: float = 600.0) -> bytes:
         timeout: Seconds after which the conversion is given up.
 
     Raises:
-        NetworkError: netconvert is not installed, refused its input or took too long.
+        NetworkError: netconvert is not installed, refused its input, crashed, or took too long, too
+            much memory or too much space.
     """
     home = _sumo_home()
-    environment = os.environ | {"SUMO_HOME": str(home), "PROJ_DATA": str(home / "data" / "proj")}
     with tempfile.TemporaryDirectory(prefix="drivora-netconvert-") as directory:
         output = Path(directory) / "network.net.xml"
-        command = [str(home / "bin" / "netconvert"), *arguments, "--output-file", str(output)]
-        try:
-            ended = subprocess.run(
-                command,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=timeout,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            raise NetworkError(f"netconvert did not finish within {timeout:g} s") from None
-        if ended.returncode != 0 or not output.is_file():
-            raise NetworkError(f"netconvert failed: {_summary(ended.stdout + ended.stderr)}")
+        run_converter(home / "bin" / "netconvert", arguments, output, timeout=timeout)
         return _HEADER.sub(b"", output.read_bytes(), count=1)
+
+
+def run_converter(program: Path, arguments: Sequence[str], output: Path, *, timeout: float) -> None:
+    """Runs a program that is called as netconvert is.
+
+    Args:
+        program: The program; SUMO's home is two folders above it.
+        arguments: Everything but the output file.
+        output: Where the network goes; what is printed is kept beside it.
+        timeout: Seconds.
+
+    Raises:
+        NetworkError: As :func:`convert`.
+    """
+    home = program.parents[1]
+    environment = os.environ | {"SUMO_HOME": str(home), "PROJ_DATA": str(home / "data" / "proj")}
+    command = [str(program), *arguments, "--output-file", str(output)]
+    # What it prints goes to a file: a warning for each part of a large source is much.
+    log = output.with_name("printed")
+    try:
+        returncode = _run(command, environment, log, timeout)
+    except subprocess.TimeoutExpired:
+        raise NetworkError(
+            f"netconvert did not finish within {timeout:g} s; cut out the part that is needed"
+        ) from None
+    with log.open("rb") as file:
+        printed = file.read(_READ_BYTES).decode("utf-8", "replace")
+    if returncode < 0:
+        raise NetworkError(f"netconvert crashed ({_signal(-returncode)}): {_summary(printed)}")
+    if returncode != 0 or not output.is_file():
+        raise NetworkError(f"netconvert failed: {_summary(printed)}")
+
+
+def _run(command: Sequence[str], environment: Mapping[str, str], log: Path, timeout: float) -> int:
+    """Runs a command within the limits and returns its code, negative for a signal."""
+    with (
+        log.open("wb") as printed,
+        subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=printed,
+            stderr=subprocess.STDOUT,
+        ) as process,
+    ):
+        try:
+            _limit(process.pid)
+            return process.wait(timeout)
+        finally:
+            process.kill()
+
+
+def _limit(pid: int) -> None:
+    """Bounds a process after its start: before it, threads of this one would make that unsafe."""
+    # Only Linux can.
+    if hasattr(resource, "prlimit"):
+        # A process that is over already needs no bounds.
+        with contextlib.suppress(ProcessLookupError):
+            for limit, most in _LIMITS:
+                resource.prlimit(pid, limit, (most, most))
+
+
+def _signal(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _sumo_home() -> Path:

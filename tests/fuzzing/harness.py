@@ -31,6 +31,11 @@ class Harness:
     max_length: int = 4096
 
 
+def by_name(*harnesses: Harness) -> Mapping[str, Harness]:
+    """Names the harnesses of a module."""
+    return {harness.name: harness for harness in harnesses}
+
+
 class BadRefusal(AssertionError):
     """A refusal that does not tell the user what is wrong, or where."""
 

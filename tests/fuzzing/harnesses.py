@@ -1,31 +1,33 @@
-"""All harnesses, by name."""
+"""All harnesses by name, each loaded when it is needed: a session instruments what it imports."""
 
 from __future__ import annotations
 
-from tests.fuzzing.harness import Harness
-from tests.fuzzing.parsers.campaigns import CAMPAIGN_BODY, CAMPAIGN_FILE
-from tests.fuzzing.parsers.command_line import AGENT_PARAMETER, GATE
-from tests.fuzzing.parsers.manifests import MANIFEST
-from tests.fuzzing.parsers.networks import NETWORK
-from tests.fuzzing.parsers.scenarios import (
-    LEADERBOARD,
-    ORIGINAL_TOOL,
-    SCENARIO_JSON,
-    SCENARIO_YAML,
-)
+import importlib
+from collections.abc import Mapping
 
-HARNESSES: dict[str, Harness] = {
-    harness.name: harness
-    for harness in (
-        SCENARIO_JSON,
-        SCENARIO_YAML,
-        ORIGINAL_TOOL,
-        LEADERBOARD,
-        NETWORK,
-        CAMPAIGN_BODY,
-        CAMPAIGN_FILE,
-        MANIFEST,
-        AGENT_PARAMETER,
-        GATE,
-    )
+from tests.fuzzing.harness import Harness
+
+MODULES: Mapping[str, str] = {
+    "scenario-json": "scenarios",
+    "scenario-yaml": "scenarios",
+    "original-tool": "scenario_imports",
+    "leaderboard": "scenario_imports",
+    "network": "networks",
+    "campaign-body": "campaigns",
+    "campaign-file": "campaigns",
+    "manifest": "manifests",
+    "agent-parameter": "command_line",
+    "gate-rule": "command_line",
 }
+"""Modules of ``tests.fuzzing.parsers``."""
+
+
+def harness_named(name: str) -> Harness:
+    """Returns a harness.
+
+    Raises:
+        KeyError: There is none of that name.
+    """
+    module = importlib.import_module(f"tests.fuzzing.parsers.{MODULES[name]}")
+    found: Mapping[str, Harness] = module.HARNESSES
+    return found[name]

@@ -35,7 +35,9 @@ class Outcome:
     causes: Mapping[str, int]
 
 
-def run_session(name: str, *, inputs: int, seconds: int, seed: int, folder: Path) -> Outcome:
+def run_session(
+    name: str, *, inputs: int, seconds: int, seed: int, folder: Path, max_length: int = 0
+) -> Outcome:
     """Runs a parser on that many inputs, or for that many seconds.
 
     Args:
@@ -44,14 +46,15 @@ def run_session(name: str, *, inputs: int, seconds: int, seed: int, folder: Path
         seconds: At most.
         seed: Of the draws; the same inputs follow from it as long as the parser stays as it is.
         folder: Findings are kept there, a file a cause with its traceback beside it.
+        max_length: Bytes of an input, and of the seeds that are taken; 0: as the harness says.
     """
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "session.log"
-    words = [name, str(inputs), str(seconds), str(seed), str(folder.resolve())]
+    words = [name, str(inputs), str(seconds), str(seed), str(max_length)]
     begun = time.monotonic()
     with log.open("wb") as output:
         ended = subprocess.run(
-            [sys.executable, "-m", "tests.fuzzing.session", *words],
+            [sys.executable, "-m", "tests.fuzzing.session", *words, str(folder.resolve())],
             cwd=_REPOSITORY,
             stdout=output,
             stderr=output,

@@ -1,6 +1,7 @@
 """One session of Atheris, in a process of its own, which it ends: ``python -m`` this, by __main__.
 
-Arguments: name of the harness, inputs, seconds, seed of the draws, folder.
+Arguments: name of the harness, inputs, seconds, seed of the draws, bytes of an input (0: as the
+harness says), folder.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def _limit_memory() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def main(name: str, inputs: int, seconds: int, seed: int, folder: Path) -> None:
+def main(name: str, inputs: int, seconds: int, seed: int, max_length: int, folder: Path) -> None:
     """Runs the session; does not return."""
     # The packages that are installed stay as they are: looking anew for every input is what a
     # session would spend most of its time on.
@@ -45,17 +46,20 @@ def main(name: str, inputs: int, seconds: int, seed: int, folder: Path) -> None:
         include=["drivora_service", "sumolib"], exclude=_compiled_modules()
     ):
         from tests.fuzzing.findings import Session
-        from tests.fuzzing.harnesses import HARNESSES
+        from tests.fuzzing.harnesses import harness_named
         from tests.fuzzing.mutation import Mutator
 
-    harness = HARNESSES[name]
+        harness = harness_named(name)
+        longest = max_length or harness.max_length
+        given = {key: data for key, data in harness.seeds().items() if len(data) <= longest}
+        for data in given.values():
+            # Catalogues, kernels and adapters are made now, outside of all limits.
+            harness.parse(data)
     seeds = folder / "seeds"
     seeds.mkdir(exist_ok=True)
-    for seed_name, data in harness.seeds().items():
+    for seed_name, data in given.items():
         (seeds / seed_name).write_bytes(data)
-        # Catalogues, kernels and adapters are made now, outside of all limits.
-        harness.parse(data)
-    mutator = Mutator(harness.seeds().values(), harness.words)
+    mutator = Mutator(given.values(), harness.words)
     session = Session(harness=harness, folder=folder)
 
     @atheris.instrument_func  # type: ignore[untyped-decorator]  # Atheris states no types
@@ -65,7 +69,7 @@ def main(name: str, inputs: int, seconds: int, seed: int, folder: Path) -> None:
             session.write(folder / "counts.json")
 
     def mutate(data: bytes, max_length: int, number: int) -> bytes:
-        if number % 5 == 0:
+        if number % 12 == 0:
             changed: bytes = atheris.Mutate(data, max_length)
             return changed
         return mutator.mutate(data, max_length, number)
@@ -74,7 +78,9 @@ def main(name: str, inputs: int, seconds: int, seed: int, folder: Path) -> None:
     atheris.Setup(
         [
             *(sys.argv[0], f"-atheris_runs={inputs}", f"-max_total_time={seconds}"),
-            *(f"-seed={seed}", f"-max_len={harness.max_length}", "-rss_limit_mb=0"),
+            *(f"-seed={seed}", f"-max_len={longest}", "-rss_limit_mb=0"),
+            # The mutator makes as many changes as are useful.
+            "-mutate_depth=2",
             *("-timeout=120", f"-artifact_prefix={folder}/stopped-", str(seeds)),
         ],
         test_one_input,
@@ -85,4 +91,5 @@ def main(name: str, inputs: int, seconds: int, seed: int, folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), Path(sys.argv[5]))
+    _inputs, _seconds, _seed, _length = map(int, sys.argv[2:6])
+    main(sys.argv[1], _inputs, _seconds, _seed, _length, Path(sys.argv[6]))

@@ -11,7 +11,7 @@ import pytest
 from drivora_service.errors import InvalidDocument, Problem
 from tests.fuzzing.findings import Session
 from tests.fuzzing.harness import BadRefusal, Harness, check_refusal, has_place
-from tests.fuzzing.harnesses import HARNESSES
+from tests.fuzzing.harnesses import MODULES, harness_named
 from tests.fuzzing.mutation import Mutator
 from tests.fuzzing.running import run_session
 
@@ -20,9 +20,9 @@ SECONDS = 10
 """Of each parser in CI."""
 
 
-@pytest.mark.parametrize("name", HARNESSES)
+@pytest.mark.parametrize("name", MODULES)
 def test_seeds_are_read(name: str) -> None:
-    harness = HARNESSES[name]
+    harness = harness_named(name)
     for data in harness.seeds().values():
         assert len(data) <= harness.max_length
         assert harness.parse(data)
@@ -33,23 +33,23 @@ def test_seeds_are_read(name: str) -> None:
     [pytest.param(path, id=f"{path.parent.name}/{path.name}") for path in CORPUS.glob("*/*")],
 )
 def test_what_once_failed_is_read_or_refused(path: Path) -> None:
-    HARNESSES[path.parent.name].parse(path.read_bytes())
+    harness_named(path.parent.name).parse(path.read_bytes())
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(
     importlib.util.find_spec("atheris") is None, reason="Atheris has no wheel for this platform"
 )
-@pytest.mark.parametrize("name", HARNESSES)
+@pytest.mark.parametrize("name", MODULES)
 def test_parsers_withstand_fuzzing(name: str, tmp_path: Path) -> None:
     outcome = run_session(name, inputs=1_000_000, seconds=SECONDS, seed=1, folder=tmp_path)
     assert outcome.causes == {}
-    assert outcome.inputs > outcome.read > len(HARNESSES[name].seeds())
+    assert outcome.inputs > outcome.read > len(harness_named(name).seeds())
     assert outcome.coverage > 0
 
 
 def test_mutations_are_repeatable_and_bounded() -> None:
-    seeds = list(HARNESSES["scenario-json"].seeds().values())
+    seeds = list(harness_named("scenario-json").seeds().values())
     made = [Mutator(seeds, ()).mutate(seeds[0], 500, number) for number in range(50)]
     assert made == [Mutator(seeds, ()).mutate(seeds[0], 500, number) for number in range(50)]
     assert max(map(len, made)) <= 500

@@ -11,7 +11,7 @@ from drivora_service.campaigns.documents import campaign_text
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.cli.campaign_files import read_campaign_file
 from drivora_service.errors import InvalidDocument
-from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import catalogues, check_problems, folder
 from tests.scenario.conftest import GOOD
 
@@ -80,3 +80,4 @@ CAMPAIGN_BODY = Harness(
     seeds=_body_seeds,
     words=tuple(f'"{word}"' for word in _WORDS),
 )
+HARNESSES = by_name(CAMPAIGN_FILE, CAMPAIGN_BODY)

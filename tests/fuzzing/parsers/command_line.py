@@ -11,7 +11,7 @@ from drivora_service.oracles.plugins import OracleCatalogue
 from drivora_service.scenario.agent_parameters import read_agent_parameter, with_agent_parameters
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.validation import validate_data
-from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import agents, networks
 from tests.scenario.conftest import GOOD
 
@@ -64,3 +64,4 @@ GATE = Harness(name="gate-rule", parse=_parse_gate, seeds=_gate_seeds)
 AGENT_PARAMETER = Harness(
     name="agent-parameter", parse=_parse_parameter, seeds=_parameter_seeds, max_length=8192
 )
+HARNESSES = by_name(GATE, AGENT_PARAMETER)

@@ -13,7 +13,7 @@ from drivora_service.agents.manifest_parameters import parameters_type
 from drivora_service.errors import AgentError
 from drivora_service.parameters import _adapter, describe_parameters, parameter_problems
 from tests.agents.test_manifest import GOOD
-from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import folder
 
 
@@ -73,3 +73,4 @@ MANIFEST = Harness(
     seeds=_seeds,
     words=("classical", "end-to-end", "{nope}", "{python}", "{folder}", "__class__", "None"),
 )
+HARNESSES = by_name(MANIFEST)

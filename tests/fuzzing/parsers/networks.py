@@ -12,7 +12,7 @@ from drivora_service.networks.importing import import_network
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.scenario.validation import validate_data
-from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import folder
 from tests.networks.conftest import LOOP
 
@@ -82,3 +82,4 @@ NETWORK = Harness(
     ),
     max_length=8192,
 )
+HARNESSES = by_name(NETWORK)

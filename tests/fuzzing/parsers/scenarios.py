@@ -10,14 +10,10 @@ import yaml
 
 from drivora_service.errors import InvalidDocument
 from drivora_service.scenario.canonical import canonical_json, from_canonical
-from drivora_service.scenario.documents import document_text, parse_document
-from drivora_service.scenario.importers.reading import read_scenarios
 from drivora_service.scenario.validation import validate_data
-from tests.fuzzing.harness import Harness, check_refusal
+from tests.fuzzing.harness import Harness, by_name
 from tests.fuzzing.parsers.shared import agents, check_problems, example_scenarios, networks
 from tests.scenario.conftest import GOOD
-from tests.scenario.importers.test_leaderboard import FLAT, NESTED
-from tests.scenario.importers.test_original_tool import original_file
 
 
 def _validate(data: bytes, language: Literal["json", "yaml"]) -> bool:
@@ -37,19 +33,6 @@ def _parse_json(data: bytes) -> bool:
 
 def _parse_yaml(data: bytes) -> bool:
     return _validate(data, "yaml")
-
-
-def _parse_file(data: bytes) -> bool:
-    try:
-        read = read_scenarios(data, name="fuzzed")
-    except InvalidDocument as error:
-        check_refusal(error)
-        return False
-    for one in read:
-        assert one.name
-        text = document_text(one.document)
-        assert parse_document(text) == one.document
-    return True
 
 
 _FULL = {
@@ -100,15 +83,6 @@ def _yaml_seeds() -> Mapping[str, bytes]:
     }
 
 
-def _leaderboard_seeds() -> Mapping[str, bytes]:
-    return {"flat": FLAT.encode(), "nested": NESTED.encode()}
-
-
-def _original_seeds() -> Mapping[str, bytes]:
-    small = {key: original_file()[key] for key in ("id", "ego_vehicles", "map_region")}
-    return {"whole": json.dumps(original_file()).encode(), "small": json.dumps(small).encode()}
-
-
 SCENARIO_JSON = Harness(
     name="scenario-json",
     parse=_parse_json,
@@ -116,10 +90,4 @@ SCENARIO_JSON = Harness(
     words=('"replay"', '"sumo"', '"carla"', '"config_path"', '"density"', '"stuck_after"'),
 )
 SCENARIO_YAML = Harness(name="scenario-yaml", parse=_parse_yaml, seeds=_yaml_seeds)
-LEADERBOARD = Harness(
-    name="leaderboard",
-    parse=_parse_file,
-    seeds=_leaderboard_seeds,
-    words=("route_percentage", "waypoint", "waypoints", "position", "weathers"),
-)
-ORIGINAL_TOOL = Harness(name="original-tool", parse=_parse_file, seeds=_original_seeds)
+HARNESSES = by_name(SCENARIO_JSON, SCENARIO_YAML)

@@ -1,4 +1,7 @@
-"""What several harnesses stand on: the checkout, its catalogues, a folder, and documents."""
+"""What several harnesses stand on: the checkout, its catalogues, a folder, and documents.
+
+Catalogues are imported when they are needed: a session instruments all that it imports.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,16 @@ import os
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.campaigns.reading import Catalogues, installed_catalogues
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.plain_data import plain_data
 from tests.fuzzing.harness import check_refusal
+
+if TYPE_CHECKING:
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.campaigns.reading import Catalogues
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -27,13 +32,17 @@ def networks() -> NetworkCatalogue:
 @cache
 def catalogues() -> Catalogues:
     """What campaigns may name."""
+    from drivora_service.campaigns.reading import installed_catalogues
+
     return installed_catalogues(networks())
 
 
 @cache
 def agents() -> AgentCatalogue:
     """The agents that scenarios may name."""
-    return catalogues().agents
+    from drivora_service.agents.catalogue import AgentCatalogue
+
+    return AgentCatalogue()
 
 
 @cache
