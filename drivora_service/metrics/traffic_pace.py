@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -18,14 +18,24 @@ RADIUS = 50.0
 _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 
-@lru_cache(maxsize=8)
+# Two metrics are made of them. They go with their ego: a view holds the whole trace of its run.
+_RATIOS: WeakKeyDictionary[EgoView, FloatArray] = WeakKeyDictionary()
+
+
 def pace_ratios(ego: EgoView) -> FloatArray:
-    """Gives the ego's mean speed over that of the traffic around it, for each section of the route.
+    """Returns the ego's mean speed over that of the traffic around it, by section of the route.
 
     Returns:
         (k,) ratios, for the at most ``CHECKPOINTS`` sections that the ego reached with moving
         vehicles around it.
     """
+    found = _RATIOS.get(ego)
+    if found is None:
+        found = _RATIOS[ego] = _pace_ratios(ego)
+    return found
+
+
+def _pace_ratios(ego: EgoView) -> FloatArray:
     trace = ego.trace
     rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
     if not rows or not ego.count:
