@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 import asyncio
-import json
-import os
-import signal
-import socket
-import sys
 import threading
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
-from functools import partial
-from pathlib import Path
+from dataclasses import dataclass
 
 import structlog
-import uvicorn
 from fastapi import FastAPI
 
 from drivora_service.api.application import create_api
-from drivora_service.api.connections import BoundedConnection, raise_descriptor_limit
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.supervisor import CampaignSupervisor
-from drivora_service.errors import ConfigurationError, ServiceBroken
+from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.logs import configure_logs
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
@@ -39,26 +30,36 @@ from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
-ANNOUNCEMENT = "service.json"
-"""File in the data folder that says where a running service listens."""
-
-_GRACE_S = 5
-
-_BREAKDOWN_S = 30.0
-"""Seconds in which a server with a broken part must have shut down; then the process just ends."""
-
-_BROKEN = 3
-"""Exit code of such an end, as of everything that could not be done."""
-
 _PATIENCE_S = 5.0
 """Seconds for which a request waits for other writers of the database."""
 
 _log = structlog.stdlib.get_logger(__name__)
 
 
-def create_app(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Service:
+    """A service that has been put together.
+
+    Attributes:
+        api: The application; the service works during its life.
+        drain: Takes no more work, waits so many seconds for the runs that are going on, and puts
+            the others back into the queue.
+        hurry: Has a drain that is going on wait no longer.
+    """
+
+    api: FastAPI
+    drain: Callable[[float], None]
+    hurry: Callable[[], None]
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """Builds the application of a service, as :func:`create_service` says."""
+    return create_service(settings).api
+
+
+def create_service(
     settings: Settings, *, on_fatal: Callable[[str], None] = lambda _message: None
-) -> FastAPI:
+) -> Service:
     """Builds the service; it begins to work with the first event of the application's life.
 
     Args:
@@ -104,12 +105,20 @@ def create_app(
         on_fatal=on_fatal,
     )
 
+    stopping = threading.Event()
+
     def faults() -> Mapping[str, str]:
         return {
             **{condition.name: condition.fault for condition in infrastructure.conditions()},
-            "workers": dispatcher.fault,
-            "campaigns": campaigns.fault,
+            "workers": "" if stopping.is_set() else dispatcher.fault,
+            "campaigns": "" if stopping.is_set() else campaigns.fault,
+            "accepting": "the service is being stopped" if stopping.is_set() else "",
         }
+
+    def drain(seconds: float) -> None:
+        stopping.set()
+        campaigns.stop()
+        dispatcher.stop(drain_s=seconds)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -122,8 +131,7 @@ def create_app(
             _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
             yield
         finally:
-            campaigns.stop()
-            dispatcher.stop()
+            drain(0.0)
             executor.close()
             infrastructure.stop()
             database.close()
@@ -149,90 +157,9 @@ def create_app(
         wake_campaigns=campaigns.wake,
         faults=faults,
         storage_fault=lambda: infrastructure.fault,
-        stopping=lambda: False,
+        stopping=stopping.is_set,
     )
-    return create_api(context, lifespan)
-
-
-def serve_until_stopped(settings: Settings) -> None:
-    """Serves HTTP until SIGINT or SIGTERM; ``service.json`` says where.
-
-    Raises:
-        ConfigurationError: The settings cannot be used.
-        Conflict: Another process serves this data folder.
-        ServiceBroken: A part of it failed too often; whatever started the process shall do it anew.
-        StoreError: The database cannot be used.
-    """
-    configure_logs(form=settings.log_format, level=settings.log_level)
-    breakdown = _Breakdown()
-    BoundedConnection.most = raise_descriptor_limit()
-    config = uvicorn.Config(
-        create_app(settings, on_fatal=breakdown.report),
-        http=BoundedConnection,
-        ws="none",
-        host=settings.host,
-        port=settings.port,
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        timeout_graceful_shutdown=_GRACE_S,
-    )
-    listener = config.bind_socket()
-    # asyncio does this for sockets that name their protocol, which uvicorn's do not: head and body
-    # of an answer are written one after the other, and the body would wait 40 ms for the client's
-    # acknowledgement of the head. Connections inherit it.
-    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    port = listener.getsockname()[1]
-    host = f"[{settings.host}]" if ":" in settings.host else settings.host
-    announcement = settings.data_dir / ANNOUNCEMENT
-    _announce(announcement, settings.public_url or f"http://{host}:{port}")
-    # uvicorn passes a signal on once it has shut down; this makes that a normal end.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        server = uvicorn.Server(config)
-        breakdown.stop = partial(setattr, server, "should_exit", True)
-        server.run(sockets=[listener])
-    except KeyboardInterrupt:
-        _log.info("stopped")
-    finally:
-        announcement.unlink(missing_ok=True)
-    if breakdown.message:
-        raise ServiceBroken(breakdown.message)
-
-
-class _Breakdown:
-    """Ends the server when a part of it has given up.
-
-    Attributes:
-        message: Why it ended; "" while everything works.
-        stop: Has the server shut down in good order.
-    """
-
-    def __init__(self) -> None:
-        self.message = ""
-        self.stop: Callable[[], None] = lambda: None
-
-    def report(self, message: str) -> None:
-        """Takes why a part has given up; the first reason counts."""
-        if self.message:
-            return
-        self.message = message
-        # What is broken may also keep the server from shutting down.
-        deadline = threading.Timer(_BREAKDOWN_S, self._end_now)
-        deadline.daemon = True
-        deadline.start()
-        self.stop()
-
-    def _end_now(self) -> None:
-        print(f"error: {self.message}", file=sys.stderr, flush=True)
-        os._exit(_BROKEN)
-
-
-def _announce(path: Path, url: str) -> None:
-    partial = path.with_suffix(".new")
-    partial.write_text(json.dumps({"url": url, "pid": os.getpid()}))
-    partial.replace(path)
-    _log.info("listening", url=url)
+    return Service(api=create_api(context, lifespan), drain=drain, hurry=dispatcher.hurry)
 
 
 def _engine_setup(settings: Settings) -> EngineSetup:

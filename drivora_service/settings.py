@@ -75,6 +75,12 @@ class Settings(BaseSettings):
     memory_limit_mb: int = Field(
         default=2048, ge=256, description="Memory of a worker process, MiB, before it is ended."
     )
+    drain_s: float = Field(
+        default=30.0,
+        ge=0,
+        description="Seconds for which runs may end when the service is stopped; the others go "
+        "back to the queue.",
+    )
     queue_limit: int = Field(
         default=100_000, ge=1, description="Queued runs beyond which new ones are refused (429)."
     )

@@ -166,6 +166,7 @@ READINESS = service.Readiness(
         service.Check(name="data", ok=True, detail=""),
         service.Check(name="workers", ok=True, detail=""),
         service.Check(name="campaigns", ok=True, detail=""),
+        service.Check(name="accepting", ok=True, detail=""),
     ),
 )
 NOT_READY = service.Readiness(
@@ -182,6 +183,7 @@ NOT_READY = service.Readiness(
             "apt-get install --yes --no-install-recommends libx11-6",
         ),
         service.Check(name="campaigns", ok=True, detail=""),
+        service.Check(name="accepting", ok=True, detail=""),
     ),
 )
 

@@ -38,7 +38,13 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
     command = [sys.executable, "-m", "drivora_service.cli", "serve"]
     options = ["--data-dir", str(data_dir), "--workers", str(workers), "--host", "127.0.0.1"]
     with open(data_dir / "service.log", "ab", opener=_private) as log:
-        process = subprocess.Popen([*command, *options, "--port", "0"], stdout=log, stderr=log)
+        process = subprocess.Popen(
+            [*command, *options, "--port", "0"],
+            stdout=log,
+            stderr=log,
+            # A command has no use for runs that it has not waited for.
+            env={**os.environ, "DRIVORA_DRAIN_S": "0"},
+        )
     try:
         yield _wait_until_ready(process, announcement)
     finally:

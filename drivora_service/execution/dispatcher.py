@@ -82,6 +82,8 @@ class Dispatcher:
         self._pace = Pace(executor.capacity)
         self._next_beat = 0.0
         self._next_write = 0.0
+        # Reentrant, as a signal may interrupt the thread that holds it.
+        self._ending = threading.RLock()
         self._stopping = threading.Event()
         self._stop_at = 0.0
         self._thread = SupervisedThread(
@@ -120,16 +122,25 @@ class Dispatcher:
         self._executor.wake()
 
     def stop(self, *, drain_s: float = 0.0) -> None:
-        """Hands out no more runs and ends the loop.
+        """Hands out no more runs and ends the loop; of several calls the first one counts.
 
         Args:
             drain_s: Seconds for which runs that are going on may end; the others go back to the
                 queue unharmed.
         """
-        self._stop_at = time.monotonic() + drain_s
-        self._stopping.set()
+        with self._ending:
+            if not self._stopping.is_set():
+                self._stop_at = time.monotonic() + drain_s
+                self._stopping.set()
         self._executor.wake()
         self._thread.join()
+
+    def hurry(self) -> None:
+        """Has a stop that is going on, or comes, wait for no run."""
+        with self._ending:
+            self._stop_at = 0.0
+            self._stopping.set()
+        self._executor.wake()
 
     def _turn_or_end(self) -> None:
         if self._stopping.is_set() and (not self._in_flight or time.monotonic() >= self._stop_at):
@@ -237,7 +248,7 @@ class Dispatcher:
             self._faults.error("workers_cannot_start", reason=fault)
         else:
             self._faults.over("workers_cannot_start", "workers_start_again")
-        if fault or self._infrastructure.fault:
+        if fault or self._infrastructure.fault or self._stopping.is_set():
             self._withdrawn.update(self._executor.withdraw())
             self._withdrawn.update(spec.run_id for spec in self._claimed)
             self._claimed.clear()

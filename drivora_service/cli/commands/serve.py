@@ -21,14 +21,17 @@ def serve(
     log_format: Annotated[str | None, typer.Option(help="console or json.")] = None,
     log_level: Annotated[str | None, typer.Option(help="debug, info, warning or error.")] = None,
 ) -> None:
-    """Starts the service: HTTP API, queue and worker processes; ends on Ctrl-C or SIGTERM."""
+    """Starts the service: HTTP API, queue and worker processes; ends on Ctrl-C or SIGTERM.
+
+    Runs that are going on may end then, for DRIVORA_DRAIN_S seconds; a second signal ends at once.
+    """
     from drivora_service.cli.private_files import keep_files_private
     from drivora_service.execution.fork_server import prepare_processes
 
     keep_files_private()
     # They get ready while this process reads and checks what they are to do.
     prepare_processes()
-    from drivora_service.app import serve_until_stopped
+    from drivora_service.serving import serve_until_stopped
     from drivora_service.settings import load_settings
 
     serve_until_stopped(
