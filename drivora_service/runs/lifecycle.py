@@ -21,6 +21,9 @@ from dataclasses import dataclass, replace
 
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 
+LONGEST_WAIT_S = 600.0
+"""Seconds that a run waits at most after a death of the server; see :class:`RetryPolicy`."""
+
 SIMULATOR_ERROR = "simulator_error"
 """Cause of a run in which SUMO refused a call that should have worked."""
 
@@ -34,11 +37,18 @@ class RetryPolicy:
         crashes: Crashes of the simulator that confirm each other.
         interruptions: Deaths of the server that a run survives; the limit ends the loop of a run
             that takes the whole machine down.
+        trusted_interruptions: Deaths of the server after which a run waits, and goes after all
+            others.
+        first_wait_s: Seconds of the first wait; doubled with each death after it.
+        longest_wait_s: Seconds of the longest wait.
     """
 
     infrastructure_failures: int = 3
     crashes: int = 2
     interruptions: int = 20
+    trusted_interruptions: int = 3
+    first_wait_s: float = 30.0
+    longest_wait_s: float = LONGEST_WAIT_S
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,11 +70,13 @@ class Transition:
         state: The new state.
         report: The end of the run, or ``None`` while it goes on.
         quarantine: Whether the scenario crashed the simulator for sure and must not run again.
+        wait_s: Seconds for which the run is not to be begun again; after them it goes last.
     """
 
     state: RunState
     report: RunReport | None = None
     quarantine: bool = False
+    wait_s: float = 0.0
 
 
 def start(state: RunState) -> RunState:
@@ -113,7 +125,7 @@ def interrupt(state: RunState, run_id: str, policy: RetryPolicy) -> Transition:
     _expect(state, RunStatus.RUNNING)
     state = replace(state, interruptions=state.interruptions + 1)
     if state.interruptions < policy.interruptions:
-        return _again(state, run_id)
+        return replace(_again(state, run_id), wait_s=_wait_s(state.interruptions, policy))
     report = RunReport(
         run_id=run_id,
         status=RunStatus.INFRASTRUCTURE_FAILED,
@@ -163,6 +175,13 @@ def _again(state: RunState, run_id: str) -> Transition:
         report = cancelled_report(run_id)
         return Transition(state=_final(state, report), report=report)
     return Transition(state=replace(state, status=RunStatus.QUEUED))
+
+
+def _wait_s(interruptions: int, policy: RetryPolicy) -> float:
+    beyond = interruptions - policy.trusted_interruptions
+    if beyond < 0:
+        return 0.0
+    return float(min(policy.first_wait_s * 2.0**beyond, policy.longest_wait_s))
 
 
 def _final(state: RunState, report: RunReport) -> RunState:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sqlalchemy import delete, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict
@@ -12,10 +12,11 @@ from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaigns import campaign_row
+from drivora_service.store.endings import forget_report
 from drivora_service.store.records import BatchState, NewRun, Priority
 from drivora_service.store.revisions import latest_revision
 from drivora_service.store.submitting import store_documents, submit_runs
-from drivora_service.store.tables import BatchRow, ReportRow, RunRow, VerdictRow
+from drivora_service.store.tables import BatchRow, RunRow
 
 _SAYS_NOTHING = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
 """Ends of runs that say nothing of what was run, so that it is to be run again."""
@@ -82,11 +83,8 @@ class CampaignRunRepository:
         return tuple(self._session.scalars(query))
 
     def _queue_again(self, row: RunRow) -> None:
-        self._session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
-        self._session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))
-        row.status, row.cause = RunStatus.QUEUED, ""
-        row.cancel_requested, row.ended_at = False, None
-        row.infrastructure_failures = row.crashes = row.interruptions = 0
+        forget_report(self._session, row)
+        row.status = RunStatus.QUEUED
         row.revision = latest_revision(self._session) + 1
         batch = self._session.get_one(BatchRow, row.batch_seq)
         batch.queued += 1

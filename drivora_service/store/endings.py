@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
+from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import accountability, strongest
@@ -34,6 +35,19 @@ def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
     row.interruptions = state.interruptions
     row.cancel_requested = state.cancel_requested
     row.revision = revision
+
+
+def forget_report(session: Session, row: RunRow) -> None:
+    """Makes a run that has ended as if it had never been begun; its attempts stay on record."""
+    session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
+    session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))
+    row.cause = row.trace_sha256 = ""
+    row.started_at = row.ended_at = row.not_before = None
+    row.violations = row.at_fault_violations = row.observations = None
+    row.accountability = None
+    row.steps = row.sim_time_s = row.wall_time_s = None
+    row.infrastructure_failures = row.crashes = row.interruptions = 0
+    row.cancel_requested = False
 
 
 def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from collections.abc import Callable, Iterator, Sequence
-from datetime import UTC, datetime
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
@@ -16,6 +16,7 @@ from drivora_service.runs.encoding import choice_from_json
 from drivora_service.runs.lifecycle import RetryPolicy, Transition
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.store.endings import run_state, set_run_state, write_report
+from drivora_service.store.held_runs import HeldRuns
 from drivora_service.store.quarantine import QuarantineRepository, quarantine_key
 from drivora_service.store.records import BatchState
 from drivora_service.store.revisions import latest_revision
@@ -37,7 +38,9 @@ class QueueRepository:
     ) -> tuple[RunSpec, ...]:
         """Takes up to ``limit`` queued runs.
 
-        Lower priorities wait for higher ones; within a priority the batches take turns.
+        Lower priorities wait for higher ones; within a priority the batches take turns. Runs that
+        were going on at several deaths of the server come after all others, once their wait is
+        over, and one at a time.
 
         Args:
             owner_id: Who answers for the runs from now on.
@@ -47,11 +50,16 @@ class QueueRepository:
         specs: list[RunSpec] = []
         now = datetime.now(UTC)
         changes = self._changes()
-        for batch, share in self._shares(limit):
+        held = HeldRuns(self._session)
+        shares = [(b, share, held.none_of) for b, share in self._shares(limit, held.numbers())]
+        if sum(share for _, share, _ in shares) < limit and (due := held.due(now)) is not None:
+            run_seq, batch = due
+            shares.append((batch, 1, lambda: RunRow.seq == run_seq))
+        for batch, share, among in shares:
             rows = self._session.execute(
                 select(RunRow, DocumentRow.body)
                 .join(DocumentRow, DocumentRow.sha256 == RunRow.document_sha256)
-                .where(RunRow.batch_seq == batch.seq, RunRow.status == RunStatus.QUEUED)
+                .where(RunRow.batch_seq == batch.seq, RunRow.status == RunStatus.QUEUED, among())
                 .order_by(RunRow.seq)
                 .limit(share)
                 .with_for_update(skip_locked=True, of=RunRow)
@@ -131,21 +139,36 @@ class QueueRepository:
 
     def has_work(self) -> bool:
         """Says whether a claim would find anything."""
-        query = select(BatchRow.seq).where(BatchRow.queued > 0, BatchRow.state == BatchState.OPEN)
-        return self._session.scalar(query.limit(1)) is not None
+        held = HeldRuns(self._session)
+        numbers = held.numbers()
+        query = select(BatchRow.seq).where(
+            BatchRow.queued > 0, BatchRow.state == BatchState.OPEN, held.others(numbers)
+        )
+        if self._session.scalar(query.limit(1)) is not None:
+            return True
+        return bool(numbers) and held.due(datetime.now(UTC)) is not None
 
     def to_cancel(self) -> tuple[str, ...]:
         """Gives the running runs that somebody wants to end."""
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
         return tuple(self._session.scalars(query))
 
-    def _shares(self, limit: int) -> list[tuple[BatchRow, int]]:
-        """Divides ``limit`` runs among the batches: one each in turn, least served first."""
+    def _shares(self, limit: int, held: Mapping[int, int]) -> list[tuple[BatchRow, int]]:
+        """Divides ``limit`` runs among the batches: one each in turn, least served first.
+
+        Args:
+            limit: Runs wanted.
+            held: Queued runs that are not to be handed out, by the ``seq`` of their batch.
+        """
         if limit <= 0:
             return []
         candidates = self._session.scalars(
             select(BatchRow)
-            .where(BatchRow.queued > 0, BatchRow.state == BatchState.OPEN)
+            .where(
+                BatchRow.queued > 0,
+                BatchRow.state == BatchState.OPEN,
+                HeldRuns(self._session).others(held),
+            )
             .order_by(BatchRow.priority, BatchRow.served, BatchRow.seq)
             .limit(limit)
             .with_for_update()
@@ -157,7 +180,7 @@ class QueueRepository:
                 break
             priority, served, seq, batch = heap[0]
             taken[batch] += 1
-            if taken[batch] < batch.queued:
+            if taken[batch] < batch.queued - held.get(batch.seq, 0):
                 heapq.heapreplace(heap, (priority, served + 1, seq, batch))
             else:
                 heapq.heappop(heap)
@@ -187,7 +210,10 @@ class QueueRepository:
         self, row: RunRow, transition: Transition, when: datetime, *, revision: int
     ) -> None:
         set_run_state(row, transition.state, revision=revision)
+        if transition.wait_s:
+            row.not_before = when + timedelta(seconds=transition.wait_s)
         if transition.report is not None:
+            row.not_before = None
             write_report(self._session, row, transition.report, ended=when)
         elif transition.state.status is RunStatus.QUEUED:
             self._session.execute(

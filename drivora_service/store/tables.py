@@ -117,6 +117,13 @@ class RunRow(Base):
             postgresql_where=text("status = 'queued'"),
         ),
         Index(
+            "ix_runs_held",
+            "not_before",
+            "status",
+            sqlite_where=text("not_before IS NOT NULL"),
+            postgresql_where=text("not_before IS NOT NULL"),
+        ),
+        Index(
             "ix_runs_to_cancel",
             "seq",
             sqlite_where=text("status = 'running' AND cancel_requested"),
@@ -147,6 +154,7 @@ class RunRow(Base):
     infrastructure_failures: Mapped[int] = mapped_column(default=0)
     crashes: Mapped[int] = mapped_column(default=0)
     interruptions: Mapped[int] = mapped_column(default=0)
+    not_before: Mapped[datetime | None]
     violations: Mapped[int | None]
     at_fault_violations: Mapped[int | None]
     observations: Mapped[int | None]

@@ -21,8 +21,12 @@ class TraceFolder:
         return self.root / run_id[-2:] / f"{run_id}.parquet"
 
     def prepare(self, run_id: str) -> str:
-        """Makes the folder of a run's trace and gives the trace's path."""
+        """Makes the folder of a run's trace and gives the trace's path.
+
+        The trace of an earlier attempt is removed: it is not that of the attempt that comes.
+        """
         path = self.path(run_id)
+        path.unlink(missing_ok=True)
         path.parent.mkdir(parents=True, exist_ok=True)
         return str(path)
 

@@ -1,0 +1,69 @@
+"""Runs that were going on when the server died several times: they wait, and go last."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime, timedelta
+
+from sqlalchemy import ColumnElement, func, or_, select
+from sqlalchemy.orm import Session
+
+from drivora_service.runs.lifecycle import LONGEST_WAIT_S
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.records import BatchState
+from drivora_service.store.tables import BatchRow, RunRow
+
+
+class HeldRuns:
+    """The queued runs that have a ``not_before``; there are few or none."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def none_of(self) -> ColumnElement[bool]:
+        """The condition on a run that it is not held."""
+        return RunRow.not_before.is_(None)
+
+    def numbers(self) -> dict[int, int]:
+        """Counts them by the ``seq`` of their batch."""
+        found = self._session.execute(
+            select(RunRow.batch_seq, func.count())
+            .where(RunRow.not_before.is_not(None), RunRow.status == RunStatus.QUEUED)
+            .group_by(RunRow.batch_seq)
+        )
+        return {row[0]: row[1] for row in found}
+
+    def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
+        """The condition on a batch that it has queued runs that are not held."""
+        full = self._session.execute(
+            select(BatchRow.seq, BatchRow.queued).where(BatchRow.seq.in_(numbers))
+        )
+        return BatchRow.seq.not_in([row.seq for row in full if row.queued <= numbers[row.seq]])
+
+    def due(self, now: datetime) -> tuple[int, BatchRow] | None:
+        """Returns the one to be handed out next, with its batch.
+
+        None is while another one runs, so that the one which ends the server has no company. A
+        wait that is longer than any can be is of a clock that has gone back since, and is over.
+        """
+        running = select(RunRow.seq).where(
+            RunRow.not_before.is_not(None), RunRow.status == RunStatus.RUNNING
+        )
+        if self._session.scalar(running.limit(1)) is not None:
+            return None
+        found = self._session.execute(
+            select(RunRow.seq, BatchRow)
+            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            .where(
+                RunRow.not_before.is_not(None),
+                RunRow.status == RunStatus.QUEUED,
+                BatchRow.state == BatchState.OPEN,
+                or_(
+                    RunRow.not_before <= now,
+                    RunRow.not_before > now + timedelta(seconds=2 * LONGEST_WAIT_S),
+                ),
+            )
+            .order_by(RunRow.not_before)
+            .limit(1)
+        ).one_or_none()
+        return None if found is None else (found[0], found[1])
