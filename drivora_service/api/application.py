@@ -53,6 +53,8 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         docs_url=None,
         redoc_url=None,
         lifespan=lifespan,
+        # `/jobs/` is a job without an id, not the list of jobs.
+        redirect_slashes=False,
     )
     api.state.context = context
     modules = (

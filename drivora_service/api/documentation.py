@@ -130,6 +130,7 @@ def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema
+            _simplify(document)
             api.openapi_schema = document
         return api.openapi_schema
 
@@ -152,6 +153,23 @@ def _make_tokens_optional(paths: Mapping[str, Mapping[str, Any]]) -> None:
         for operation in methods.values():
             if "security" in operation:
                 operation["security"] = [{}, *operation["security"]]
+
+
+def _simplify(part: Any) -> None:
+    """Writes lists of a fixed length, and ids in paths, as every reader of schemas has them."""
+    if isinstance(part, list):
+        for item in part:
+            _simplify(item)
+        return
+    if not isinstance(part, dict):
+        return
+    parts = part.get("prefixItems")
+    if isinstance(parts, list) and parts and all(item == parts[0] for item in parts):
+        part["items"] = part.pop("prefixItems")[0]
+    if part.get("in") == "path" and part["schema"].get("type") == "string":
+        part["schema"].update({"minLength": 1, "pattern": "^[^/:]+$"})
+    for value in part.values():
+        _simplify(value)
 
 
 def _unpack_examples(part: Any) -> None:

@@ -88,6 +88,17 @@ def test_the_schema_says_what_is_needed_of_lists_and_page_tokens(openapi: dict[s
         assert not re.fullmatch(schema["pattern"], "no token")
 
 
+def test_ids_in_paths_are_never_empty(openapi: dict[str, Any]) -> None:
+    ids = [
+        parameter["schema"]
+        for _, operation in operations(openapi)
+        for parameter in operation.get("parameters", ())
+        if parameter["in"] == "path" and parameter["name"] != "number"
+    ]
+    assert len(ids) > 20
+    assert {schema["minLength"] for schema in ids} == {1}
+
+
 def test_links_name_operations_and_their_parameters(openapi: dict[str, Any]) -> None:
     known = {operation["operationId"]: operation for _, operation in operations(openapi)}
     assert len(known) == len(operations(openapi))

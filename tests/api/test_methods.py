@@ -40,6 +40,11 @@ def test_an_action_is_not_looked_up_as_a_job(offline: Offline) -> None:
     is_problem(offline.client.post(f"{JOB}:explode"), 404)
 
 
+def test_a_path_that_ends_in_a_slash_is_another_one(offline: Offline) -> None:
+    for path in ("/api/v1/jobs/", "/api/v1/batches/", "/api/v1/jobs/0/", "/healthz/"):
+        is_problem(offline.client.get(path), 404)
+
+
 def test_head_is_get_without_the_body(offline: Offline) -> None:
     for path in ("/healthz", "/api/v1/jobs", "/docs", "/api/v1/jobs/0", "/x"):
         shown, hidden = offline.client.get(path), offline.client.head(path)
