@@ -16,16 +16,19 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
 from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.stored import run_stored
-from drivora_service.errors import Conflict, DrivoraError, PluginError
+from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
 from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.store.database import open_database
 from drivora_service.store.traces import TraceFolder
 
 NOT_MINE = 75
-"""Exit code of a process that may not run its campaign: another does, or nobody wants it to run."""
+"""Exit code of a process that cannot run its campaign now: another does, it is not queued, or the
+database cannot be used."""
 
 _FAILED = 1
+_PATIENCE_S = 60.0
+"""Seconds for which an engine, whose threads serve no client, waits for other writers."""
 _LOG_BYTES = 1 << 20
 _TAIL_BYTES = 16_384
 
@@ -82,7 +85,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
     os.setsid()
     _print_to(setup.log(campaign_id))
     faulthandler.enable()
-    database = open_database(setup.database_url)
+    database = open_database(setup.database_url, patience_s=_PATIENCE_S)
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
 
@@ -114,7 +117,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         print(f"campaign {campaign_id}: {error}", flush=True)
         if isinstance(error, PluginError):
             print(error.log, flush=True)
-        sys.exit(NOT_MINE if isinstance(error, Conflict) else _FAILED)
+        sys.exit(NOT_MINE if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
     finally:
         database.close()
     print(f"campaign {campaign_id} is {ended.state}", flush=True)

@@ -13,7 +13,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.preparing import prepare_search, search_versions
 from drivora_service.campaigns.reading import Catalogues, ValidCampaign, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.errors import CampaignError, WorkersCannotStart
+from drivora_service.errors import CampaignError, StoreUnavailable, WorkersCannotStart
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignState,
@@ -62,6 +62,7 @@ def run_stored(
         Conflict: Another process runs it, it is over, or it does not wait to be run.
         CampaignError: It cannot go on; the store knows why.
         InvalidDocument: What it names is not there any more.
+        StoreUnavailable: The database cannot be used now; the campaign is as it was.
         UnknownName: There is no such campaign.
         WorkersCannotStart: Nothing can be run on this machine; the campaign is paused.
     """
@@ -84,6 +85,9 @@ def run_stored(
         except WorkersCannotStart as error:
             # A fault of this machine, not of the campaign, which goes on from here once it is gone.
             _end(database, campaign_id, CampaignState.PAUSED, journal, str(error))
+            raise
+        except StoreUnavailable:
+            # It passes; whatever runs the campaign again goes on from here.
             raise
         except Exception as error:
             message = str(error) or type(error).__name__

@@ -16,6 +16,7 @@ from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_
 from drivora_service.execution.deaths import signal_name
 from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
 from drivora_service.execution.supervised import SupervisedThread
+from drivora_service.fault_log import FaultLog
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 
@@ -88,6 +89,7 @@ class CampaignSupervisor:
         self._deaths: dict[str, _Deaths] = {}
         self._not_before: dict[str, float] = {}
         self._look_at = 0.0
+        self._faults = FaultLog(_log)
         self._woken, self._waker = multiprocessing.Pipe(duplex=False)
         self._waking = threading.Lock()
         # The kernel ends an engine with the thread that started it, so that must be this one.
@@ -162,14 +164,22 @@ class CampaignSupervisor:
         for campaign in wanted:
             if campaign.id in self._engines or now < self._not_before.get(campaign.id, 0.0):
                 continue
-            if self._setup.folder(campaign.id).is_running:
-                # Some command works on it.
-                continue
-            if campaign.request is not CampaignRequest.NONE:
-                with self._database.write() as transaction:
-                    transaction.campaigns.end(campaign.id, _ENDS[campaign.request])
-            elif len(self._engines) < self._at_once:
-                self._begin(campaign.id)
+            try:
+                self._look_at_one(campaign.id, campaign.request)
+            except OSError as error:
+                # Its folder or its lock; the other campaigns do not suffer from it.
+                self._faults.error("campaign_not_started", campaign=campaign.id, error=repr(error))
+                self._not_before[campaign.id] = now + _RETRY_S
+
+    def _look_at_one(self, campaign_id: str, request: CampaignRequest) -> None:
+        if self._setup.folder(campaign_id).is_running:
+            # Some command works on it.
+            return
+        if request is not CampaignRequest.NONE:
+            with self._database.write() as transaction:
+                transaction.campaigns.end(campaign_id, _ENDS[request])
+        elif len(self._engines) < self._at_once:
+            self._begin(campaign_id)
 
     def _begin(self, campaign_id: str) -> None:
         reader, writer = multiprocessing.Pipe(duplex=False)

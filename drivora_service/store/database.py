@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -32,6 +33,10 @@ from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
 """Seconds to wait for other writers unless another time is asked for."""
+
+_GLANCE_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 16
+"""A thread that waits to write looks so often whether a write takes longer than usual; then only so
+many threads wait for its end, and the others are left to those who read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +105,9 @@ class Database:
         # waiting sleeps and tries again.
         self._writing = threading.Lock() if engine.dialect.name == "sqlite" else None
         self._patience_s = patience_s
+        self._counting = threading.Lock()
+        self._waiting = 0
+        self._writing_since = 0.0
         self._readers = sessionmaker(engine, expire_on_commit=False)
         self._writers = sessionmaker(
             engine.execution_options(drivora_writes=True), expire_on_commit=False
@@ -154,14 +162,30 @@ class Database:
         if self._writing is None:
             yield
             return
-        if not self._writing.acquire(timeout=self._patience_s):
-            raise StoreUnavailable(
-                f"the database was busy with other writes for {self._patience_s:g} s; try again"
-            )
+        if not self._acquired(self._writing):
+            raise StoreUnavailable("the database is busy with other writes; try again")
+        self._writing_since = time.monotonic()
         try:
             yield
         finally:
             self._writing.release()
+
+    def _acquired(self, writing: threading.Lock) -> bool:
+        """Waits for the lock; gives up early where many wait for a writer that is stuck."""
+        until = time.monotonic() + self._patience_s
+        with self._counting:
+            self._waiting += 1
+        try:
+            while (left := until - time.monotonic()) > 0:
+                if writing.acquire(timeout=min(left, _GLANCE_S)):
+                    return True
+                stuck = time.monotonic() - self._writing_since > _STUCK_S
+                if stuck and self._waiting > _MOST_WAITING:
+                    return False
+            return False
+        finally:
+            with self._counting:
+                self._waiting -= 1
 
     def close(self) -> None:
         """Closes every connection."""

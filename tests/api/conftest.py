@@ -94,8 +94,11 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
         batch_items: int = 50,
         body_bytes: int = BODY_LIMIT,
         tokens: TokenFile | None = None,
+        patience_s: float = 30.0,
+        storage_fault: Callable[[], str] = lambda: "",
     ) -> Offline:
-        database = open_database(f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}")
+        url = f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}"
+        database = open_database(url, patience_s=patience_s)
         woken: list[int] = []
         catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
         context = ApiContext(
@@ -109,7 +112,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             wake=lambda: woken.append(1),
             wake_campaigns=lambda: woken.append(1),
             faults=lambda: {"workers": "there are none"},
-            storage_fault=lambda: "",
+            storage_fault=storage_fault,
             stopping=lambda: False,
         )
         app = create_api(context)
