@@ -18,6 +18,7 @@ from drivora_service.api.methods import HeadAsGet, MethodTable
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
 from drivora_service.api.query_guard import refuse_unknown_parameters
+from drivora_service.api.request_times import RequestTimes, TimedRequests
 from drivora_service.api.routes import (
     batches,
     campaigns,
@@ -57,6 +58,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
         redirect_slashes=False,
     )
     api.state.context = context
+    times = api.state.request_times = RequestTimes()
     modules = (
         scenarios,
         jobs,
@@ -95,4 +97,6 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     api.add_middleware(LoadGuard)
+    # Outside of all others, so that it sees what they refuse.
+    api.add_middleware(TimedRequests, times=times)
     return api

@@ -24,6 +24,7 @@ from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
+from drivora_service.store.figures import FigureRepository
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
@@ -89,6 +90,11 @@ class Transaction:
     def idempotency(self) -> IdempotencyRepository:
         """Requests that must not be done twice."""
         return IdempotencyRepository(self.session)
+
+    @property
+    def figures(self) -> FigureRepository:
+        """Counts and sizes of the whole store."""
+        return FigureRepository(self.session)
 
     @property
     def workers(self) -> WorkerRepository:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import lru_cache
 from importlib.metadata import version
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.context import Context
@@ -60,9 +60,10 @@ async def readyz(context: Context, response: Response) -> Readiness:
     },
     dependencies=[Depends(reader)],
 )
-def metrics(context: Context) -> Response:
-    """Gives counts of runs, the queue and the workers for Prometheus."""
-    return Response(metrics_text(context), media_type=CONTENT_TYPE)
+def metrics(context: Context, request: Request) -> Response:
+    """Gives counts of runs, the queue, the workers and requests for Prometheus."""
+    text = metrics_text(context, request.app.state.request_times)
+    return Response(text, media_type=CONTENT_TYPE)
 
 
 @lru_cache(maxsize=1)
