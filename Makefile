@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow fuzz lint types contracts schema protocol networks docs-numbers pictures lock clean
+.PHONY: help install install-dev demo test test-slow fuzz lint types contracts schema protocol networks docs-numbers pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -77,6 +77,16 @@ lock: $(DEV_STAMP) ## Resolve the pinned packages again
 	  $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
 	    --no-emit-index-url --no-emit-find-links --no-header --no-annotate $$flags \
 	    pyproject.toml --output-file requirements/$$set.txt; \
+	done
+
+# Without --strict, packages that an index knows nothing of would count as free of faults.
+ADVISORIES := https://api.osv.dev
+audit: $(DEV_STAMP) ## Compare the pinned packages with known vulnerabilities (needs the internet)
+	@$(BIN)/python -c "import httpx; httpx.get('$(ADVISORIES)', timeout=20)" 2>/dev/null || \
+	  { echo "audit: NOT DONE: $(ADVISORIES), the service of advisories, is not reached. Run it where it is"; exit 3; }
+	for set in run dev; do \
+	  $(BIN)/uv tool run --from pip-audit==2.10.0 pip-audit --strict --disable-pip --require-hashes \
+	    --progress-spinner off --vulnerability-service osv -r requirements/$$set.txt || exit 1; \
 	done
 
 clean: ## Remove the virtual environment and the caches
