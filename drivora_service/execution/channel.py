@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-LONGEST_BODY = 64 << 20
-"""Bytes of the longest message that a slot accepts."""
+LONGEST_BODY = 16 << 20
+"""Bytes of the longest message that a slot accepts; as objects they take some twenty times that."""
 
 _MAGIC = b"drvr"
 _HEADER = struct.Struct("!4sII")
@@ -123,6 +123,8 @@ class Channel:
         if len(self._coming) < _HEADER.size:
             return None
         kind, length = _checked_header(self._coming)
+        if length > LONGEST_BODY:
+            raise ProtocolError(f"a message of {length} bytes; allowed: {LONGEST_BODY}")
         end = _HEADER.size + length
         if len(self._coming) < end:
             return None
@@ -181,8 +183,6 @@ def _checked_header(data: bytearray) -> tuple[Kind, int]:
     magic, kind, length = _HEADER.unpack_from(data)
     if magic != _MAGIC:
         raise ProtocolError(f"found {bytes(magic)!r} where a message begins; expected {_MAGIC!r}")
-    if length > LONGEST_BODY:
-        raise ProtocolError(f"a message of {length} bytes; allowed: {LONGEST_BODY}")
     try:
         return Kind(kind), length
     except ValueError:

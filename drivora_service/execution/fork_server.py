@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
+import time
 from collections.abc import Callable
 from multiprocessing import forkserver
 from multiprocessing.connection import wait
@@ -12,6 +13,8 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 import structlog
+
+from drivora_service.execution.processes import ProcessHandle
 
 _PRELOADED = "drivora_service.execution.preloaded"
 
@@ -26,6 +29,9 @@ ENVIRONMENT = {
     "MKL_NUM_THREADS": "1",
 }
 """Environment variables with which every process must be started."""
+
+_GONE_S = 5.0
+"""Seconds within which a process that was killed is gone."""
 
 _TOLD_S = 0.2
 """Seconds within which a fork server tells the end of a process."""
@@ -64,12 +70,28 @@ def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BasePro
     )
     try:
         with _looking:
+            _end_stopped_server()
             process.start()
     except (FileNotFoundError, ConnectionRefusedError) as error:
         # Its socket lies among the temporary files, which some systems clear away after days.
         _log.warning("fork_server_not_reached", error=repr(error))
         return spawn_process(target, args)
     return process
+
+
+def _end_stopped_server() -> None:
+    """Ends a fork server that a signal has stopped: a start would wait for it for ever."""
+    pid = getattr(getattr(forkserver, "_forkserver", None), "_forkserver_pid", None)
+    server = None if pid is None else ProcessHandle(pid)
+    if server is None:
+        return
+    if server.is_stopped:
+        _log.warning("fork_server_stopped", pid=pid)
+        server.kill()
+        until = time.monotonic() + _GONE_S
+        while server.lives and time.monotonic() < until:
+            time.sleep(0.01)
+    server.close()
 
 
 def spawn_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:

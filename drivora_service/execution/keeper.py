@@ -17,7 +17,8 @@ import socket
 import sys
 import time
 import traceback
-from typing import NoReturn, Protocol
+from multiprocessing.reduction import DupFd
+from typing import Any, NoReturn
 
 import psutil
 
@@ -43,19 +44,32 @@ _PAUSE_S = 0.002
 _MOST_NAMES = 20
 
 
-class Handed(Protocol):
-    """A descriptor on its way from one process to another (``multiprocessing.reduction.DupFd``)."""
+class HandedFile:
+    """A descriptor that goes to another process when that is started."""
+
+    def __init__(self, file: int) -> None:
+        """Takes the descriptor; closing it is for its owner."""
+        self._file = file
 
     def detach(self) -> int:
-        """Returns the descriptor, in the process in which it has arrived."""
-        ...
+        """Returns the descriptor, in the process in which it has arrived its own."""
+        return self._file
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Made while the process is being started: at any other time it would be offered by a thread
+        # of this process, to whichever process asks for it.
+        return _arrived, (DupFd(self._file),)
+
+
+def _arrived(handed: Any) -> HandedFile:
+    return HandedFile(handed.detach())
 
 
 def keep(
     control: socket.socket,
     channel: socket.socket,
-    log: Handed,
-    board: Handed,
+    log: HandedFile,
+    board: HandedFile,
     task: WorkerTask,
 ) -> None:
     """Keeps one worker until it has ended and nothing of it is left.
@@ -91,6 +105,8 @@ def keep(
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         send(control, frame_of(Ended(exit_code=exit_code)))
     _end_all(worker)
+    # Nothing is left to do, and nothing that was inherited from the fork server to be ended.
+    os._exit(0)
 
 
 def _print_to(log: int) -> None:

@@ -8,7 +8,6 @@ import pickle
 import socket
 import time
 from multiprocessing.process import BaseProcess
-from multiprocessing.reduction import DupFd
 
 import psutil
 
@@ -21,7 +20,7 @@ from drivora_service.execution.channel import (
     wait_for,
 )
 from drivora_service.execution.fork_server import forget_process, start_process
-from drivora_service.execution.keeper import is_guard, keep
+from drivora_service.execution.keeper import HandedFile, is_guard, keep
 from drivora_service.execution.messages import Ended, Started, Strangers, message_of
 from drivora_service.execution.processes import ProcessHandle, descendants_of, read_process
 from drivora_service.execution.worker import WorkerTask
@@ -81,7 +80,7 @@ class KeptWorker:
         self._channel, self._control = Channel(channel), Channel(control)
         try:
             self._process: BaseProcess = start_process(
-                keep, (keepers, theirs, DupFd(log), DupFd(self.board.fileno()), task)
+                keep, (keepers, theirs, HandedFile(log), HandedFile(self.board.fileno()), task)
             )
         except BaseException:
             for end in (self._channel, self._control, self.board):
@@ -125,7 +124,7 @@ class KeptWorker:
         while self._exit_code is None:
             if time.monotonic() > until:
                 lives = self.pid is not None and read_process(self.pid) is not None
-                if lives and not self._keeper_is_stopped():
+                if lives and not self._keeper.is_stopped:
                     raise ProtocolError("it closed its channel")
                 raise KeeperLostError(f"the keeper did not answer within {_ANSWER_S:g} s")
             wait_for((self._control,), _LOOK_S)
@@ -165,7 +164,7 @@ class KeptWorker:
         self._control.put(Frame(Kind.LOOK))
         until = time.monotonic() + _ANSWER_S
         while self._strangers is None and self._exit_code is None:
-            if time.monotonic() > until or self._keeper_is_stopped():
+            if time.monotonic() > until or self._keeper.is_stopped:
                 raise KeeperLostError("the keeper does not answer")
             wait_for((self._control,), _LOOK_S)
             self._hear_keeper()
@@ -210,7 +209,7 @@ class KeptWorker:
         """Waits for the end of the keeper; false if it did not end everything before."""
         until = time.monotonic() + _END_S
         try:
-            while time.monotonic() < until and not self._keeper_is_stopped():
+            while time.monotonic() < until and not self._keeper.is_stopped:
                 wait_for((self._control,), _LOOK_S)
                 self._hear_keeper()
                 if self._exit_code is not None and not self._keeper.lives:
@@ -228,10 +227,6 @@ class KeptWorker:
                     if os.getsid(pid) == self.pid and pid != self.pid:
                         found.append(pid)
         return found
-
-    def _keeper_is_stopped(self) -> bool:
-        reading = read_process(self._keeper.pid)
-        return reading is not None and reading.state in "Tt"
 
     def _close(self) -> None:
         self._channel.close()

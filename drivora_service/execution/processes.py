@@ -147,6 +147,12 @@ class ProcessHandle:
         reading = read_process(self.pid)
         return reading is not None and reading.started == self._started and reading.state != "Z"
 
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the process was stopped by a signal."""
+        reading = read_process(self.pid)
+        return reading is not None and reading.state in "Tt" and reading.started == self._started
+
     def kill(self) -> None:
         """Kills the process, if it is still there."""
         with contextlib.suppress(OSError):

@@ -100,7 +100,7 @@ def is_gone(pid: int, within: float = 10.0) -> bool:
 
 LIES = (
     ("header", "did not end within"),
-    ("huge", "a message of 4294967295 bytes; allowed: 67108864"),
+    ("huge", "a message of 4294967295 bytes; allowed: 16777216"),
     ("pickle {path}", "where a message begins"),
     ("framed-pickle {path}", "a report that is none"),
     ("kind", "the unknown kind 77"),
@@ -157,6 +157,22 @@ def test_a_long_document_goes_to_a_worker_that_was_stopped(start: Start) -> None
     assert executor.slots()[0].run_id == "run"
     executor.cancel("run")
     assert end_of(executor).report.status is RunStatus.CANCELLED
+
+
+def test_a_document_may_be_longer_than_a_report(start: Start) -> None:
+    executor = start()
+    document = "sleep 0" + " " * (channel.LONGEST_BODY + 1)
+    assert run(executor, document).report.status is RunStatus.FINISHED
+
+
+def test_a_fork_server_that_was_stopped_is_replaced(start: Start) -> None:
+    executor = start()
+    assert worker_of(executor)
+    server = psutil.Process(forkserver._forkserver._forkserver_pid)  # type: ignore[attr-defined]
+    server.suspend()
+    assert run(executor, "exit 3").report.status is RunStatus.SIMULATOR_CRASHED
+    assert worker_of(executor)
+    assert is_gone(server.pid)
 
 
 def test_a_worker_that_was_stopped_is_no_hung_agent(start: Start) -> None:
