@@ -2,13 +2,16 @@
 PYTHON ?= python3
 # Tests wait for other processes now and then: one more at a time than there are cores.
 TEST_PROCESSES ?= $(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)")
+# How often each fault is injected, and the file to write the table of results to, if any.
+TRIALS ?= 1
+FAULT_TABLE ?=
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow fuzz lint types contracts schema protocol networks docs-numbers pictures lock audit clean
+.PHONY: help install install-dev demo test test-slow test-faults fuzz lint types contracts schema protocol networks docs-numbers pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -36,7 +39,7 @@ demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failure
 
 test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, tests
 	$(BIN)/drivora schema --check
-	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow"
+	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults"
 
 test-slow: $(DEV_STAMP) ## The slow tests, which CI runs as well
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
@@ -44,6 +47,11 @@ test-slow: $(DEV_STAMP) ## The slow tests, which CI runs as well
 INPUTS ?= 1000000
 fuzz: $(DEV_STAMP) ## Fuzz the parsers for long: INPUTS=1000000, PARSER=name for one
 	$(BIN)/python -m tests.fuzzing --inputs $(INPUTS) $(if $(PARSER),--parser $(PARSER))
+
+# Each process of these tests has a service with two workers of its own, which mostly wait.
+test-faults: $(DEV_STAMP) ## Faults injected into a real service; TRIALS=20 at other random moments
+	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 2 --dist worksteal \
+	  -m faults tests/faults
 
 lint: $(DEV_STAMP)
 	$(BIN)/ruff check .

@@ -1,0 +1,97 @@
+"""Processes of the service are killed in the middle of a batch."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import psutil
+import pytest
+
+from tests.faults import processes
+from tests.faults.conftest import Judge
+from tests.faults.processes import wait_until
+from tests.faults.service_under_test import Service
+from tests.faults.work import campaign, good_runs
+
+Fault = Callable[[Service, random.Random], None]
+
+
+def a_worker(service: Service, luck: random.Random) -> None:
+    processes.send(luck.choice(service.workers()), signal.SIGKILL)
+
+
+def all_workers(service: Service, luck: random.Random) -> None:
+    for worker in service.workers():
+        processes.send(worker, signal.SIGKILL)
+
+
+def a_keeper(service: Service, luck: random.Random) -> None:
+    service.workers()
+    processes.send(luck.choice(processes.keepers(service.data / "workers")), signal.SIGKILL)
+
+
+def the_fork_server(service: Service, luck: random.Random) -> None:
+    processes.send(service.fork_server(), signal.SIGKILL)
+
+
+def the_server(service: Service, luck: random.Random) -> None:
+    children = processes.tree(service.pid)[1:]
+    service.kill()
+    _, left = psutil.wait_procs(children, timeout=10.0)
+    assert left == [], "processes have outlived their server"
+    service.start()
+
+
+@pytest.mark.parametrize("kill", [a_worker, all_workers, a_keeper, the_fork_server, the_server])
+def test_killed(
+    service: Service, check: Judge, luck: random.Random, kill: Fault, trial: int
+) -> None:
+    work = service.post(good_runs(24))
+    service.wait_until_ended(work, luck.randrange(2, 10))
+    time.sleep(luck.uniform(0.0, 0.3))
+    kill(service, luck)
+    check(service, work)
+
+
+def test_workers_killed_at_random_moments(
+    service: Service, check: Judge, luck: random.Random, trial: int
+) -> None:
+    """Two deaths of a run's workers are few enough that it must be finished."""
+    work = service.post(good_runs(36))
+    for _ in range(5):
+        time.sleep(luck.uniform(0.2, 1.2))
+        a_worker(service, luck)
+    check(service, work)
+
+
+def test_the_engine_of_a_campaign_killed(
+    service: Service, check: Judge, luck: random.Random, trial: int
+) -> None:
+    simulations = 30
+    with service.client() as client:
+        answer = client.post("/campaigns", json=campaign(simulations)).raise_for_status()
+        address = f"/campaigns/{answer.json()['id']}"
+
+        def state() -> dict[str, Any]:
+            found: dict[str, Any] = client.get(address).raise_for_status().json()
+            return found
+
+        work = service.post(good_runs(6))
+        wait_until(lambda: state()["simulations"] >= 3, seconds=60.0, what="no simulation")
+        time.sleep(luck.uniform(0.0, 0.5))
+        lock = service.data / "campaigns" / answer.json()["id"] / "lock"
+        psutil.Process(int(lock.read_text())).kill()
+        wait_until(
+            lambda: state()["state"] not in ("queued", "running"),
+            seconds=90.0,
+            what="the campaign does not end",
+        )
+        last = state()
+        batch = client.get(f"/batches/{last['batch_id']}").json()
+    check(service, work)
+    assert (last["state"], last["simulations"]) == ("finished", simulations), last
+    assert batch["counts"] == {"finished": simulations + last["counts"]["violating"]}
