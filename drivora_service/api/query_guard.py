@@ -17,7 +17,8 @@ async def refuse_unknown_parameters(request: Request) -> None:
     """Checks the names of a request's query parameters.
 
     Raises:
-        InvalidDocument: The operation does not have some of them; the first ones are named.
+        InvalidDocument: The operation does not have some of them, of which the first are named, or
+            a value holds NUL, which databases do not store.
     """
     route = request.scope.get("route")
     if not isinstance(route, APIRoute) or not request.query_params:
@@ -25,6 +26,15 @@ async def refuse_unknown_parameters(request: Request) -> None:
     known = parameters_of(route)
     unknown = [name for name in dict.fromkeys(request.query_params) if name not in known]
     problems = tuple(_problem(name, known) for name in unknown[:_MOST_NAMED])
+    problems += tuple(
+        Problem(
+            pointer="",
+            code="odd_value",
+            message=f"query parameter {name!r}: found the NUL character; it is not allowed",
+        )
+        for name in known
+        if any("\0" in value for value in request.query_params.getlist(name))
+    )
     if problems:
         raise InvalidDocument(problems)
 

@@ -9,6 +9,8 @@ import json
 
 from drivora_service.errors import InvalidDocument, Problem
 
+_LARGEST = 2**63 - 1
+
 
 def make_token(scope: str, last: int) -> str:
     """Makes the token of the page after ``last``; ``scope`` names the query it belongs to."""
@@ -29,7 +31,9 @@ def read_token(scope: str, token: str) -> int:
         found = None
     match found:
         case [str(found_scope), int(last)] if found_scope == _digest(scope):
-            return last
+            # A forged one may hold what no database can compare with.
+            if last is not True and last is not False and -_LARGEST <= last <= _LARGEST:
+                return last
     raise InvalidDocument(
         (
             Problem(
