@@ -184,8 +184,8 @@ def test_no_worker_outlives_its_server(
     children = psutil.Process(server.pid).children(recursive=True)
     assert len(children) >= 2
     os.kill(server.pid, how)
-    server.communicate(timeout=10)
-    _, left = psutil.wait_procs(children, timeout=5)
+    server.communicate(timeout=30)
+    _, left = psutil.wait_procs(children, timeout=10)
     assert left == []
 
 
