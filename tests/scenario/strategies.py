@@ -117,3 +117,29 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
     content["npc_walkers"] = [named(npc) for npc in draw(st.lists(walkers, max_size=2))]
     content["npc_obstacles"] = [named(npc) for npc in draw(st.lists(obstacles, max_size=2))]
     return content
+
+
+ODD_KEYS = ("[key]", "", "/", "~", "~1", "0", "-1", "__class__", "model_fields", "\ud800")
+"""That pointers, models or Python may take for something else."""
+
+
+@st.composite
+def garbled(draw: st.DrawFn, valid: st.SearchStrategy[dict[str, Any]]) -> dict[str, Any]:
+    """A valid document in which a few places were replaced, removed or added to."""
+    content = draw(valid)
+    for _ in range(draw(st.integers(1, 3))):
+        place: Any = content
+        while isinstance(place, dict | list) and place:
+            keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+            key = draw(st.sampled_from(keys))
+            if not isinstance(place[key], dict | list) or draw(st.booleans()):
+                change = draw(st.sampled_from(["replace", "remove", "add"]))
+                if change == "replace":
+                    place[key] = draw(json_values | st.floats() | st.integers())
+                elif change == "remove":
+                    del place[key]
+                elif isinstance(place, dict):
+                    place[draw(st.text(max_size=5) | st.sampled_from(ODD_KEYS))] = draw(json_values)
+                break
+            place = place[key]
+    return content
