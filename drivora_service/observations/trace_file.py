@@ -31,6 +31,11 @@ _ROW_GROUP_ROWS = 32_768
 _STATE_COLUMNS = tuple(col.name.lower() for col in Col)
 _EGO_COLUMNS = tuple(f"ego_{col.name.lower()}" for col in EgoCol)
 _LOG_PREFIX = "log:"
+_DAMAGE = (
+    *(OSError, pa.ArrowException, LookupError, TypeError, ValueError, AttributeError),
+    *(ArithmeticError, RecursionError),
+)
+"""What reading a file raises in which anything may stand."""
 
 
 def write_trace(trace: Trace, path: Path) -> None:
@@ -138,10 +143,11 @@ def _read(path: Path, steps: tuple[int, int] | None) -> Trace:
             header = _header(file, path)
             groups = _row_groups(file.metadata, steps)
             table = file.read_row_groups(groups, use_threads=False)
-        return _trace(header, table, steps)
+            rows = file.metadata.num_rows
+        return _trace(header, table, rows, steps)
     except FileNotFoundError as error:
         raise StoreError(f"there is no trace {path.name}") from error
-    except (OSError, pa.ArrowException, KeyError, IndexError, TypeError, ValueError) as error:
+    except _DAMAGE as error:
         raise StoreError(f"the trace {path.name} is damaged: {error!r}; run it again") from error
 
 
@@ -173,9 +179,22 @@ def _row_groups(metadata: pq.FileMetaData, steps: tuple[int, int] | None) -> lis
     return chosen
 
 
-def _trace(header: dict[str, Any], table: pa.Table, steps: tuple[int, int] | None) -> Trace:
+def _check_size(steps: int, egos: int, rows: int) -> None:
+    """Checks the size that a header states before memory is taken for it.
+
+    Raises:
+        ValueError: The file has not a row for every ego at every step.
+    """
+    if egos < 1 or not 0 <= steps * egos <= rows:
+        raise ValueError(f"{steps} steps of {egos} egos do not fit into {rows} rows")
+
+
+def _trace(
+    header: dict[str, Any], table: pa.Table, rows: int, steps: tuple[int, int] | None
+) -> Trace:
     """Puts the rows of a file back into arrays over (step, actor)."""
     count, actors, egos = int(header["steps"]), len(header["actors"]), len(header["egos"])
+    _check_size(count, egos, rows)
     if steps is not None:
         numbers = table.column("step").to_numpy()
         low, high = np.searchsorted(numbers, steps)

@@ -85,6 +85,8 @@ def trace_from_header(
         KeyError: An entry of the header is missing.
         TypeError: An entry of the header has another shape.
         ValueError: An entry of the header has a value that does not exist.
+        AttributeError: An entry that should be an object is another value.
+        OverflowError: A number is too large.
     """
     egos = header["egos"]
     changes = header["lights"]["changes"]
@@ -94,19 +96,19 @@ def trace_from_header(
         for step, state in pairs:
             light_states[step:, column] = state
     return Trace(
-        network=header["network"],
-        network_sha256=header["network_sha256"],
-        scenario_sha256=header["scenario_sha256"],
-        step_length=header["step_length"],
+        network=str(header["network"]),
+        network_sha256=str(header["network_sha256"]),
+        scenario_sha256=str(header["scenario_sha256"]),
+        step_length=float(header["step_length"]),
         times=times,
         actors=tuple(
             Actor(
                 row=row,
-                id=actor["id"],
+                id=str(actor["id"]),
                 role=Role(actor["role"]),
-                model=actor["model"],
-                length=actor["length"],
-                width=actor["width"],
+                model=str(actor["model"]),
+                length=float(actor["length"]),
+                width=float(actor["width"]),
             )
             for row, actor in enumerate(header["actors"])
         ),
@@ -116,11 +118,12 @@ def trace_from_header(
         ego_lanes=ego_lanes,
         ego_lights=ego_lights,
         ego_routes=tuple(_route(ego["route"]) for ego in egos),
-        ego_start_times=tuple(ego["start_time"] for ego in egos),
+        ego_start_times=tuple(float(ego["start_time"]) for ego in egos),
         ego_ends=tuple(TerminalEvent(ego["end"]) for ego in egos),
-        ego_end_steps=tuple(ego["end_step"] for ego in egos),
+        ego_end_steps=tuple(int(ego["end_step"]) for ego in egos),
         contacts=tuple(
-            Contact(step=step, ego=ego, other=other) for step, ego, other in header["contacts"]
+            Contact(step=int(step), ego=int(ego), other=int(other))
+            for step, ego, other in header["contacts"]
         ),
         light_ids=tuple(changes),
         light_states=light_states,
@@ -128,11 +131,11 @@ def trace_from_header(
         log_names=tuple(header["logs"]["names"]),
         log_values=log_values,
         log_events=tuple(
-            LogEvent(step=step, ego=ego, message=message)
+            LogEvent(step=int(step), ego=int(ego), message=str(message))
             for step, ego, message in header["logs"]["events"]
         ),
-        privileged=tuple(ego["privileged"] for ego in egos),
-        max_sim_time=header["max_sim_time"],
+        privileged=tuple(bool(ego["privileged"]) for ego in egos),
+        max_sim_time=float(header["max_sim_time"]),
         meta=header["meta"],
         lane_ids={int(index): lane_id for index, lane_id in header["lane_ids"].items()},
     )
@@ -152,8 +155,8 @@ def _route(data: dict[str, Any]) -> EgoRoute:
     return EgoRoute(
         line=_decode(data["line_f8"]).reshape(-1, 2),
         arc=_decode(data["arc_f8"]),
-        length=data["length"],
-        goal=(x, y),
+        length=float(data["length"]),
+        goal=(float(x), float(y)),
     )
 
 

@@ -16,6 +16,7 @@ MODULES: Mapping[str, str] = {
     "campaign-body": "campaigns",
     "campaign-file": "campaigns",
     "manifest": "manifests",
+    "trace": "traces",
     "agent-parameter": "command_line",
     "gate-rule": "command_line",
 }

@@ -16,8 +16,8 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.problems import ACTOR_LISTS
 from drivora_service.scenario.validation import ValidScenario, validate_data
 from tests.scenario.conftest import GOOD
+from tests.scenario.strategies import documents, garbled
 from tests.scenario.test_bad_input import BROKEN, CONE, NPC, WALKER
-from tests.scenario.test_documents import garbled
 
 EGO = GOOD["ego_vehicles"][0]
 AGENTS = ("idm",)
@@ -259,7 +259,7 @@ def test_any_agent_will_do_where_none_is_named(
     assert valid.scenario.ego_vehicles[0].agent.name == "nobody"
 
 
-@given(content=garbled())
+@given(content=garbled(documents()))
 def test_garbled_documents_are_refused_or_valid(
     networks: NetworkCatalogue, content: dict[str, Any]
 ) -> None:

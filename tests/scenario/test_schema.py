@@ -17,9 +17,8 @@ from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.scenario.schema import document_schema, schema_path, schema_text
 from drivora_service.scenario.validation import validate_document
 from tests.scenario.conftest import GOOD
-from tests.scenario.strategies import documents
+from tests.scenario.strategies import documents, garbled
 from tests.scenario.test_bad_input import BROKEN
-from tests.scenario.test_documents import garbled
 
 AGENTS = ("idm", "idm-mobil", "pdm-closed", "sumo-krauss")
 EXAMPLES = sorted((Path(__file__).parents[2] / "openscenario_schemas" / "examples").glob("*.json"))
@@ -133,7 +132,7 @@ def test_what_documents_accept_the_schema_accepts(
 
 
 @settings(max_examples=150)
-@given(content=garbled())
+@given(content=garbled(documents()))
 def test_what_the_schema_refuses_documents_refuse(
     validator: jsonschema.Draft202012Validator, content: dict[str, Any]
 ) -> None:
