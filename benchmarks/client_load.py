@@ -205,6 +205,8 @@ def main() -> None:
     ):
         server = psutil.Process(json.loads((Path(folder) / "data/service.json").read_text())["pid"])
         job = client.post(f"{PREFIX}/jobs", json=SCENARIO).json()["id"]
+        while client.get(f"{PREFIX}/jobs/{job}").json()["status"] != "finished":
+            time.sleep(0.1)
         load = Load(
             url=url,
             paths=(f"{PREFIX}/jobs/{job}", f"{PREFIX}/jobs?limit=20", f"{PREFIX}/batches?limit=5"),
@@ -225,7 +227,7 @@ def main() -> None:
             extra = {
                 "runs_per_s_alone": round((alone + again) / 2, 2),
                 "runs_per_s_read": round(read, 2),
-                "lost": round(1 - 2 * read / (alone + again), 3),
+                "lost": round(1 - 2 * read / (alone + again), 3) if alone + again else None,
             }
             client.post(f"{batch}:cancel")
         elif options.scene == "locked":
