@@ -26,6 +26,11 @@ ANNOUNCEMENT = "service.json"
 _GRACE_S = 5
 """Seconds that requests may go on for when the server shuts down."""
 
+_SWITCH_S = 0.001
+"""Seconds after which a thread of a request lets another one go on. The event loop waits for so
+long for each of them; with Python's own 5 ms, 40 busy threads delayed it by a quarter of a second,
+with this by 40 ms."""
+
 _SHUTDOWN_S = 20.0
 """Seconds in which the server must have shut down once nothing runs any more; then it is ended."""
 
@@ -51,6 +56,7 @@ def serve_until_stopped(settings: Settings) -> None:
         StoreError: The database cannot be used.
     """
     configure_logs(form=settings.log_format, level=settings.log_level)
+    sys.setswitchinterval(_SWITCH_S)
     ending = _Ending()
     service = create_service(settings, on_fatal=ending.break_down)
     BoundedConnection.most = raise_descriptor_limit()
