@@ -71,6 +71,12 @@ def test_what_leaves_its_session_ends_with_its_run(
     leave_nothing(DAEMON_S)
 
 
+def test_memory_of_children_counts(service: Service, check: Judge, trial: int) -> None:
+    work = service.post(among(good_runs(12), ["child-eater"], seed=trial))
+    check(service, work)
+    assert ends(service, work, "child-eater") == {("agent_failed", "memory_limit")}
+
+
 def test_a_flood_of_lines_is_bounded_on_disk(service: Service, check: Judge, trial: int) -> None:
     folder = service.data / "workers"
     largest, over = [0], threading.Event()
@@ -96,6 +102,11 @@ def test_a_flood_of_lines_is_bounded_on_disk(service: Service, check: Judge, tri
     [
         "garbage",
         "half-message",
+        "huge-message",
+        "forger",
+        "truncater",
+        "scribbler",
+        "log-replacer",
     ],
 )
 def test_tampers_with_its_worker(service: Service, check: Judge, agent: str, trial: int) -> None:

@@ -38,6 +38,13 @@ def the_fork_server(service: Service, luck: random.Random) -> None:
     processes.send(service.fork_server(), signal.SIGKILL)
 
 
+def fork_server_and_workers(service: Service, luck: random.Random) -> None:
+    found = service.workers()
+    processes.send(service.fork_server(), signal.SIGKILL)
+    for worker in found:
+        processes.send(worker, signal.SIGKILL)
+
+
 def the_server(service: Service, luck: random.Random) -> None:
     children = processes.tree(service.pid)[1:]
     service.kill()
@@ -46,7 +53,9 @@ def the_server(service: Service, luck: random.Random) -> None:
     service.start()
 
 
-@pytest.mark.parametrize("kill", [a_worker, all_workers, a_keeper, the_fork_server, the_server])
+@pytest.mark.parametrize(
+    "kill", [a_worker, all_workers, a_keeper, the_fork_server, fork_server_and_workers, the_server]
+)
 def test_killed(
     service: Service, check: Judge, luck: random.Random, kill: Fault, trial: int
 ) -> None:

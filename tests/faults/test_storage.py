@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import httpx
 import pytest
@@ -19,31 +21,52 @@ FAULT_S = 6.0
 """Seconds that a fault lasts."""
 
 LOCKED_S = 40.0
-LINES_PER_FAULT = 30
-"""Lines that the log may gain while a fault lasts; a line a turn of a loop would be hundreds."""
+LINES_PER_FAULT = 12
+"""Warnings and errors that the log may gain; a line a turn of a loop would be hundreds."""
+
+_LINE = re.compile(r"^20\S+Z \[(?:warning|error|critical)", re.MULTILINE)
+"""How a line begins that is no part of a traceback."""
 
 Fault = Callable[[Service], contextlib.AbstractContextManager[None]]
 
 
 def lines(service: Service) -> int:
-    return service.log.read_text(errors="replace").count("\n")
+    return len(_LINE.findall(service.log.read_text(errors="replace")))
+
+
+def remove(folder: Path) -> None:
+    """Removes a folder at one moment, whatever is written into it meanwhile."""
+    aside = folder.rename(folder.with_name("removed"))
+    shutil.rmtree(aside, ignore_errors=True)
 
 
 @contextlib.contextmanager
 def traces_removed(service: Service) -> Iterator[None]:
-    shutil.rmtree(service.data / "traces")
+    remove(service.data / "traces")
     yield
 
 
 @contextlib.contextmanager
+def traces_are_a_file(service: Service) -> Iterator[None]:
+    traces = service.data / "traces"
+    traces.rename(traces.with_name("traces-aside"))
+    traces.write_text("no folder")
+    try:
+        yield
+    finally:
+        traces.unlink(missing_ok=True)
+        traces.with_name("traces-aside").rename(traces)
+
+
+@contextlib.contextmanager
 def workers_folder_removed(service: Service) -> Iterator[None]:
-    shutil.rmtree(service.data / "workers")
+    remove(service.data / "workers")
     for worker in service.workers():
         worker.kill()
     yield
 
 
-@pytest.mark.parametrize("fault", [traces_removed, workers_folder_removed])
+@pytest.mark.parametrize("fault", [traces_removed, traces_are_a_file, workers_folder_removed])
 def test_a_folder_cannot_be_used(service: Service, check: Judge, fault: Fault, trial: int) -> None:
     work = service.post(good_runs(24))
     service.wait_until_ended(work, 3)
