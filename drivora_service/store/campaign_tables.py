@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, Integer, String, Text, text
+from sqlalchemy import ForeignKey, Index, Integer, String, Text, false, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -65,6 +65,15 @@ class EvaluationRow(Base):
             sqlite_where=text("violations > 0"),
             postgresql_where=text("violations > 0"),
         ),
+        Index("ix_evaluations_status", "campaign_seq", "status", "violating", "number"),
+        Index(
+            "ix_evaluations_generation",
+            "campaign_seq",
+            "generation",
+            "status",
+            "violating",
+            "number",
+        ),
     )
 
     campaign_seq: Mapped[int] = mapped_column(
@@ -86,13 +95,29 @@ class EvaluationRow(Base):
     prepare_s: Mapped[float]
     told_at: Mapped[datetime]
     report: Mapped[str] = mapped_column(Text)
+    violating: Mapped[bool] = mapped_column(default=False, server_default=false())
 
 
 class FailureRow(Base):
-    """A violation that counts as a failure."""
+    """A violation that counts as a failure.
+
+    The index has all that lists filter by, so that they read no verdict that they do not show.
+    """
 
     __tablename__ = "failures"
-    __table_args__ = (Index("ix_failures_key", "campaign_seq", "key"),)
+    __table_args__ = (
+        Index(
+            "ix_failures_filters",
+            "campaign_seq",
+            "number",
+            "place",
+            "oracle",
+            "key",
+            "at_fault",
+            "accountability",
+            "confirmation",
+        ),
+    )
 
     campaign_seq: Mapped[int] = mapped_column(
         ForeignKey("campaigns.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
@@ -107,3 +132,22 @@ class FailureRow(Base):
     cluster: Mapped[int | None]
     trace: Mapped[str] = mapped_column(Text, default="")
     verdict: Mapped[str] = mapped_column(Text)
+
+
+class FailureKindRow(Base):
+    """Counts of the failures of one key; see ``campaign_records.FailureKind``."""
+
+    __tablename__ = "failure_kinds"
+
+    campaign_seq: Mapped[int] = mapped_column(
+        ForeignKey("campaigns.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
+    )
+    key: Mapped[str] = mapped_column(String(400), primary_key=True)
+    failures: Mapped[int]
+    violations: Mapped[int]
+    at_fault: Mapped[int]
+    avoidable: Mapped[int]
+    confirmed: Mapped[int]
+    flaky: Mapped[int]
+    first: Mapped[int]
+    clusters: Mapped[int]

@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, case, func, select
 from sqlalchemy.orm import Session
 
+from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.encoding import report_from_json
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import Confirmation
-from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
+from drivora_service.store.campaign_tables import (
+    CampaignRow,
+    EvaluationRow,
+    FailureKindRow,
+    FailureRow,
+)
 from drivora_service.store.findings import Finding
 
 
@@ -66,6 +72,59 @@ def campaign_counts(session: Session) -> Iterator[Finding]:
                 f"{failed} and {violating}"
             )
             yield Finding(kind="wrong_count", subject=campaign.id, message=message)
+
+
+def failure_findings(session: Session) -> Iterator[Finding]:
+    """Compares the counters of kinds of failures with a recount, and marks with violations."""
+    marked = (
+        select(CampaignRow.id, func.count())
+        .join(EvaluationRow, EvaluationRow.campaign_seq == CampaignRow.seq)
+        .where(EvaluationRow.violating != (EvaluationRow.violations > 0))
+        .group_by(CampaignRow.id)
+    )
+    for campaign_id, number in session.execute(marked):
+        message = f"lists say wrongly of {number} evaluations whether they violate a rule"
+        yield Finding(kind="wrong_count", subject=campaign_id, message=message)
+    columns = (
+        "failures",
+        "violations",
+        "at_fault",
+        "avoidable",
+        "confirmed",
+        "flaky",
+        "first",
+        "clusters",
+    )
+    says = {
+        (row.campaign_seq, row.key): tuple(getattr(row, name) for name in columns)
+        for row in session.scalars(select(FailureKindRow))
+    }
+    key = (FailureRow.campaign_seq, FailureRow.key)
+    recount = select(
+        *key,
+        func.count(FailureRow.number.distinct()),
+        func.count(),
+        _evaluations_if(FailureRow.at_fault.is_(True)),
+        _evaluations_if(FailureRow.accountability == Accountability.AVOIDABLE),
+        _evaluations_if(FailureRow.confirmation == Confirmation.CONFIRMED),
+        _evaluations_if(FailureRow.confirmation == Confirmation.FLAKY),
+        func.min(FailureRow.number),
+        func.count(FailureRow.cluster.distinct()),
+    ).group_by(*key)
+    found = {(row[0], row[1]): tuple(row[2:]) for row in session.execute(recount)}
+    for campaign_seq, name in sorted(says.keys() | found.keys()):
+        said, holds = says.get((campaign_seq, name)), found.get((campaign_seq, name))
+        if said != holds:
+            subject = session.scalar(select(CampaignRow.id).where(CampaignRow.seq == campaign_seq))
+            message = (
+                f"the counters of failures {name!r} ({', '.join(columns)}) say {said}; "
+                f"there are {holds}"
+            )
+            yield Finding(kind="wrong_count", subject=subject or "", message=message)
+
+
+def _evaluations_if(condition: ColumnElement[bool]) -> ColumnElement[int]:
+    return func.count(case((condition, FailureRow.number)).distinct())
 
 
 def traced_failures(session: Session) -> tuple[TracedFailure, ...]:

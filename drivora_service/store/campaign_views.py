@@ -8,13 +8,12 @@ from datetime import datetime
 from typing import Any
 
 from pydantic_core import from_json
-from sqlalchemy import ColumnElement, Select, and_, case, func, or_, select
+from sqlalchemy import ColumnElement, and_, or_, select
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
-    Confirmation,
     EvaluationFilter,
     EvaluationSummary,
     FailureFilter,
@@ -25,6 +24,8 @@ from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
 from drivora_service.store.evaluations import evaluation_row, failure_record
+from drivora_service.store.failure_kinds import failure_kinds
+from drivora_service.store.merging import Branch, first_numbers
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import Page
 
@@ -55,18 +56,16 @@ class CampaignViewRepository:
         """
         campaign = campaign_row(self._session, campaign_id)
         scope = f"evaluations {campaign_id} {newest_first} {wanted}"
-        number = EvaluationRow.number
-        query = _filtered(
-            select(EvaluationRow).where(EvaluationRow.campaign_seq == campaign.seq), wanted
+        last = read_token(scope, page_token) if page_token else None
+        branches = _branches(campaign.seq, wanted)
+        numbers = first_numbers(
+            self._session, branches, limit=limit + 1, after=last, descending=newest_first
         )
-        if page_token:
-            last = read_token(scope, page_token)
-            query = query.where(number < last if newest_first else number > last)
-        query = query.order_by(number.desc() if newest_first else number)
-        rows = self._session.scalars(query.limit(limit + 1)).all()
-        shown = rows[:limit]
-        more = make_token(scope, shown[-1].number) if len(rows) > limit else ""
-        return Page(items=self._summaries(campaign.seq, shown), next_token=more)
+        shown = numbers[:limit]
+        more = make_token(scope, shown[-1]) if len(numbers) > limit else ""
+        summaries = self._of(campaign.seq, shown)
+        ordered = sorted(summaries, key=lambda summary: summary.number, reverse=newest_first)
+        return Page(items=tuple(ordered), next_token=more)
 
     def evaluation(self, campaign_id: str, number: int) -> EvaluationSummary:
         """Gives one evaluation.
@@ -117,7 +116,7 @@ class CampaignViewRepository:
         """
         campaign = campaign_row(self._session, campaign_id)
         scope = f"failures {campaign_id} {wanted}"
-        query = select(FailureRow).where(
+        query = select(FailureRow.number, FailureRow.place).where(
             FailureRow.campaign_seq == campaign.seq, *_conditions(wanted)
         )
         if page_token:
@@ -129,12 +128,22 @@ class CampaignViewRepository:
                 )
             )
         query = query.order_by(FailureRow.number, FailureRow.place)
-        rows = self._session.scalars(query.limit(limit + 1)).all()
-        shown = rows[:limit]
+        found = [(row[0], row[1]) for row in self._session.execute(query.limit(limit + 1))]
+        shown = found[:limit]
         more = ""
-        if len(rows) > limit:
-            more = make_token(scope, shown[-1].number * _PLACES + shown[-1].place)
-        return Page(items=tuple(failure_record(row) for row in shown), next_token=more)
+        if len(found) > limit:
+            number, place = shown[-1]
+            more = make_token(scope, number * _PLACES + place)
+        rows = {
+            (row.number, row.place): row
+            for chunk in batched(sorted({number for number, _ in shown}))
+            for row in self._session.scalars(
+                select(FailureRow).where(
+                    FailureRow.campaign_seq == campaign.seq, FailureRow.number.in_(chunk)
+                )
+            )
+        }
+        return Page(items=tuple(failure_record(rows[key]) for key in shown), next_token=more)
 
     def kinds(self, campaign_id: str) -> tuple[FailureKind, ...]:
         """Gives the kinds of failures of a campaign, in the order of their first evaluations.
@@ -143,47 +152,7 @@ class CampaignViewRepository:
             UnknownName: There is no such campaign.
         """
         campaign = campaign_row(self._session, campaign_id)
-        first = func.min(FailureRow.number)
-        rows = self._session.execute(
-            select(
-                FailureRow.key,
-                func.count(FailureRow.number.distinct()),
-                func.count(),
-                _runs_if(FailureRow.at_fault.is_(True)),
-                _runs_if(FailureRow.accountability == Accountability.AVOIDABLE),
-                _runs_if(FailureRow.confirmation == Confirmation.CONFIRMED),
-                _runs_if(FailureRow.confirmation == Confirmation.FLAKY),
-                first,
-                func.count(FailureRow.cluster.distinct()),
-            )
-            .where(FailureRow.campaign_seq == campaign.seq)
-            .group_by(FailureRow.key)
-            .order_by(first, FailureRow.key)
-        )
-        return tuple(
-            FailureKind(
-                key=key,
-                failures=failures,
-                violations=violations,
-                at_fault=at_fault,
-                avoidable=avoidable,
-                confirmed=confirmed,
-                flaky=flaky,
-                first=number,
-                clusters=clusters or None,
-            )
-            for (
-                key,
-                failures,
-                violations,
-                at_fault,
-                avoidable,
-                confirmed,
-                flaky,
-                number,
-                clusters,
-            ) in rows
-        )
+        return failure_kinds(self._session, campaign.seq)
 
     def _of(self, campaign_seq: int, numbers: Sequence[int]) -> tuple[EvaluationSummary, ...]:
         rows: list[EvaluationRow] = []
@@ -210,15 +179,27 @@ class CampaignViewRepository:
         return tuple(_summary(row, tuple(keys.get(row.number, ()))) for row in rows)
 
 
-def _filtered(query: Select[EvaluationRow], wanted: EvaluationFilter) -> Select[EvaluationRow]:
-    if wanted.status is not None:
-        query = query.where(EvaluationRow.status == wanted.status)
-    if wanted.violating is not None:
-        broken = EvaluationRow.violations
-        query = query.where(broken > 0 if wanted.violating else broken == 0)
+def _branches(campaign_seq: int, wanted: EvaluationFilter) -> list[Branch]:
+    """Returns the ranges of an index in which the wanted evaluations lie."""
+    number, of_campaign = EvaluationRow.number, EvaluationRow.campaign_seq == campaign_seq
+    if wanted == EvaluationFilter():
+        return [Branch(number=number, conditions=(of_campaign,))]
+    conditions = [of_campaign]
     if wanted.generation is not None:
-        query = query.where(EvaluationRow.generation == wanted.generation)
-    return query
+        conditions.append(EvaluationRow.generation == wanted.generation)
+    return [
+        Branch(
+            number=number,
+            conditions=(
+                *conditions,
+                EvaluationRow.status == status,
+                EvaluationRow.violating.is_(violating),
+            ),
+        )
+        for status in EvaluationStatus
+        for violating in (False, True)
+        if wanted.status in (None, status) and wanted.violating in (None, violating)
+    ]
 
 
 def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
@@ -234,10 +215,6 @@ def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
     if wanted.confirmation is not None:
         conditions.append(FailureRow.confirmation == wanted.confirmation)
     return conditions
-
-
-def _runs_if(condition: ColumnElement[bool]) -> ColumnElement[int]:
-    return func.count(case((condition, FailureRow.number)).distinct())
 
 
 def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:

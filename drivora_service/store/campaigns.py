@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from datetime import UTC, datetime
 
 from sqlalchemy import select
@@ -22,6 +22,7 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.campaign_tables import CampaignRow
 from drivora_service.store.ids import new_id
+from drivora_service.store.merging import Branch, first_numbers
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import BatchState, Page
 from drivora_service.store.tables import BatchRow
@@ -85,14 +86,24 @@ class CampaignRepository:
             InvalidDocument: The token is not one of this list.
         """
         scope = f"campaigns {sorted(states)}"
-        query = select(CampaignRow).order_by(CampaignRow.seq.desc())
-        if states:
-            query = query.where(CampaignRow.state.in_(sorted(states)))
-        if page_token:
-            query = query.where(CampaignRow.seq < read_token(scope, page_token))
-        rows: Sequence[CampaignRow] = self._session.scalars(query.limit(limit + 1)).all()
-        shown = rows[:limit]
-        more = make_token(scope, shown[-1].seq) if len(rows) > limit else ""
+        last = read_token(scope, page_token) if page_token else None
+        number = CampaignRow.seq
+        branches = [
+            Branch(number=number, conditions=(CampaignRow.state == state,))
+            for state in sorted(states)
+        ]
+        numbers = first_numbers(
+            self._session,
+            branches or [Branch(number=number, conditions=())],
+            limit=limit + 1,
+            after=last,
+            descending=True,
+        )
+        more = make_token(scope, numbers[limit - 1]) if len(numbers) > limit else ""
+        rows = self._session.scalars(
+            select(CampaignRow).where(CampaignRow.seq.in_(numbers[:limit]))
+        )
+        shown = sorted(rows, key=lambda row: row.seq, reverse=True)
         return Page(items=tuple(_record(row) for row in shown), next_token=more)
 
     def to_run(self) -> tuple[CampaignToRun, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
-from sqlalchemy import select, update
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
@@ -21,6 +21,11 @@ from drivora_service.store.campaign_records import Confirmation, EvaluationRecor
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
+from drivora_service.store.failure_kinds import (
+    count_clusters,
+    count_confirmation,
+    count_failures,
+)
 from drivora_service.store.tables import DocumentRow
 
 
@@ -61,7 +66,7 @@ class EvaluationRepository:
             self._session.flush()
         now = datetime.now(UTC)
         self._session.add(_new_row(campaign.seq, record, now))
-        self._session.add_all(
+        failures = [
             FailureRow(
                 campaign_seq=campaign.seq,
                 number=record.number,
@@ -76,7 +81,9 @@ class EvaluationRepository:
             for place, (verdict, key) in enumerate(
                 zip(record.violations, record.failure_keys, strict=True)
             )
-        )
+        ]
+        self._session.add_all(failures)
+        count_failures(self._session, failures)
         _count(campaign, record)
         campaign.active_s += active_s
         campaign.updated_at = now
@@ -212,11 +219,14 @@ class EvaluationRepository:
             UnknownName: There is no such campaign.
         """
         campaign = campaign_row(self._session, campaign_id)
-        self._session.execute(
-            update(FailureRow)
-            .where(FailureRow.campaign_seq == campaign.seq, FailureRow.number == number)
-            .values(confirmation=confirmation, trace=trace)
-        )
+        failures = self._session.scalars(
+            select(FailureRow).where(
+                FailureRow.campaign_seq == campaign.seq, FailureRow.number == number
+            )
+        ).all()
+        count_confirmation(self._session, failures, confirmation)
+        for failure in failures:
+            failure.confirmation, failure.trace = confirmation, trace
 
     def group(self, campaign_id: str, clusters: Mapping[tuple[int, int], int]) -> None:
         """Writes the clusters of failures, by number of the evaluation and place.
@@ -228,8 +238,12 @@ class EvaluationRepository:
         rows = self._session.scalars(
             select(FailureRow).where(FailureRow.campaign_seq == campaign.seq)
         )
+        found: dict[str, set[int]] = {}
         for row in rows:
             row.cluster = clusters.get((row.number, row.place))
+            if row.cluster is not None:
+                found.setdefault(row.key, set()).add(row.cluster)
+        count_clusters(self._session, campaign.seq, found)
 
     def _records(
         self, campaign_seq: int, rows: Sequence[EvaluationRow]
@@ -278,6 +292,7 @@ def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> Eval
         prepare_s=record.prepare_s,
         told_at=now,
         report=report_to_json(record.report),
+        violating=bool(record.violations),
     )
 
 

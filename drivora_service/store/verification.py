@@ -10,7 +10,11 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import StoreError
 from drivora_service.runs.report import RunStatus
-from drivora_service.store.campaign_verification import campaign_counts, traced_failures
+from drivora_service.store.campaign_verification import (
+    campaign_counts,
+    failure_findings,
+    traced_failures,
+)
 from drivora_service.store.database import Database
 from drivora_service.store.facet_verification import facet_findings
 from drivora_service.store.findings import Finding
@@ -45,6 +49,7 @@ def verify(
         yield from _counts(session)
         yield from facet_findings(session)
         yield from campaign_counts(session)
+        yield from failure_findings(session)
         expected_failures = traced_failures(session)
         traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
         expected = {row[0]: row[1] for row in session.execute(traced)}

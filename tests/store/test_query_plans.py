@@ -5,17 +5,28 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import combinations
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 from sqlalchemy import event
 
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import (
+    CampaignState,
+    Confirmation,
+    EvaluationFilter,
+    FailureFilter,
+    NewCampaign,
+)
 from drivora_service.store.database import Database
 from drivora_service.store.records import JobFilter, Priority
 from tests.store.samples import claim, finish, finished, new_run, register
+
+Filter = TypeVar("Filter", EvaluationFilter, FailureFilter)
 
 RUN_FILTERS: dict[str, Any] = {
     "statuses": frozenset({RunStatus.FINISHED, RunStatus.QUEUED}),
@@ -109,6 +120,59 @@ def test_cancelling_a_batch_reads_only_its_unfinished_runs(
     steps = [step for query in asked for step in plan(database, *query)]
     refuse_unbounded(steps)
     assert any("ix_runs_batch_facet (batch_seq=? AND facet=?)" in step for step in steps)
+
+
+@pytest.mark.parametrize("newest_first", [True, False])
+def test_evaluations_and_failures_are_found_by_an_index_whatever_the_filters(
+    database: Database, newest_first: bool
+) -> None:
+    with database.write() as transaction:
+        campaign_id = transaction.campaigns.create(
+            NewCampaign(
+                name="search",
+                document="{}",
+                tester="random",
+                agent="idm",
+                town="tee-town",
+                network_sha256="a" * 64,
+                budget=10,
+            )
+        ).id
+    evaluations = EvaluationFilter(status=EvaluationStatus.JUDGED, violating=False, generation=0)
+    failures = FailureFilter(
+        key="collision",
+        oracle="collision",
+        at_fault=True,
+        accountability=Accountability.AVOIDABLE,
+        confirmation=Confirmation.OPEN,
+    )
+    with queries(database) as asked, database.read() as transaction:
+        views = transaction.campaign_views
+        views.kinds(campaign_id)
+        transaction.campaigns.page(limit=2)
+        transaction.campaigns.page(states={CampaignState.QUEUED, CampaignState.FAILED}, limit=2)
+        for wanted in _several(evaluations):
+            views.evaluations(campaign_id, wanted, newest_first=newest_first, limit=2)
+        for chosen in _several(failures):
+            views.failures(campaign_id, chosen, limit=2)
+    steps = [step for query in asked for step in plan(database, *query)]
+    refuse_unbounded(steps)
+    walks = [step for step in steps if "evaluations" in step or "failures" in step]
+    assert len(walks) > 40
+    assert all("campaign_seq=?" in step for step in walks)
+    filtered = [step for step in walks if "INDEX ix_failures" in step]
+    assert {step.split(" (")[0] for step in filtered} == {
+        "SEARCH failures USING COVERING INDEX ix_failures_filters"
+    }
+
+
+def _several(wanted: Filter) -> Iterator[Filter]:
+    """Makes the filter with all and with each choice of its restrictions."""
+    names = wanted.__slots__
+    defaults = type(wanted)()
+    for size in range(len(names) + 1):
+        for left_out in combinations(names, size):
+            yield replace(wanted, **{name: getattr(defaults, name) for name in left_out})
 
 
 def refuse_unbounded(steps: list[str]) -> None:
