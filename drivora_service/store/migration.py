@@ -35,6 +35,12 @@ def migrate(engine: Engine) -> None:
         command.upgrade(_config(connection), "head")
 
 
+def revisions() -> tuple[str, ...]:
+    """Returns the revisions of the schema, oldest first."""
+    walked = ScriptDirectory.from_config(_config()).walk_revisions()
+    return tuple(revision.revision for revision in walked)[::-1]
+
+
 def schema_version(engine: Engine) -> str:
     """Gives the schema revision of a database, or "" for an empty one."""
     with engine.connect() as connection:

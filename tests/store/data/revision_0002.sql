@@ -1,0 +1,296 @@
+BEGIN TRANSACTION;
+CREATE TABLE alembic_version (
+	version_num VARCHAR(32) NOT NULL, 
+	CONSTRAINT alembic_version_pkc PRIMARY KEY (version_num)
+);
+INSERT INTO "alembic_version" VALUES('0002');
+CREATE TABLE attempts (
+	run_seq INTEGER NOT NULL, 
+	number INTEGER NOT NULL, 
+	owner_id VARCHAR(40) NOT NULL, 
+	worker VARCHAR(100) NOT NULL, 
+	claimed_at DATETIME NOT NULL, 
+	started_at DATETIME, 
+	ended_at DATETIME, 
+	outcome VARCHAR(24) NOT NULL, 
+	cause VARCHAR(40) NOT NULL, 
+	signal VARCHAR(16) NOT NULL, 
+	log TEXT NOT NULL, 
+	CONSTRAINT pk_attempts PRIMARY KEY (run_seq, number), 
+	CONSTRAINT fk_attempts_owner_id_owners FOREIGN KEY(owner_id) REFERENCES owners (id), 
+	CONSTRAINT fk_attempts_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
+);
+INSERT INTO "attempts" VALUES(1,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.653730','2026-11-22 23:23:28.827592','2026-11-22 23:23:28.827592','finished','','','');
+INSERT INTO "attempts" VALUES(2,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.653730','2026-11-22 23:23:28.827629','2026-11-22 23:23:28.827629','finished','','','');
+INSERT INTO "attempts" VALUES(3,1,'01a205925a6c8745cbc55a80','','2026-11-22 23:23:28.653730',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(4,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.010078','2026-11-22 23:23:29.010078','simulator_crashed','signal','SIGSEGV','last line');
+INSERT INTO "attempts" VALUES(5,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.288282','2026-11-22 23:23:29.288282','finished','','','');
+INSERT INTO "attempts" VALUES(6,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.288311','2026-11-22 23:23:29.288311','infrastructure_failed','worker_lost','','');
+INSERT INTO "attempts" VALUES(7,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401686','2026-11-22 23:23:29.401686','finished','','','');
+INSERT INTO "attempts" VALUES(8,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401709','2026-11-22 23:23:29.401709','finished','','','');
+INSERT INTO "attempts" VALUES(9,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401720','2026-11-22 23:23:29.401720','finished','','','');
+INSERT INTO "attempts" VALUES(10,1,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401731','2026-11-22 23:23:29.401731','finished','','','');
+INSERT INTO "attempts" VALUES(11,1,'01a205925a6c8745cbc55a80','','2026-11-22 23:23:28.929883',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(12,1,'01a205925a6c8745cbc55a80','','2026-11-22 23:23:28.929883',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(4,2,'01a205925a6c8745cbc55a80','slot-0','2026-11-22 23:23:29.111104','2026-11-22 23:23:29.169001','2026-11-22 23:23:29.169001','simulator_crashed','signal','SIGSEGV','last line');
+INSERT INTO "attempts" VALUES(6,2,'01a205925a6c8745cbc55a80','','2026-11-22 23:23:29.758760',NULL,NULL,'','','','');
+CREATE TABLE batches (
+	seq INTEGER NOT NULL, 
+	id VARCHAR(40) NOT NULL, 
+	name VARCHAR(200) NOT NULL, 
+	priority INTEGER NOT NULL, 
+	state VARCHAR(16) NOT NULL, 
+	created_at DATETIME NOT NULL, 
+	size INTEGER NOT NULL, 
+	queued INTEGER NOT NULL, 
+	served INTEGER NOT NULL, 
+	CONSTRAINT pk_batches PRIMARY KEY (seq), 
+	CONSTRAINT uq_batches_id UNIQUE (id)
+);
+INSERT INTO "batches" VALUES(1,'jobs','jobs posted alone',0,'open','2026-11-22 23:23:27.445240',4,0,3);
+INSERT INTO "batches" VALUES(2,'01a205925bce929b51edbbb6','batch',1,'open','2026-11-22 23:23:27.566501',9,0,11);
+INSERT INTO "batches" VALUES(3,'01a205925c7d7946d44d95d5','paused',2,'paused','2026-11-22 23:23:27.741944',2,2,0);
+INSERT INTO "batches" VALUES(4,'01a205925c8ea5caf65aedae','cancelled',2,'cancelled','2026-11-22 23:23:27.758692',2,0,0);
+CREATE TABLE campaigns (
+	seq INTEGER NOT NULL, 
+	id VARCHAR(40) NOT NULL, 
+	name VARCHAR(200) NOT NULL, 
+	document TEXT NOT NULL, 
+	tester VARCHAR(64) NOT NULL, 
+	agent VARCHAR(200) NOT NULL, 
+	town VARCHAR(100) NOT NULL, 
+	network_sha256 VARCHAR(64) NOT NULL, 
+	budget INTEGER NOT NULL, 
+	versions TEXT NOT NULL, 
+	state VARCHAR(16) NOT NULL, 
+	message TEXT NOT NULL, 
+	request VARCHAR(16) NOT NULL, 
+	created_at DATETIME NOT NULL, 
+	started_at DATETIME, 
+	ended_at DATETIME, 
+	updated_at DATETIME NOT NULL, 
+	active_s DOUBLE NOT NULL, 
+	evaluations INTEGER NOT NULL, 
+	judged INTEGER NOT NULL, 
+	invalid INTEGER NOT NULL, 
+	failed INTEGER NOT NULL, 
+	violating INTEGER NOT NULL, 
+	at_fault INTEGER NOT NULL, 
+	CONSTRAINT pk_campaigns PRIMARY KEY (seq), 
+	CONSTRAINT uq_campaigns_id UNIQUE (id)
+);
+INSERT INTO "campaigns" VALUES(1,'01a205926baa6871bee862ab','search','{"name":"search"}','random','idm','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','finished','','','2026-11-22 23:23:31.626380','2026-11-22 23:23:31.799905','2026-11-22 23:23:32.356158','2026-11-22 23:23:32.356158',5.0,6,4,1,1,3,2);
+INSERT INTO "campaigns" VALUES(2,'01a205926c075d409467b6dc','waiting','{"name":"search"}','random','idm','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','queued','','','2026-11-22 23:23:31.719612',NULL,NULL,'2026-11-22 23:23:31.719612',0.0,0,0,0,0,0,0);
+CREATE TABLE documents (
+	sha256 VARCHAR(64) NOT NULL, 
+	body TEXT NOT NULL, 
+	CONSTRAINT pk_documents PRIMARY KEY (sha256)
+);
+INSERT INTO "documents" VALUES('a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','{0}');
+INSERT INTO "documents" VALUES('cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','{1}');
+INSERT INTO "documents" VALUES('f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','{2}');
+INSERT INTO "documents" VALUES('c7401b91208af75ed9bdf943e87800172f9871b7662e0d30952e12ce41432b42','{3}');
+INSERT INTO "documents" VALUES('79bc9b3597a171a403b40fdc3ce66d411aa88ffdf527e2766465408430cfda51','{4}');
+INSERT INTO "documents" VALUES('caf8b22a0011849577800b93050eeca10cca7b856c90bcc5b2200ce21ed1ec22','{5}');
+INSERT INTO "documents" VALUES('bcd69d66128edb57808dbd5522ef9f1a82acc53a5211bf8936ab7e90e501afb4','{6}');
+INSERT INTO "documents" VALUES('d56a5b5f9f0826672864fbd0f06a3c4b221a1be6350097ba49eb555128767fda','{7}');
+INSERT INTO "documents" VALUES('8ffab84f301293229d1be75efb0dca213eb538579de22b842b941f7363090616','{8}');
+INSERT INTO "documents" VALUES('0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid');
+INSERT INTO "documents" VALUES('5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9','0');
+INSERT INTO "documents" VALUES('d4735e3a265e16eee03f59718b9b5d03019c07d8b6c51f90da3a666eec13ab35','2');
+INSERT INTO "documents" VALUES('4e07408562bedb8b60ce05c1decfe3ad16b72230967de01f640b7e4729b49fce','3');
+INSERT INTO "documents" VALUES('4b227777d4dd1fc61c6f884f48641d02b4d121d3fd328cb08b5531fcacdabf8a','4');
+INSERT INTO "documents" VALUES('ef2d127de37b942baad06145e54b0c619a1f22327b2ebbcfbec78f5564afe39d','5');
+CREATE TABLE evaluations (
+	campaign_seq INTEGER NOT NULL, 
+	number INTEGER NOT NULL, 
+	generation INTEGER NOT NULL, 
+	origin VARCHAR(60) NOT NULL, 
+	parents TEXT NOT NULL, 
+	genes TEXT NOT NULL, 
+	status VARCHAR(16) NOT NULL, 
+	document_sha256 VARCHAR(64), 
+	violations INTEGER NOT NULL, 
+	at_fault_violations INTEGER NOT NULL, 
+	sim_time_s DOUBLE NOT NULL, 
+	wall_time_s DOUBLE NOT NULL, 
+	search_s DOUBLE NOT NULL, 
+	prepare_s DOUBLE NOT NULL, 
+	told_at DATETIME NOT NULL, 
+	report TEXT NOT NULL, 
+	CONSTRAINT pk_evaluations PRIMARY KEY (campaign_seq, number), 
+	CONSTRAINT fk_evaluations_campaign_seq_campaigns FOREIGN KEY(campaign_seq) REFERENCES campaigns (seq) ON DELETE CASCADE, 
+	CONSTRAINT fk_evaluations_document_sha256_documents FOREIGN KEY(document_sha256) REFERENCES documents (sha256)
+);
+INSERT INTO "evaluations" VALUES(1,0,0,'initial','[]','[0.0, 0.3333333333333333, -1e-17]','judged','5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9',2,1,0.0,0.0,0.01,0.02,'2026-11-22 23:23:31.873272','{"run_id":"run-0","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":true,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}},{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":null,"time":1.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "evaluations" VALUES(1,1,0,'initial','[]','[0.1, 0.3333333333333333, -1e-17]','invalid',NULL,0,0,0.0,0.0,0.01,0.02,'2026-11-22 23:23:31.989863','{"run_id":"run-1","status":"invalid","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":{"cause":"invalid_document","message":"too near","log":""},"versions":{}}');
+INSERT INTO "evaluations" VALUES(1,2,1,'initial','[]','[0.2, 0.3333333333333333, -1e-17]','failed','d4735e3a265e16eee03f59718b9b5d03019c07d8b6c51f90da3a666eec13ab35',0,0,0.0,0.0,0.01,0.02,'2026-11-22 23:23:32.033023','{"run_id":"run-2","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "evaluations" VALUES(1,3,1,'mutation','[0]','[0.30000000000000004, 0.3333333333333333, -1e-17]','judged','4e07408562bedb8b60ce05c1decfe3ad16b72230967de01f640b7e4729b49fce',1,0,0.0,0.0,0.01,0.02,'2026-11-22 23:23:32.086715','{"run_id":"run-3","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":false,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "evaluations" VALUES(1,4,2,'mutation','[0]','[0.4, 0.3333333333333333, -1e-17]','judged','4b227777d4dd1fc61c6f884f48641d02b4d121d3fd328cb08b5531fcacdabf8a',1,1,0.0,0.0,0.01,0.02,'2026-11-22 23:23:32.165493','{"run_id":"run-4","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":true,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "evaluations" VALUES(1,5,2,'mutation','[0, 3]','[0.5, 0.3333333333333333, -1e-17]','judged','ef2d127de37b942baad06145e54b0c619a1f22327b2ebbcfbec78f5564afe39d',0,0,0.0,0.0,0.01,0.02,'2026-11-22 23:23:32.209378','{"run_id":"run-5","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+CREATE TABLE failures (
+	campaign_seq INTEGER NOT NULL, 
+	number INTEGER NOT NULL, 
+	place INTEGER NOT NULL, 
+	oracle VARCHAR(60) NOT NULL, 
+	"key" VARCHAR(400) NOT NULL, 
+	at_fault BOOLEAN, 
+	confirmation VARCHAR(16) NOT NULL, 
+	cluster INTEGER, 
+	trace TEXT NOT NULL, 
+	verdict TEXT NOT NULL, 
+	CONSTRAINT pk_failures PRIMARY KEY (campaign_seq, number, place), 
+	CONSTRAINT fk_failures_campaign_seq_campaigns FOREIGN KEY(campaign_seq) REFERENCES campaigns (seq) ON DELETE CASCADE
+);
+INSERT INTO "failures" VALUES(1,0,0,'collision','collision|road a',1,'confirmed',0,'000000.trace.parquet','{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":true,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}');
+INSERT INTO "failures" VALUES(1,0,1,'collision','collision|road a',NULL,'confirmed',1,'000000.trace.parquet','{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":null,"time":1.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}');
+INSERT INTO "failures" VALUES(1,3,0,'collision','collision|road a',0,'flaky',NULL,'','{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":false,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}');
+INSERT INTO "failures" VALUES(1,4,0,'collision','collision|road a',1,'open',0,'','{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","at_fault":true,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004}}');
+CREATE TABLE idempotency_keys (
+	"key" VARCHAR(255) NOT NULL, 
+	fingerprint VARCHAR(64) NOT NULL, 
+	reference TEXT, 
+	created_at DATETIME NOT NULL, 
+	CONSTRAINT pk_idempotency_keys PRIMARY KEY ("key")
+);
+INSERT INTO "idempotency_keys" VALUES('key','ffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff','01a205925b57684276437ba3','2026-11-22 23:23:29.669332');
+CREATE TABLE owners (
+	id VARCHAR(40) NOT NULL, 
+	host VARCHAR(200) NOT NULL, 
+	pid INTEGER NOT NULL, 
+	started_at DATETIME NOT NULL, 
+	heartbeat_at DATETIME NOT NULL, 
+	ended_at DATETIME, 
+	CONSTRAINT pk_owners PRIMARY KEY (id)
+);
+INSERT INTO "owners" VALUES('01a205925a6c8745cbc55a80','vm',28517,'2026-11-22 23:23:27.212583','2026-11-22 23:23:27.212583',NULL);
+INSERT INTO "owners" VALUES('01a205925b0c409fb92339ac','vm',28517,'2026-11-22 23:23:27.372102','2026-11-22 23:23:27.372102','2026-11-22 23:23:29.618848');
+CREATE TABLE quarantine (
+	"key" VARCHAR(64) NOT NULL, 
+	document_sha256 VARCHAR(64) NOT NULL, 
+	run_id VARCHAR(40) NOT NULL, 
+	cause VARCHAR(40) NOT NULL, 
+	signal VARCHAR(16) NOT NULL, 
+	message TEXT NOT NULL, 
+	log TEXT NOT NULL, 
+	created_at DATETIME NOT NULL, 
+	CONSTRAINT pk_quarantine PRIMARY KEY ("key")
+);
+INSERT INTO "quarantine" VALUES('a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','01a205925c09ec02f69cb933','signal','SIGSEGV','died of SIGSEGV','last line','2026-11-22 23:23:29.241690');
+CREATE TABLE reports (
+	run_seq INTEGER NOT NULL, 
+	body TEXT NOT NULL, 
+	CONSTRAINT pk_reports PRIMARY KEY (run_seq), 
+	CONSTRAINT fk_reports_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
+);
+INSERT INTO "reports" VALUES(1,'{"run_id":"01a205925b57684276437ba3","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"1111111111111111111111111111111111111111111111111111111111111111","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(2,'{"run_id":"01a205925b57016045bc7e28","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","at_fault":true,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(4,'{"run_id":"01a205925c09ec02f69cb933","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":{"cause":"signal","message":"died of SIGSEGV","log":"last line"},"versions":{}}');
+INSERT INTO "reports" VALUES(5,'{"run_id":"01a205925c098e500b2a5290","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","at_fault":true,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{}},{"oracle":"red_light","ego":"ego","outcome":"violated","message":"red_light","at_fault":true,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(7,'{"run_id":"01a205925c09de217fa309f3","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(8,'{"run_id":"01a205925c09a1b690644fd1","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(9,'{"run_id":"01a205925c09d6d4c0340316","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(10,'{"run_id":"01a205925c09ca115b53be01","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","at_fault":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{}}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":null,"versions":{}}');
+INSERT INTO "reports" VALUES(15,'{"run_id":"01a205925d03e1f55b092e28","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"versions":{}}');
+INSERT INTO "reports" VALUES(16,'{"run_id":"01a205925d03bcbdbe5aa6ee","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"versions":{}}');
+INSERT INTO "reports" VALUES(17,'{"run_id":"01a20592633607f3d4621ba3","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"failure":{"cause":"quarantined","message":"not run again: it crashed the simulator in run 01a205925c09ec02f69cb933 (died of SIGSEGV)","log":"last line"},"versions":{}}');
+CREATE TABLE runs (
+	seq INTEGER NOT NULL, 
+	id VARCHAR(40) NOT NULL, 
+	revision INTEGER NOT NULL, 
+	batch_seq INTEGER NOT NULL, 
+	item INTEGER NOT NULL, 
+	label VARCHAR(200) NOT NULL, 
+	document_sha256 VARCHAR(64) NOT NULL, 
+	town VARCHAR(100) NOT NULL, 
+	agent VARCHAR(200) NOT NULL, 
+	agent_override VARCHAR(200) NOT NULL, 
+	seed_override INTEGER, 
+	status VARCHAR(24) NOT NULL, 
+	cause VARCHAR(40) NOT NULL, 
+	created_at DATETIME NOT NULL, 
+	started_at DATETIME, 
+	ended_at DATETIME, 
+	cancel_requested BOOLEAN NOT NULL, 
+	attempts INTEGER NOT NULL, 
+	infrastructure_failures INTEGER NOT NULL, 
+	crashes INTEGER NOT NULL, 
+	interruptions INTEGER NOT NULL, 
+	violations INTEGER, 
+	at_fault_violations INTEGER, 
+	steps INTEGER, 
+	sim_time_s DOUBLE, 
+	wall_time_s DOUBLE, 
+	trace_sha256 VARCHAR(64) NOT NULL, 
+	CONSTRAINT pk_runs PRIMARY KEY (seq), 
+	CONSTRAINT fk_runs_batch_seq_batches FOREIGN KEY(batch_seq) REFERENCES batches (seq), 
+	CONSTRAINT fk_runs_document_sha256_documents FOREIGN KEY(document_sha256) REFERENCES documents (sha256), 
+	CONSTRAINT uq_runs_id UNIQUE (id)
+);
+INSERT INTO "runs" VALUES(1,'01a205925b57684276437ba3',22,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.517808','2026-11-22 23:23:28.653730','2026-11-22 23:23:28.827592',0,1,0,0,0,0,0,10,0.0,0.0,'1111111111111111111111111111111111111111111111111111111111111111');
+INSERT INTO "runs" VALUES(2,'01a205925b57016045bc7e28',23,1,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.517808','2026-11-22 23:23:28.653730','2026-11-22 23:23:28.827629',0,1,0,0,0,1,1,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(3,'01a205925b579d7020c6fe99',21,1,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','',NULL,'running','','2026-11-22 23:23:27.517808','2026-11-22 23:23:28.653730',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(4,'01a205925c09ec02f69cb933',35,2,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','',NULL,'simulator_crashed','signal','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.169001',0,2,0,2,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(5,'01a205925c098e500b2a5290',36,2,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.288282',0,1,0,0,0,2,2,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(6,'01a205925c0967f48ba31a30',44,2,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','',NULL,'running','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883',NULL,0,2,1,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(7,'01a205925c09de217fa309f3',38,2,3,'','c7401b91208af75ed9bdf943e87800172f9871b7662e0d30952e12ce41432b42','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401686',0,1,0,0,0,0,0,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(8,'01a205925c09a1b690644fd1',39,2,4,'','79bc9b3597a171a403b40fdc3ce66d411aa88ffdf527e2766465408430cfda51','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401709',0,1,0,0,0,0,0,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(9,'01a205925c09d6d4c0340316',40,2,5,'','caf8b22a0011849577800b93050eeca10cca7b856c90bcc5b2200ce21ed1ec22','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401720',0,1,0,0,0,0,0,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(10,'01a205925c09ca115b53be01',41,2,6,'','bcd69d66128edb57808dbd5522ef9f1a82acc53a5211bf8936ab7e90e501afb4','tee-town','idm','',NULL,'finished','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883','2026-11-22 23:23:29.401731',0,1,0,0,0,0,0,10,0.0,0.0,'');
+INSERT INTO "runs" VALUES(11,'01a205925c09d74b8b7248a9',43,2,7,'','d56a5b5f9f0826672864fbd0f06a3c4b221a1be6350097ba49eb555128767fda','tee-town','idm','',NULL,'running','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883',NULL,1,1,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(12,'01a205925c09721106bbbe15',32,2,8,'','8ffab84f301293229d1be75efb0dca213eb538579de22b842b941f7363090616','tee-town','idm','',NULL,'running','','2026-11-22 23:23:27.659364','2026-11-22 23:23:28.929883',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(13,'01a205925cc477955824800c',13,3,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','',NULL,'queued','','2026-11-22 23:23:27.814763',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(14,'01a205925cc48b92ee166f23',14,3,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','',NULL,'queued','','2026-11-22 23:23:27.814763',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(15,'01a205925d03e1f55b092e28',17,4,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','',NULL,'cancelled','cancelled','2026-11-22 23:23:27.912955',NULL,'2026-11-22 23:23:28.019105',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(16,'01a205925d03bcbdbe5aa6ee',18,4,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','',NULL,'cancelled','cancelled','2026-11-22 23:23:27.912955',NULL,'2026-11-22 23:23:28.019105',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+INSERT INTO "runs" VALUES(17,'01a20592633607f3d4621ba3',42,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','',NULL,'simulator_crashed','quarantined','2026-11-22 23:23:29.479685',NULL,'2026-11-22 23:23:29.479685',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,'');
+CREATE TABLE slots (
+	owner_id VARCHAR(40) NOT NULL, 
+	name VARCHAR(100) NOT NULL, 
+	pid INTEGER, 
+	run_id VARCHAR(40) NOT NULL, 
+	phase VARCHAR(16) NOT NULL, 
+	step INTEGER NOT NULL, 
+	memory_bytes INTEGER NOT NULL, 
+	runs INTEGER NOT NULL, 
+	restarts INTEGER NOT NULL, 
+	last_crash TEXT NOT NULL, 
+	updated_at DATETIME NOT NULL, 
+	CONSTRAINT pk_slots PRIMARY KEY (owner_id, name), 
+	CONSTRAINT fk_slots_owner_id_owners FOREIGN KEY(owner_id) REFERENCES owners (id) ON DELETE CASCADE
+);
+CREATE TABLE verdicts (
+	seq INTEGER NOT NULL, 
+	run_seq INTEGER NOT NULL, 
+	oracle VARCHAR(60) NOT NULL, 
+	ego VARCHAR(200) NOT NULL, 
+	outcome VARCHAR(16) NOT NULL, 
+	at_fault BOOLEAN, 
+	time DOUBLE, 
+	counterpart VARCHAR(200) NOT NULL, 
+	CONSTRAINT pk_verdicts PRIMARY KEY (seq), 
+	CONSTRAINT fk_verdicts_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
+);
+INSERT INTO "verdicts" VALUES(1,2,'collision','ego','violated',1,1.0,'');
+INSERT INTO "verdicts" VALUES(2,5,'collision','ego','violated',1,1.0,'');
+INSERT INTO "verdicts" VALUES(3,5,'red_light','ego','violated',1,1.0,'');
+CREATE INDEX ix_batches_claimable ON batches (priority, served, seq) WHERE queued > 0 AND state = 'open';
+CREATE INDEX ix_idempotency_keys_created_at ON idempotency_keys (created_at);
+CREATE INDEX ix_quarantine_document_sha256 ON quarantine (document_sha256);
+CREATE INDEX ix_runs_agent ON runs (agent, seq);
+CREATE INDEX ix_runs_batch_seq_status ON runs (batch_seq, status);
+CREATE INDEX ix_runs_document_sha256 ON runs (document_sha256);
+CREATE INDEX ix_runs_queued ON runs (batch_seq, seq) WHERE status = 'queued';
+CREATE INDEX ix_runs_revision ON runs (revision);
+CREATE INDEX ix_runs_status ON runs (status, seq);
+CREATE INDEX ix_runs_to_cancel ON runs (seq) WHERE status = 'running' AND cancel_requested;
+CREATE INDEX ix_runs_town ON runs (town, seq);
+CREATE INDEX ix_runs_violated ON runs (batch_seq, seq) WHERE violations > 0;
+CREATE INDEX ix_attempts_leases ON attempts (owner_id) WHERE ended_at IS NULL;
+CREATE INDEX ix_verdicts_oracle ON verdicts (oracle, outcome, run_seq);
+CREATE INDEX ix_verdicts_run_seq ON verdicts (run_seq);
+CREATE INDEX ix_campaigns_state ON campaigns (state, seq);
+CREATE INDEX ix_evaluations_document_sha256 ON evaluations (document_sha256);
+CREATE INDEX ix_evaluations_violating ON evaluations (campaign_seq, number) WHERE violations > 0;
+CREATE INDEX ix_failures_key ON failures (campaign_seq, "key");
+COMMIT;
