@@ -180,8 +180,9 @@ def application(database: Database, folder: Path) -> FastAPI:
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
             wake=lambda: None,
             wake_campaigns=lambda: None,
-            worker_fault=lambda: "",
-            campaigns_alive=lambda: True,
+            faults=dict,
+            storage_fault=lambda: "",
+            stopping=lambda: False,
         )
     )
 
