@@ -1,0 +1,225 @@
+"""Does a service stay as it is under load? Many short runs, one in fifty of a hostile agent.
+
+A real server with two workers does batches of short drives; hostile agents hang, die, flood the
+log, leave processes behind and turn against their worker. After each batch its runs are judged
+(lost, counted twice, blamed wrongly), and memory, descriptors, processes, threads and files are
+read from /proc. The last tenth of the runs must come as fast as the first.
+
+    python -m benchmarks.soak --runs 20000 --out benchmarks/results/soak.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import itertools
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import psutil
+
+from tests.faults import processes
+from tests.faults.invariants import Hashes, Judgement, judge, undisturbed
+from tests.faults.service_under_test import Service, Work
+from tests.faults.work import KINDS, Run, among
+
+HOSTILE = (
+    *("hanger", "burner", "child-hanger", "segfault", "exiter", "self-killer", "self-stopper"),
+    *("daemoniser", "child-eater", "flooder", "garbage", "half-message", "huge-message"),
+    *("pickler", "forger", "truncater", "scribbler", "log-replacer"),
+)
+SHARE = 0.02
+DRIVER = "idm"
+"""Drives the good runs: it does not wait, so that the machine is busy."""
+
+_MIB = 1 << 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """The service after some runs.
+
+    Attributes:
+        runs: Runs that have ended.
+        seconds: Since the first was posted.
+        server_mib: Resident memory of the server.
+        fork_server_mib: The same of the fork server.
+        workers_mib: The same of the largest worker.
+        descriptors: That the server has open.
+        processes: Of the service, the server included.
+        threads: Of the server.
+        files: In the folder of the workers.
+        logs_mib: Size of these files.
+        database_mib: Size of the database with its log of changes.
+        cpu_s: Seconds of processor time of the whole service.
+    """
+
+    runs: int
+    seconds: float
+    server_mib: float
+    fork_server_mib: float
+    workers_mib: float
+    descriptors: int
+    processes: int
+    threads: int
+    files: int
+    logs_mib: float
+    database_mib: float
+    cpu_s: float
+
+
+FITTED = (
+    *("server_mib", "fork_server_mib", "workers_mib", "descriptors", "processes", "threads"),
+    *("files", "logs_mib", "database_mib"),
+)
+
+
+def sample(service: Service, runs: int, seconds: float) -> Sample:
+    """Reads what the service uses."""
+    tree = processes.tree(service.pid)
+    server = tree[0]
+    source = service.fork_server()
+    files = [path for path in (service.data / "workers").iterdir() if path.is_file()]
+    return Sample(
+        runs=runs,
+        seconds=seconds,
+        server_mib=_resident(server),
+        fork_server_mib=_resident(source),
+        workers_mib=max(
+            (_resident(p) for p in processes.workers(service.data / "workers")), default=0.0
+        ),
+        descriptors=server.num_fds(),
+        processes=len(tree),
+        threads=server.num_threads(),
+        files=len(files),
+        logs_mib=sum(_size(path) for path in files) / _MIB,
+        database_mib=sum(_size(p) for p in service.data.glob("drivora.sqlite3*")) / _MIB,
+        cpu_s=sum(_cpu_s(process) for process in tree),
+    )
+
+
+def _resident(process: psutil.Process) -> float:
+    with contextlib.suppress(psutil.Error):
+        return float(process.memory_info().rss) / _MIB
+    return 0.0
+
+
+def _cpu_s(process: psutil.Process) -> float:
+    """Returns the time of a process and of the children that it has waited for."""
+    with contextlib.suppress(psutil.Error):
+        times = process.cpu_times()
+        return float(times.user + times.system + times.children_user + times.children_system)
+    return 0.0
+
+
+def _size(path: Path) -> int:
+    with contextlib.suppress(OSError):
+        return path.lstat().st_size
+    return 0
+
+
+def batch(number: int, size: int) -> list[Run]:
+    """Returns the runs of a batch; each has other hostile agents, in turn."""
+    count = round(size * SHARE)
+    first = number * count
+    hostile = list(itertools.islice(itertools.cycle(HOSTILE), first, first + count))
+    good = [Run(agent=DRIVER, kind=n % KINDS, seed=n % KINDS) for n in range(size - count)]
+    return among(good, hostile, seed=number)
+
+
+def soak(
+    service: Service, runs: int, size: int, hashes: Hashes
+) -> tuple[list[Sample], list[Judgement]]:
+    """Posts batches, one ahead of the workers, until so many runs have ended."""
+    samples: list[Sample] = []
+    judgements: list[Judgement] = []
+    begun = time.monotonic()
+    ahead: list[Work] = []
+    numbers = iter(range(runs // size))
+    done = 0
+    while True:
+        next_ones = itertools.islice(numbers, 2 - len(ahead))
+        ahead += [service.post(batch(number, size)) for number in next_ones]
+        if not ahead:
+            return samples, judgements
+        work = ahead.pop(0)
+        (service.evidence / "target").write_text(next(iter((ahead or [work])[0].runs)))
+        judgements.append(judge(service, work, hashes, seconds=1800.0))
+        done += len(work.runs)
+        samples.append(sample(service, done, time.monotonic() - begun))
+        print(samples[-1], judgements[-1].notes, flush=True)
+
+
+def pace(samples: Sequence[Sample], first: int, last: int, *, of: str) -> float:
+    """Returns the runs between two samples for each second of wall or processor time."""
+    begin, end = samples[first], samples[last]
+    return float((end.runs - begin.runs) / (getattr(end, of) - getattr(begin, of)))
+
+
+def report(samples: Sequence[Sample], judgements: Sequence[Judgement]) -> str:
+    """Writes what was found in Markdown."""
+    tenth = max(1, len(samples) // 10)
+    # The start of the service is behind the first sample.
+    ratios = [
+        pace(samples, -1 - tenth, -1, of=of) / pace(samples, 0, tenth, of=of)
+        for of in ("seconds", "cpu_s")
+    ]
+    last = samples[-1]
+    lines = [
+        "# Soak",
+        "",
+        f"{last.runs} runs, of which {SHARE:.0%} of hostile agents, in {last.seconds / 60:.1f} "
+        "minutes with two workers (`python -m benchmarks.soak`).",
+        "",
+        f"Lost {sum(j.lost for j in judgements)}, counted twice "
+        f"{sum(j.twice for j in judgements)}, blamed wrongly {sum(j.blamed for j in judgements)}; "
+        f"{sum(j.is_clean for j in judgements)} of {len(judgements)} batches without any fault.",
+        "",
+        f"The last tenth of the runs against the first: {ratios[0]:.1%} of its runs a second, "
+        f"{ratios[1]:.1%} of its runs a second of processor time.",
+        "",
+        "| | first | last | most | growth for 1,000 runs, after the first quarter |",
+        "|---|---|---|---|---|",
+    ]
+    settled = samples[len(samples) // 4 :]
+    runs = np.array([s.runs for s in settled]) / 1000.0
+    for name in FITTED:
+        values = [getattr(s, name) for s in samples]
+        slope = np.polyfit(runs, [getattr(s, name) for s in settled], 1)[0]
+        lines.append(
+            f"| {name.replace('_', ' ').replace('mib', 'MiB')} | {values[0]:.5g} | "
+            f"{values[-1]:.5g} | {max(values):.5g} | {slope:+.3g} |"
+        )
+    notes = [note for judgement in judgements for note in judgement.notes]
+    return "\n".join([*lines, "", *[f"- {note}" for note in notes], ""]).rstrip() + "\n"
+
+
+def main() -> None:
+    """Soaks, prints, and writes the results."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=20_000)
+    parser.add_argument("--batch", type=int, default=500, help="runs between two samples")
+    parser.add_argument("--out", type=Path, help="file to write the results to")
+    options = parser.parse_args()
+    if options.runs < 4 * options.batch:
+        parser.error("four batches are the least that tells first from last")
+    with tempfile.TemporaryDirectory() as folder:
+        service = Service(Path(folder) / "soak")
+        try:
+            service.start()
+            good = [Run(agent=DRIVER, kind=n % KINDS, seed=n % KINDS) for n in range(5 * KINDS)]
+            hashes = undisturbed(service, service.post(good))
+            text = report(*soak(service, options.runs, options.batch, hashes))
+        finally:
+            service.stop()
+    print(text)
+    if options.out:
+        options.out.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
