@@ -59,7 +59,11 @@ def back_up(
             closing(sqlite3.connect(database.engine.url.database)) as source,
             closing(sqlite3.connect(copy)) as destination,
         ):
+            # One view for the whole copy: else every write of a server begins it anew.
+            source.execute("BEGIN").close()
+            source.execute("SELECT count(*) FROM alembic_version").fetchone()
             source.backup(destination, pages=2048, sleep=0.01)
+            source.rollback()
             runs = destination.execute("SELECT count(*) FROM runs").fetchone()[0]
             traced = destination.execute(
                 "SELECT id FROM runs WHERE trace_sha256 != '' ORDER BY seq"

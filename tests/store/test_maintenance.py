@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import hashlib
+import sqlite3
+import threading
+from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -15,7 +18,7 @@ from drivora_service.store.records import Priority
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
-from tests.store.samples import claim, finish, finished, register, submit
+from tests.store.samples import claim, finish, finished, new_run, register, submit
 
 
 def file_hash(path: Path) -> str:
@@ -78,6 +81,38 @@ def test_a_backup_is_a_data_folder(
     copy.close()
     with pytest.raises(StoreError, match="not empty"):
         back_up(database, traces, tmp_path / "backup")
+
+
+def test_a_backup_is_one_view_while_others_write(
+    database: Database, traces: TraceFolder, tmp_path: Path
+) -> None:
+    with database.write() as transaction:
+        transaction.jobs.submit([new_run(f"{n}" + "x" * 100_000) for n in range(400)])
+    path = str(database.engine.url.database)
+    over = threading.Event()
+
+    def write() -> None:
+        # As another process would: over a connection that the backup knows nothing of.
+        with closing(sqlite3.connect(path, timeout=30, isolation_level=None)) as connection:
+            connection.execute("PRAGMA synchronous = OFF")
+            while not over.is_set():
+                connection.execute("UPDATE batches SET served = served + 1")
+
+    done: list[int] = []
+    writer = threading.Thread(target=write)
+    copier = threading.Thread(
+        target=lambda: done.append(back_up(database, traces, tmp_path / "backup").runs)
+    )
+    writer.start()
+    copier.start()
+    copier.join(20)
+    while_others_wrote = list(done)
+    over.set()
+    writer.join()
+    copier.join()
+    assert while_others_wrote == [400]
+    with closing(sqlite3.connect(tmp_path / "backup" / DATABASE_NAME)) as copy:
+        assert copy.execute("PRAGMA integrity_check").fetchone() == ("ok",)
 
 
 def test_pruning_keeps_what_is_wanted_and_leaves_no_contradiction(
