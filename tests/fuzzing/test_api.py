@@ -28,6 +28,9 @@ SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "70")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
 CONFIG = """
+[cache]
+enabled = false
+
 [generation]
 database = "none"
 
