@@ -246,12 +246,15 @@ async def _last_pages(client: httpx.AsyncClient, names: dict[str, str]) -> list[
     """Walks lists to their ends and returns the addresses of their last pages."""
     last: list[tuple[str, str]] = []
     for name, path in (
-        ("runs: last page of all", "/api/v1/runs?limit=500"),
-        ("runs: last page, agent + violated", "/api/v1/runs?agent=idm&violated=true&limit=500"),
-        ("runs: last page, batch", f"/api/v1/runs?batch={names['BIG']}&limit=500"),
+        ("runs: last page, status", "/api/v1/runs?status=timed_out&limit=500"),
+        ("runs: last page, agent", "/api/v1/runs?agent=retired-agent&limit=500"),
+        (
+            "runs: last page, batch + status",
+            f"/api/v1/runs?batch={names['BIG']}&status=agent_failed&limit=500",
+        ),
         (
             "evaluations, last page",
-            f"/api/v1/campaigns/{names['CAMPAIGN']}/evaluations?violating=true&limit=500",
+            f"/api/v1/campaigns/{names['CAMPAIGN']}/evaluations?status=failed&limit=500",
         ),
     ):
         token, address = "", path
