@@ -24,7 +24,7 @@ import psutil
 
 from tests.faults import processes
 from tests.faults.invariants import Hashes, Judgement, judge, undisturbed
-from tests.faults.service_under_test import Service, Work
+from tests.faults.service_under_test import Service
 from tests.faults.work import KINDS, Run, among
 
 HOSTILE = (
@@ -37,6 +37,7 @@ DRIVER = "idm"
 """Drives the good runs: it does not wait, so that the machine is busy."""
 
 _MIB = 1 << 20
+_PATIENCE_S = 1800.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,24 +135,20 @@ def batch(number: int, size: int) -> list[Run]:
 def soak(
     service: Service, runs: int, size: int, hashes: Hashes
 ) -> tuple[list[Sample], list[Judgement]]:
-    """Posts batches, one ahead of the workers, until so many runs have ended."""
+    """Posts batches, each when few runs of the one before are left, and judges them."""
     samples: list[Sample] = []
     judgements: list[Judgement] = []
     begun = time.monotonic()
-    ahead: list[Work] = []
-    numbers = iter(range(runs // size))
-    done = 0
-    while True:
-        next_ones = itertools.islice(numbers, 2 - len(ahead))
-        ahead += [service.post(batch(number, size)) for number in next_ones]
-        if not ahead:
-            return samples, judgements
-        work = ahead.pop(0)
-        (service.evidence / "target").write_text(next(iter((ahead or [work])[0].runs)))
-        judgements.append(judge(service, work, hashes, seconds=1800.0))
-        done += len(work.runs)
-        samples.append(sample(service, done, time.monotonic() - begun))
+    work = service.post(batch(0, size))
+    for number in range(runs // size):
+        service.wait_until_ended(work, size - size // 10, seconds=_PATIENCE_S)
+        following = service.post(batch(number + 1, size))
+        (service.evidence / "target").write_text(next(iter(following.runs)))
+        judgements.append(judge(service, work, hashes, seconds=_PATIENCE_S))
+        samples.append(sample(service, (number + 1) * size, time.monotonic() - begun))
         print(samples[-1], judgements[-1].notes, flush=True)
+        work = following
+    return samples, judgements
 
 
 def pace(samples: Sequence[Sample], first: int, last: int, *, of: str) -> float:
@@ -192,7 +189,7 @@ def report(samples: Sequence[Sample], judgements: Sequence[Judgement]) -> str:
         slope = np.polyfit(runs, [getattr(s, name) for s in settled], 1)[0]
         lines.append(
             f"| {name.replace('_', ' ').replace('mib', 'MiB')} | {values[0]:.5g} | "
-            f"{values[-1]:.5g} | {max(values):.5g} | {slope:+.3g} |"
+            f"{values[-1]:.5g} | {max(values):.5g} | {round(float(slope), 3):+g} |"
         )
     notes = [note for judgement in judgements for note in judgement.notes]
     return "\n".join([*lines, "", *[f"- {note}" for note in notes], ""]).rstrip() + "\n"

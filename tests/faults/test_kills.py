@@ -15,7 +15,7 @@ from tests.faults import processes
 from tests.faults.conftest import Judge
 from tests.faults.processes import wait_until
 from tests.faults.service_under_test import Service
-from tests.faults.work import campaign, good_runs
+from tests.faults.work import SLOW, campaign, good_runs
 
 Fault = Callable[[Service, random.Random], None]
 
@@ -75,6 +75,33 @@ def test_workers_killed_at_random_moments(
         time.sleep(luck.uniform(0.2, 1.2))
         a_worker(service, luck)
     check(service, work)
+
+
+def test_a_run_in_flight_at_three_deaths_of_the_server_goes_last(
+    own_service: Service, check: Judge, trial: int
+) -> None:
+    """What may be the reason of the deaths waits; the others are finished first."""
+    service = own_service
+    service.start()
+    work = service.post([*good_runs(2, agent=SLOW), *good_runs(10)])
+    suspects = work.ids(SLOW)
+    for _ in range(3):
+        wait_until(
+            lambda: all(service.statuses(work)[run] == "running" for run in suspects),
+            seconds=60.0,
+            what="the slow runs are not in flight",
+        )
+        time.sleep(0.3)
+        service.kill()
+        service.start()
+    check(service, work)
+    rows = service.query(
+        "SELECT r.id, count(x.number) AS deaths FROM runs r LEFT JOIN attempts x "
+        "ON x.run_seq = r.seq AND x.outcome = 'interrupted' GROUP BY r.id ORDER BY r.ended_at"
+    )
+    order = [(row["id"], row["deaths"] >= 3) for row in rows if row["id"] in work.runs]
+    assert {run for run, late in order if late} >= set(suspects)
+    assert [late for _, late in order] == sorted(late for _, late in order), order
 
 
 def test_the_engine_of_a_campaign_killed(

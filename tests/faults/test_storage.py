@@ -60,8 +60,9 @@ def traces_are_a_file(service: Service) -> Iterator[None]:
 
 @contextlib.contextmanager
 def workers_folder_removed(service: Service) -> Iterator[None]:
+    found = service.workers()
     remove(service.data / "workers")
-    for worker in service.workers():
+    for worker in found:
         worker.kill()
     yield
 
