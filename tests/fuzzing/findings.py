@@ -31,6 +31,7 @@ class Session:
     inputs: int = 0
     read: int = 0
     begun: float = field(default_factory=time.monotonic)
+    written: float = 0.0
     slowest_s: float = 0.0
     causes: Counter[str] = field(default_factory=Counter)
 
@@ -57,8 +58,12 @@ class Session:
             path.write_bytes(data)
             path.with_suffix(".txt").write_text(f"{cause}\n{told}", encoding="utf-8")
 
-    def write(self, path: Path) -> None:
-        """Writes the counts as JSON."""
+    def write_now_and_then(self, path: Path) -> None:
+        """Writes the counts as JSON, at once and then at most four times a second."""
+        now = time.monotonic()
+        if now - self.written < 0.25:
+            return
+        self.written = now
         content = {
             "inputs": self.inputs,
             "read": self.read,

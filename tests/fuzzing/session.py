@@ -6,7 +6,6 @@ harness says), folder.
 
 from __future__ import annotations
 
-import atexit
 import importlib.metadata
 import resource
 import sys
@@ -65,8 +64,8 @@ def main(name: str, inputs: int, seconds: int, seed: int, max_length: int, folde
     @atheris.instrument_func  # type: ignore[untyped-decorator]  # Atheris states no types
     def test_one_input(data: bytes) -> None:
         session.run(data)
-        if session.inputs % 1000 == 0:
-            session.write(folder / "counts.json")
+        # libFuzzer ends the process without what Python does at its end.
+        session.write_now_and_then(folder / "counts.json")
 
     def mutate(data: bytes, max_length: int, number: int) -> bytes:
         if number % 12 == 0:
@@ -74,7 +73,6 @@ def main(name: str, inputs: int, seconds: int, seed: int, max_length: int, folde
             return changed
         return mutator.mutate(data, max_length, number)
 
-    atexit.register(lambda: session.write(folder / "counts.json"))
     atheris.Setup(
         [
             *(sys.argv[0], f"-atheris_runs={inputs}", f"-max_total_time={seconds}"),
