@@ -193,7 +193,13 @@ class Service:
         processes.wait_until(lambda: self.ended(work) >= count, seconds=seconds, what=what)
 
     def fork_server(self) -> psutil.Process:
-        """Returns the fork server, waiting for it if need be."""
+        """Returns the fork server, waiting for it if need be.
+
+        One that was killed by an earlier test is replaced only when a worker has to be started.
+        """
+        if processes.fork_server(self.pid) is None:
+            for worker in self.workers()[:1]:
+                processes.send(worker, signal.SIGKILL)
         processes.wait_until(
             lambda: processes.fork_server(self.pid), seconds=30, what="there is no fork server"
         )
