@@ -20,14 +20,16 @@ from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.housekeeping import Housekeeping
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.retention_settings import retention
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _PATIENCE_S = 5.0
@@ -107,6 +109,14 @@ def create_service(
 
     stopping = threading.Event()
 
+    housekeeping = Housekeeping(
+        database,
+        traces,
+        CampaignTraces(settings.campaigns_dir),
+        retention(settings),
+        explained=lambda: bool(infrastructure.confirm_now()),
+    )
+
     def faults() -> Mapping[str, str]:
         return {
             **{condition.name: condition.fault for condition in infrastructure.conditions()},
@@ -128,9 +138,11 @@ def create_service(
             # Else the first document would wait for the kernels that check it.
             await asyncio.to_thread(warm_up_checks, NetworkCatalogue(shipped_networks()))
             campaigns.start()
+            housekeeping.start()
             _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
             yield
         finally:
+            housekeeping.stop()
             drain(0.0)
             executor.close()
             infrastructure.stop()

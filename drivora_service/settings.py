@@ -96,6 +96,28 @@ class Settings(BaseSettings):
         le=1024,
         description="Campaigns that the service runs at once, each in a process; others wait.",
     )
+    retain_passed_traces_days: float | None = Field(
+        default=None,
+        ge=0,
+        description="Days for which traces of runs that broke no rule are kept; unset: for ever.",
+    )
+    retain_passed_runs_days: float | None = Field(
+        default=None, ge=0, description="Days for which those runs are kept; unset: for ever."
+    )
+    retain_failing_traces_days: float | None = Field(
+        default=None,
+        ge=0,
+        description="Days for which traces of runs that failed are kept; unset: for ever.",
+    )
+    retain_failing_runs_days: float | None = Field(
+        default=None, ge=0, description="Days for which those runs are kept; unset: for ever."
+    )
+    retain_campaign_traces_days: float | None = Field(
+        default=None,
+        ge=0,
+        description="Days after the end of a campaign for which traces of its failures are kept, "
+        "but the first of each kind and cluster; unset: for ever.",
+    )
     log_format: Literal["console", "json"] = Field(
         default="console", description="How log lines look."
     )

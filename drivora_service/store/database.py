@@ -235,6 +235,8 @@ def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record
     connection.isolation_level = None
     cursor = connection.cursor()
     try:
+        # Before anything is written, else only a rewritten file could ever become shorter.
+        cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
         cursor.execute("PRAGMA journal_mode = WAL")
         # FULL: what was answered with 202 also survives a loss of power.
         cursor.execute("PRAGMA synchronous = FULL")

@@ -1,25 +1,53 @@
-"""Removing what nobody needs any more."""
+"""Removing runs that ended long ago, and traces, in transactions that are over in a moment.
+
+Rows go before files, so that a run never claims a trace that is gone. What a kill leaves behind
+are files without a run; the next pass removes them. What is old enough is looked for in reads,
+which keep no writer waiting.
+"""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from enum import StrEnum
 
-from sqlalchemy import delete, exists, select, update
+from sqlalchemy import ColumnElement, delete, exists, select, update
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
-from drivora_service.store.campaign_tables import EvaluationRow
+from drivora_service.store.campaign_records import CampaignState
+from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow
+from drivora_service.store.chunks import batched
 from drivora_service.store.database import Database
+from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.facets import subtract_runs
+from drivora_service.store.free_space import return_free_space
 from drivora_service.store.revisions import latest_revision
-from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, OwnerRow, RunRow
+from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 from drivora_service.store.traces import TraceFolder
 
-_CHUNK = 500
 _UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
+_SAYS_NOTHING = (RunStatus.CANCELLED, RunStatus.INVALID, RunStatus.INFRASTRUCTURE_FAILED)
+_READ_AT_ONCE = 2000
+_MOST_AT_ONCE = 400
+_LEAST_AT_ONCE = 10
+_AIM_S = 0.03
+"""Seconds that a transaction shall take; others wait meanwhile."""
+
+
+class Chosen(StrEnum):
+    """Which runs are removed when they are old enough."""
+
+    ALL = "all"
+    NOT_VIOLATED = "not violated"
+    PASSED = "passed"
+    """Judged, and no rule broken; or ended without saying anything of the ADS."""
+    FAILING = "failing"
+    """All others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +64,14 @@ class Pruned:
     traces: int
     freed_bytes: int
 
+    def __add__(self, other: Pruned) -> Pruned:
+        """Returns both together."""
+        return Pruned(
+            runs=self.runs + other.runs,
+            traces=self.traces + other.traces,
+            freed_bytes=self.freed_bytes + other.freed_bytes,
+        )
+
 
 def prune(
     database: Database,
@@ -47,8 +83,7 @@ def prune(
 ) -> Pruned:
     """Removes runs that ended before a moment, their traces, and what is left without an owner.
 
-    Rows go before files, so that a run never claims a trace that is gone; a server may go on
-    meanwhile.
+    A server may go on meanwhile. Runs of campaigns that are not over stay.
 
     Args:
         database: Where the runs are.
@@ -57,89 +92,199 @@ def prune(
         keep_violated: Whether runs with a broken rule stay, whatever their age.
         only_traces: Whether runs stay and lose only their traces.
     """
-    runs = 0
-    while True:
-        with database.write() as transaction:
-            count = _prune_chunk(
-                transaction.session, ended_before, keep_violated, only_traces=only_traces
-            )
-        runs += count
-        if count < _CHUNK:
-            break
-    with database.write() as transaction:
-        _remove_orphans(transaction.session, ended_before)
-    with database.read() as transaction:
-        wanted = set(
-            transaction.session.scalars(
-                select(RunRow.id).where(
-                    (RunRow.trace_sha256 != "") | RunRow.status.in_(_UNFINISHED)
-                )
-            )
-        )
-    removed, freed = _remove_traces(traces, wanted, written_before=ended_before)
-    return Pruned(runs=0 if only_traces else runs, traces=removed, freed_bytes=freed)
-
-
-def _prune_chunk(
-    session: Session, ended_before: datetime, keep_violated: bool, *, only_traces: bool
-) -> int:
-    query = select(RunRow.seq, RunRow.batch_seq, RunRow.facet).where(
-        RunRow.status.not_in(_UNFINISHED), RunRow.ended_at < ended_before
+    chosen = Chosen.NOT_VIOLATED if keep_violated else Chosen.ALL
+    pruned = prune_chosen(
+        database, traces, chosen, ended_before=ended_before, only_traces=only_traces
     )
-    if keep_violated:
-        query = query.where((RunRow.violations == 0) | RunRow.violations.is_(None))
-    if only_traces:
-        query = query.where(RunRow.trace_sha256 != "")
-    found = session.execute(query.order_by(RunRow.seq).limit(_CHUNK)).all()
-    chosen = RunRow.seq.in_([seq for seq, _, _ in found])
-    if only_traces:
-        changed = latest_revision(session)
-        session.execute(
-            update(RunRow).where(chosen).values(trace_sha256="", revision=RunRow.seq + changed)
+    pruned += remove_strays(database, traces, written_before=ended_before)
+    return_free_space(database)
+    return pruned
+
+
+def prune_chosen(
+    database: Database,
+    traces: TraceFolder,
+    chosen: Chosen,
+    *,
+    ended_before: datetime,
+    only_traces: bool = False,
+    stopping: Callable[[], bool] = lambda: False,
+) -> Pruned:
+    """Does what :func:`prune` says with the runs of one kind; looks for nothing else.
+
+    ``stopping`` is asked between two transactions whether the rest is to be left for another time.
+    """
+    runs = 0
+    files = Pruned(runs=0, traces=0, freed_bytes=0)
+    at_once = 50
+    for candidates in _candidates(database, chosen, ended_before, only_traces=only_traces):
+        if stopping():
+            break
+        rest = list(candidates)
+        while rest and not stopping():
+            chunk, rest = rest[:at_once], rest[at_once:]
+            with database.write() as transaction:
+                begun = time.perf_counter()
+                if only_traces:
+                    removed = _drop_traces(transaction.session, chunk, ended_before)
+                else:
+                    removed = _drop_runs(transaction.session, chunk, ended_before)
+            took = time.perf_counter() - begun
+            at_once = round(at_once * min(max(_AIM_S / max(took, 1e-6), 0.5), 1.5))
+            at_once = min(max(at_once, _LEAST_AT_ONCE), _MOST_AT_ONCE)
+            runs += len(removed)
+            files += _remove_files(traces, removed)
+            # Threads and processes that wait shall have their turn before the next chunk.
+            time.sleep(min(took, 0.1))
+    if not only_traces:
+        with database.write() as transaction:
+            _remove_empty_batches(transaction.session, ended_before)
+    return files + Pruned(runs=0 if only_traces else runs, traces=0, freed_bytes=0)
+
+
+def remove_strays(database: Database, traces: TraceFolder, *, written_before: datetime) -> Pruned:
+    """Removes trace files of runs that do not have them, such as a kill leaves behind."""
+    removed = Pruned(runs=0, traces=0, freed_bytes=0)
+    for run_ids in traces.run_ids_by_folder():
+        wanted: set[str] = set()
+        for chunk in batched(run_ids):
+            with database.read() as transaction:
+                wanted.update(
+                    transaction.session.scalars(
+                        select(RunRow.id).where(
+                            RunRow.id.in_(chunk),
+                            (RunRow.trace_sha256 != "") | RunRow.status.in_(_UNFINISHED),
+                        )
+                    )
+                )
+        # A file that is newer may be of a run that was queued after this was asked.
+        strays = [
+            run_id
+            for run_id in run_ids
+            if run_id not in wanted
+            and traces.path(run_id).stat().st_mtime < written_before.timestamp()
+        ]
+        removed += _remove_files(traces, strays)
+    return removed
+
+
+def _candidates(
+    database: Database, chosen: Chosen, ended_before: datetime, *, only_traces: bool
+) -> Iterator[Sequence[int]]:
+    """Looks for runs that are old enough, oldest first within a facet."""
+    with database.read() as transaction:
+        keys = transaction.session.scalars(select(FacetRow.key).where(*_facets(chosen))).all()
+        kept = set(
+            transaction.session.scalars(
+                select(BatchRow.seq)
+                .join(CampaignRow, CampaignRow.batch_id == BatchRow.id)
+                .where(CampaignRow.state.not_in([s for s in CampaignState if s.is_over]))
+            )
         )
-        return len(found)
-    session.execute(delete(RunRow).where(chosen))
-    subtract_runs(session, Counter((batch, facet) for _, batch, facet in found))
-    for batch_seq, number in Counter(batch for _, batch, _ in found).items():
+    for key in keys:
+        last = 0
+        while True:
+            with database.read() as transaction:
+                rows = transaction.session.execute(
+                    select(
+                        RunRow.seq,
+                        RunRow.batch_seq,
+                        RunRow.created_at,
+                        RunRow.ended_at,
+                        RunRow.trace_sha256,
+                    )
+                    .where(RunRow.facet == key, RunRow.seq > last)
+                    .order_by(RunRow.seq)
+                    .limit(_READ_AT_ONCE)
+                ).all()
+            yield [
+                row.seq
+                for row in rows
+                if row.ended_at is not None
+                and row.ended_at < ended_before
+                and row.batch_seq not in kept
+                and not (only_traces and not row.trace_sha256)
+            ]
+            # Runs are numbered in the order of their submission, and end after it.
+            if len(rows) < _READ_AT_ONCE or rows[-1].created_at >= ended_before:
+                break
+            last = rows[-1].seq
+
+
+def _facets(chosen: Chosen) -> list[ColumnElement[bool]]:
+    conditions: list[ColumnElement[bool]] = [FacetRow.status.not_in(_UNFINISHED)]
+    passed = FacetRow.violated.is_(False) | FacetRow.status.in_(_SAYS_NOTHING)
+    match chosen:
+        case Chosen.NOT_VIOLATED:
+            conditions.append(FacetRow.violated.is_not(True))
+        case Chosen.PASSED:
+            conditions.append(passed)
+        case Chosen.FAILING:
+            conditions.append(
+                FacetRow.violated.is_not(False) & FacetRow.status.not_in(_SAYS_NOTHING)
+            )
+    return conditions
+
+
+def _drop_runs(session: Session, seqs: Sequence[int], ended_before: datetime) -> list[str]:
+    """Deletes runs that are still as they were found, and returns their ids."""
+    found = session.execute(
+        select(RunRow.seq, RunRow.id, RunRow.batch_seq, RunRow.facet, RunRow.document_sha256).where(
+            *_still(seqs, ended_before)
+        )
+    ).all()
+    chosen = [row.seq for row in found]
+    session.execute(delete(RunRow).where(RunRow.seq.in_(chosen)))
+    subtract_runs(session, Counter((row.batch_seq, row.facet) for row in found))
+    for batch_seq, number in Counter(row.batch_seq for row in found).items():
         session.execute(
             update(BatchRow).where(BatchRow.seq == batch_seq).values(size=BatchRow.size - number)
         )
-    return len(found)
-
-
-def _remove_orphans(session: Session, ended_before: datetime) -> None:
-    session.execute(
-        delete(BatchRow).where(
-            BatchRow.id != SINGLE_JOBS,
-            BatchRow.size == 0,
-            BatchRow.created_at < ended_before,
-            ~exists().where(RunRow.batch_seq == BatchRow.seq),
-        )
-    )
     session.execute(
         delete(DocumentRow).where(
+            DocumentRow.sha256.in_({row.document_sha256 for row in found}),
             ~exists().where(RunRow.document_sha256 == DocumentRow.sha256),
             ~exists().where(EvaluationRow.document_sha256 == DocumentRow.sha256),
         )
     )
+    return [row.id for row in found]
+
+
+def _drop_traces(session: Session, seqs: Sequence[int], ended_before: datetime) -> list[str]:
+    first = latest_revision(session) + 1
+    rows = session.scalars(select(RunRow).where(*_still(seqs, ended_before))).all()
+    for revision, row in enumerate(rows, start=first):
+        row.trace_sha256, row.revision = "", revision
+    return [row.id for row in rows]
+
+
+def _still(seqs: Sequence[int], ended_before: datetime) -> tuple[ColumnElement[bool], ...]:
+    return (
+        RunRow.seq.in_(seqs),
+        RunRow.status.not_in(_UNFINISHED),
+        RunRow.ended_at < ended_before,
+    )
+
+
+def _remove_empty_batches(session: Session, created_before: datetime) -> None:
     session.execute(
-        delete(OwnerRow).where(
-            OwnerRow.ended_at.is_not(None), ~exists().where(AttemptRow.owner_id == OwnerRow.id)
+        delete(BatchRow).where(
+            BatchRow.id != SINGLE_JOBS,
+            BatchRow.size == 0,
+            BatchRow.created_at < created_before,
+            ~exists().where(RunRow.batch_seq == BatchRow.seq),
         )
     )
 
 
-def _remove_traces(
-    traces: TraceFolder, wanted: set[str], *, written_before: datetime
-) -> tuple[int, int]:
+def _remove_files(traces: TraceFolder, run_ids: Sequence[str]) -> Pruned:
     removed = freed = 0
-    for run_id in traces.run_ids():
+    for run_id in run_ids:
         path = traces.path(run_id)
-        about = path.stat()
-        # A file that is newer may be of a run that was queued after we looked.
-        if run_id in wanted or about.st_mtime >= written_before.timestamp():
+        try:
+            size = path.stat().st_size
+            path.unlink()
+        except FileNotFoundError:
             continue
-        freed += about.st_size
-        path.unlink()
-        removed += 1
-    return removed, freed
+        removed, freed = removed + 1, freed + size
+    return Pruned(runs=0, traces=removed, freed_bytes=freed)

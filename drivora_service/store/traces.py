@@ -35,6 +35,11 @@ class TraceFolder:
         for path in sorted(self.root.glob("??/*.parquet")):
             yield path.stem
 
+    def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
+        """Gives the same ids, those of one folder at a time."""
+        for folder in sorted(self.root.glob("??")):
+            yield tuple(sorted(path.stem for path in folder.glob("*.parquet")))
+
 
 class CampaignTraces:
     """The traces of the failures of all campaigns."""

@@ -92,13 +92,23 @@ def verify(
 @app.command()
 def prune(
     older_than: Annotated[
-        float, typer.Option("--older-than", min=0.0, metavar="DAYS", help="Age in days.")
-    ],
+        float | None,
+        typer.Option(
+            "--older-than",
+            min=0.0,
+            metavar="DAYS",
+            help="Age in days; left out: what the DRIVORA_RETAIN_… settings say.",
+        ),
+    ] = None,
     keep_violated: Annotated[
         bool, typer.Option("--keep-violated", help="Keep runs that broke a rule.")
     ] = False,
     only_traces: Annotated[
         bool, typer.Option("--only-traces", help="Keep the runs, remove their traces.")
+    ] = False,
+    compact: Annotated[
+        bool,
+        typer.Option("--compact", help="Then write the database anew without free space."),
     ] = False,
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -106,16 +116,33 @@ def prune(
     """Removes runs that ended long ago, with their traces; for good."""
     from datetime import UTC, datetime, timedelta
 
+    from drivora_service.cli.embedded import settings_for
+    from drivora_service.errors import ConfigurationError
+    from drivora_service.retention_settings import retention
+    from drivora_service.store.free_space import rewrite_database
     from drivora_service.store.pruning import prune as prune_store
+    from drivora_service.store.retention import retain
 
-    with _opened(data_dir) as (database, traces, _):
-        pruned = prune_store(
-            database,
-            traces,
-            ended_before=datetime.now(UTC) - timedelta(days=older_than),
-            keep_violated=keep_violated,
-            only_traces=only_traces,
+    kept = retention(settings_for(data_dir))
+    now = datetime.now(UTC)
+    if older_than is None and (keep_violated or only_traces or kept.keeps_everything):
+        raise ConfigurationError(
+            "nothing says how old what is removed must be; give --older-than DAYS, or set "
+            "DRIVORA_RETAIN_PASSED_RUNS_DAYS or another DRIVORA_RETAIN_… setting"
         )
+    with _opened(data_dir) as (database, traces, campaign_traces):
+        if older_than is None:
+            pruned = retain(database, traces, campaign_traces, kept, now=now)
+        else:
+            pruned = prune_store(
+                database,
+                traces,
+                ended_before=now - timedelta(days=older_than),
+                keep_violated=keep_violated,
+                only_traces=only_traces,
+            )
+        if compact:
+            rewrite_database(database)
     if as_json:
         print_json(
             {"runs": pruned.runs, "traces": pruned.traces, "freed_bytes": pruned.freed_bytes}

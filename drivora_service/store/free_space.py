@@ -1,0 +1,54 @@
+"""Giving the pages of a SQLite file that hold nothing any more back to the file system."""
+
+from __future__ import annotations
+
+import time
+from contextlib import closing
+
+from sqlalchemy import text
+
+from drivora_service.store.database import Database
+
+_PAGES = 100
+_INCREMENTAL = 2
+
+
+def return_free_space(database: Database) -> int:
+    """Shortens the file of a database step by step, in transactions that are over in a moment.
+
+    Only databases that were made by this version or later, or rewritten by
+    :func:`rewrite_database`, can be shortened so; others keep free pages for new rows.
+
+    Returns:
+        The bytes that the file became shorter, once everything is written into it.
+    """
+    if database.engine.dialect.name != "sqlite":
+        return 0
+    with database.read() as transaction:
+        session = transaction.session
+        if session.scalar(text("PRAGMA auto_vacuum")) != _INCREMENTAL:
+            return 0
+        free = session.scalar(text("PRAGMA freelist_count")) or 0
+        page_bytes = session.scalar(text("PRAGMA page_size")) or 0
+    for _ in range(0, free, _PAGES):
+        with database.write() as transaction:
+            begun = time.perf_counter()
+            for _ in range(_PAGES):
+                transaction.session.execute(text("PRAGMA incremental_vacuum(1)"))
+        time.sleep(min(time.perf_counter() - begun, 0.1))
+    return int(free * page_bytes)
+
+
+def rewrite_database(database: Database) -> None:
+    """Writes a SQLite file anew without free pages, so that it can be shortened from now on.
+
+    Needs as much free space again as the database takes; others can read and not write meanwhile.
+    """
+    if database.engine.dialect.name != "sqlite":
+        return
+    with closing(database.engine.raw_connection()) as connection:
+        # Not through the toolkit, which would begin a transaction.
+        cursor = connection.cursor()
+        cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        cursor.execute("VACUUM")
+        cursor.close()

@@ -1,0 +1,146 @@
+"""Keeping what is of interest for longer than what is not, by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from datetime import datetime, timedelta
+
+import structlog
+from sqlalchemy import select, update
+
+from drivora_service.store.campaign_records import CampaignState
+from drivora_service.store.campaign_tables import CampaignRow, FailureRow
+from drivora_service.store.chunks import batched
+from drivora_service.store.database import Database
+from drivora_service.store.free_space import return_free_space
+from drivora_service.store.pruning import Chosen, Pruned, prune_chosen, remove_strays
+from drivora_service.store.traces import CampaignTraces, TraceFolder
+
+_STRAY_AGE = timedelta(days=1)
+_NOTHING = Pruned(runs=0, traces=0, freed_bytes=0)
+_OVER = [state for state in CampaignState if state.is_over]
+
+_log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Retention:
+    """For how long after its end something is kept; ``None``: for ever.
+
+    Attributes:
+        passed_traces: Traces of runs that broke no rule, were cancelled, invalid, or lost.
+        passed_runs: Those runs themselves.
+        failing_traces: Traces of all other runs.
+        failing_runs: Those runs themselves.
+        campaign_traces: Traces of the failures of campaigns that are over, but the first of each
+            kind and of each cluster, which stay.
+    """
+
+    passed_traces: timedelta | None = None
+    passed_runs: timedelta | None = None
+    failing_traces: timedelta | None = None
+    failing_runs: timedelta | None = None
+    campaign_traces: timedelta | None = None
+
+    @property
+    def keeps_everything(self) -> bool:
+        """Whether nothing is ever removed."""
+        return all(getattr(self, each.name) is None for each in fields(self))
+
+
+def retain(
+    database: Database,
+    traces: TraceFolder,
+    campaign_traces: CampaignTraces,
+    retention: Retention,
+    *,
+    now: datetime,
+    stopping: Callable[[], bool] = lambda: False,
+) -> Pruned:
+    """Removes what is older than it is kept; a server may go on meanwhile.
+
+    Args:
+        database: Where the runs and campaigns are.
+        traces: Where the traces of runs are.
+        campaign_traces: Where the traces of failures are.
+        retention: What is kept for how long.
+        now: From when ages count.
+        stopping: Asked between two transactions whether the rest is left for another time.
+    """
+    if retention.keeps_everything:
+        return _NOTHING
+    pruned = _NOTHING
+    for chosen, age, only_traces in (
+        (Chosen.PASSED, retention.passed_traces, True),
+        (Chosen.PASSED, retention.passed_runs, False),
+        (Chosen.FAILING, retention.failing_traces, True),
+        (Chosen.FAILING, retention.failing_runs, False),
+    ):
+        if age is not None:
+            pruned += prune_chosen(
+                database,
+                traces,
+                chosen,
+                ended_before=now - age,
+                only_traces=only_traces,
+                stopping=stopping,
+            )
+    if stopping():
+        return pruned
+    if retention.campaign_traces is not None:
+        pruned += _prune_campaigns(database, campaign_traces, now - retention.campaign_traces)
+    pruned += remove_strays(database, traces, written_before=now - _STRAY_AGE)
+    returned = return_free_space(database)
+    if pruned != _NOTHING:
+        _log.info(
+            "old_runs_removed",
+            runs=pruned.runs,
+            traces=pruned.traces,
+            freed_mib=round((pruned.freed_bytes + returned) / 2**20, 1),
+        )
+    return pruned
+
+
+def _prune_campaigns(
+    database: Database, campaign_traces: CampaignTraces, ended_before: datetime
+) -> Pruned:
+    with database.read() as transaction:
+        campaigns = transaction.session.execute(
+            select(CampaignRow.seq, CampaignRow.id).where(
+                CampaignRow.state.in_(_OVER), CampaignRow.ended_at < ended_before
+            )
+        ).all()
+    removed = freed = 0
+    for seq, campaign_id in campaigns:
+        kept = _drop_traces(database, seq)
+        folder = campaign_traces.folder(campaign_id)
+        for path in sorted(folder.glob("*.parquet")) if folder.is_dir() else ():
+            if path.name not in kept:
+                freed += path.stat().st_size
+                path.unlink()
+                removed += 1
+    return Pruned(runs=0, traces=removed, freed_bytes=freed)
+
+
+def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
+    """Forgets the traces that are not kept, and returns the names of those that are."""
+    with database.read() as transaction:
+        failures = transaction.session.execute(
+            select(FailureRow.number, FailureRow.key, FailureRow.cluster, FailureRow.trace)
+            .where(FailureRow.campaign_seq == campaign_seq, FailureRow.trace != "")
+            .order_by(FailureRow.number, FailureRow.place)
+        ).all()
+    first: dict[tuple[str, object], int] = {}
+    for row in failures:
+        first.setdefault(("kind", row.key), row.number)
+        first.setdefault(("cluster", row.key if row.cluster is None else row.cluster), row.number)
+    kept = set(first.values())
+    for numbers in batched(sorted({row.number for row in failures} - kept), 200):
+        with database.write() as transaction:
+            transaction.session.execute(
+                update(FailureRow)
+                .where(FailureRow.campaign_seq == campaign_seq, FailureRow.number.in_(numbers))
+                .values(trace="")
+            )
+    return {row.trace for row in failures if row.number in kept}
