@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 
-from sqlalchemy import ColumnElement, func, or_, select
+from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.lifecycle import LONGEST_WAIT_S
@@ -24,14 +25,16 @@ class HeldRuns:
         """The condition on a run that it is not held."""
         return RunRow.not_before.is_(None)
 
-    def numbers(self) -> dict[int, int]:
+    def numbers(self) -> Mapping[int, int]:
         """Counts them by the ``seq`` of their batch."""
-        found = self._session.execute(
-            select(RunRow.batch_seq, func.count())
-            .where(RunRow.not_before.is_not(None), RunRow.status == RunStatus.QUEUED)
-            .group_by(RunRow.batch_seq)
+        # Counted here: for a grouping, SQLite would walk all queued runs in the order of batches.
+        return Counter(
+            self._session.scalars(
+                select(RunRow.batch_seq).where(
+                    RunRow.not_before.is_not(None), RunRow.status == RunStatus.QUEUED
+                )
+            )
         )
-        return {row[0]: row[1] for row in found}
 
     def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
         """The condition on a batch that it has queued runs that are not held."""
