@@ -85,7 +85,8 @@ class AgentError(DrivoraError):
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``,
-            ``agent_died``, ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``,
+            ``agent_died``, ``agent_killed`` (by no fault of its own that is known),
+            ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``,
             ``agent_changed_service``.
         log: The last lines of its log or its traceback.
     """

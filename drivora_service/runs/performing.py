@@ -116,7 +116,10 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         return _perform(spec, setup, cells, course)
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
-        return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
+        # The ADS has done nothing wrong that is known, and may drive well when it is tried again.
+        killed = error.cause == "agent_killed"
+        status = RunStatus.INFRASTRUCTURE_FAILED if killed else RunStatus.AGENT_FAILED
+        return _failed(spec, status, failure, course)
     except PluginError as error:
         return _failed(spec, RunStatus.PLUGIN_FAILED, _plugin_failure(error), course)
     except SUMO_ERRORS as error:

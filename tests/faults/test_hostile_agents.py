@@ -103,6 +103,7 @@ def test_a_flood_of_lines_is_bounded_on_disk(service: Service, check: Judge, tri
         "garbage",
         "half-message",
         "huge-message",
+        "pickler",
         "forger",
         "truncater",
         "scribbler",

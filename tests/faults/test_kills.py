@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import random
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -14,8 +16,8 @@ import pytest
 from tests.faults import processes
 from tests.faults.conftest import Judge
 from tests.faults.processes import wait_until
-from tests.faults.service_under_test import Service
-from tests.faults.work import SLOW, campaign, good_runs
+from tests.faults.service_under_test import ROOT, Service
+from tests.faults.work import SLOW, Run, campaign, good_runs
 
 Fault = Callable[[Service, random.Random], None]
 
@@ -131,3 +133,26 @@ def test_the_engine_of_a_campaign_killed(
     check(service, work)
     assert (last["state"], last["simulations"]) == ("finished", simulations), last
     assert batch["counts"] == {"finished": simulations + last["counts"]["violating"]}
+
+
+def test_an_ads_process_killed(own_service: Service, check: Judge, trial: int) -> None:
+    """The kill comes from outside: the run is not the ADS's failure."""
+    service = own_service
+    folder = service.data / "agents" / "external-agent"
+    shutil.copytree(ROOT / "deploy" / "external-agent", folder)
+    service.start()
+    slow = [Run(agent="external-agent", kind=n, seed=n) for n in range(8)]
+    work = service.post([*slow, *good_runs(12)])
+    script = str(folder / "agent.py")
+    wait_until(
+        lambda: processes.with_argument(script) and service.ended(work) >= 2,
+        seconds=60.0,
+        what="no ADS has driven",
+    )
+    for process in processes.with_argument(script):
+        processes.send(process, signal.SIGKILL)
+    check(service, work)
+    statuses = service.statuses(work)
+    assert {statuses[run] for run in work.ids("external-agent")} == {"finished"}, json.dumps(
+        service.query("SELECT id, status, cause FROM runs")
+    )

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import resource
+import shutil
+import signal
+import socket
+import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 import pytest
 
 from tests.faults import processes
+from tests.faults.agents.spreading import CHILD_S
 from tests.faults.conftest import Judge
-from tests.faults.service_under_test import Service
-from tests.faults.work import good_runs
+from tests.faults.processes import wait_until
+from tests.faults.service_under_test import Service, install_agents
+from tests.faults.test_clients import connect
+from tests.faults.work import among, good_runs
 
 DESCRIPTORS = 96
 CROWD = 200
@@ -45,10 +55,105 @@ def no_descriptors_for_the_server(service: Service) -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("fault", [no_descriptors_for_the_server])
+@contextlib.contextmanager
+def no_memory_for_workers(service: Service) -> Iterator[None]:
+    """Workers that start get no memory for their set-up; those that run are killed."""
+    source = service.fork_server()
+    few = source.memory_info().vms + (4 << 20)
+    with limited(service, resource.RLIMIT_AS, few, of=[source.pid]):
+        for worker in service.workers():
+            processes.send(worker, signal.SIGKILL)
+        yield
+
+
+@contextlib.contextmanager
+def files_of_workers_may_not_grow(service: Service) -> Iterator[None]:
+    some = [process.pid for process in (service.fork_server(), *service.workers())]
+    with limited(service, resource.RLIMIT_FSIZE, 0, of=some):
+        yield
+
+
+@pytest.mark.parametrize(
+    "fault", [no_descriptors_for_the_server, no_memory_for_workers, files_of_workers_may_not_grow]
+)
 def test_runs_short(service: Service, check: Judge, fault: Fault, trial: int) -> None:
     work = service.post(good_runs(24))
     service.wait_until_ended(work, 3)
     with fault(service):
         time.sleep(5.0)
     check(service, work)
+
+
+def test_more_clients_than_descriptors(own_service: Service, check: Judge, trial: int) -> None:
+    """The server has few from the start; the crowd waits or is refused, and then goes."""
+    service = own_service
+    service.prefix = ("prlimit", f"--nofile={DESCRIPTORS}:{DESCRIPTORS}")
+    service.start()
+    work = service.post(good_runs(20))
+    crowd: list[socket.socket] = []
+    try:
+        for _ in range(CROWD):
+            with contextlib.suppress(OSError):
+                crowd.append(connect(service))
+        time.sleep(4.0)
+    finally:
+        for connection in crowd:
+            connection.close()
+    wait_until(service.is_ready, seconds=20.0, what="the service does not answer again")
+    check(service, work)
+    told = service.log.read_text(errors="replace").count("\n")
+    assert told < 200, f"{told} lines: {service.log_tail()}"
+
+
+def test_no_processes_left(check: Judge, trial: int) -> None:
+    """As another user than root, whom no limit binds; it may read what root may."""
+    user = 54321
+    if os.getuid() != 0 or shutil.which("setpriv") is None:
+        pytest.skip("needs root and setpriv to become another user")
+    with tempfile.TemporaryDirectory() as folder:
+        # The folders of the other tests are closed to other users.
+        os.chown(folder, user, user)
+        service = Service(Path(folder))
+        service.prefix = (
+            *("setpriv", f"--reuid={user}", "--inh-caps=-all,+dac_override"),
+            "--ambient-caps=-all,+dac_override",
+        )
+        install_agents(service.site)
+        service.evidence.mkdir()
+        service.data.mkdir()
+        os.chown(service.data, user, user)
+        try:
+            service.start()
+            work = service.post(good_runs(24))
+            service.wait_until_ended(work, 3)
+            workers = service.workers()
+            with limited(service, resource.RLIMIT_NPROC, 1):
+                for worker in workers:
+                    processes.send(worker, signal.SIGKILL)
+                time.sleep(5.0)
+                assert processes.workers(service.data / "workers") == (), "the limit does not bind"
+            check(service, work)
+        finally:
+            service.stop()
+
+
+INIT = "import subprocess, sys, time; subprocess.Popen(sys.argv[1:]); time.sleep(10 ** 6)"
+"""A first process that starts a server and buries nothing."""
+
+
+def test_a_first_process_that_does_not_reap(own_service: Service, check: Judge, trial: int) -> None:
+    service = own_service
+    if os.getuid() != 0 or shutil.which("unshare") is None:
+        pytest.skip("needs root and unshare for a namespace of processes")
+    service.prefix = (
+        *("unshare", "--pid", "--fork", "--kill-child", "--mount-proc"),
+        *(sys.executable, "-c", INIT),
+    )
+    service.start()
+    work = service.post(among(good_runs(16), ["child-hanger", "daemoniser"] * 2, seed=trial))
+    check(service, work)
+    wait_until(
+        lambda: not processes.with_argument(str(CHILD_S)),
+        seconds=10.0,
+        what="a child of a hung agent is left",
+    )

@@ -41,3 +41,28 @@ def test_a_server_drains_and_hands_back_the_rest(own_service: Service, check: Ju
         check(service, work)
     finally:
         service.stop()
+
+
+def test_a_second_signal_ends_at_once(own_service: Service, check: Judge) -> None:
+    service = own_service
+    service.variables = {"DRIVORA_DRAIN_S": "60"}
+    service.start()
+    try:
+        work = service.post(good_runs(4, agent=SLOW))
+        wait_until(
+            lambda: "running" in service.statuses(work).values(), seconds=30.0, what="no run"
+        )
+        time.sleep(0.5)
+        service.signal(signal.SIGTERM)
+        time.sleep(1.0)
+        assert service.process is not None
+        assert service.process.poll() is None, "the first signal did not drain"
+        begun = time.monotonic()
+        service.signal(signal.SIGTERM)
+        service.process.wait(60.0)
+        taken = time.monotonic() - begun
+        service.start()
+        check(service, work)
+        assert taken < 2.0
+    finally:
+        service.stop()

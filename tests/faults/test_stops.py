@@ -14,6 +14,16 @@ from tests.faults.work import SLOW, good_runs
 STANDSTILL_S = AGENT_DEADLINE_S + 2.0
 
 
+def test_a_stopped_worker_is_not_a_hung_agent(
+    service: Service, check: Judge, luck: random.Random, trial: int
+) -> None:
+    work = service.post([*good_runs(2, agent=SLOW), *good_runs(10)])
+    service.wait_until_ended(work, 1)
+    with processes.stopped(luck.choice(service.workers()), seconds=STANDSTILL_S):
+        pass
+    check(service, work)
+
+
 def test_the_fork_server_stopped_while_workers_die(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:

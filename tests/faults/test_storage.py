@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import re
 import shutil
+import sqlite3
+import statistics
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -80,6 +83,31 @@ def test_a_folder_cannot_be_used(service: Service, check: Judge, fault: Fault, t
     assert told <= LINES_PER_FAULT, f"{told} lines in {FAULT_S:g} s: {service.log_tail()}"
 
 
+def test_the_volume_of_traces_full(own_service: Service, check: Judge, trial: int) -> None:
+    """The queue rests, new work is refused, and both go on by themselves."""
+    service = own_service
+    with small_volume(service.data / "traces", megabytes=16) as traces:
+        try:
+            service.start()
+            work = service.post(good_runs(24))
+            service.wait_until_ended(work, 2)
+            before = lines(service)
+            with full(traces):
+                time.sleep(FAULT_S)
+                told = lines(service) - before
+                ready = httpx.get(f"{service.url}/readyz", timeout=5.0)
+                with service.client() as client:
+                    refused = client.post("/jobs", json=json.loads(good_runs(1)[0].document))
+            check(service, work)
+        finally:
+            service.stop()
+    assert ready.status_code == 503
+    assert "traces" in ready.text
+    assert refused.status_code == 503, refused.text
+    assert int(refused.headers["Retry-After"]) > 0
+    assert told <= LINES_PER_FAULT, f"{told} lines in {FAULT_S:g} s: {service.log_tail()}"
+
+
 def test_the_volume_of_all_data_full(own_service: Service, check: Judge, trial: int) -> None:
     service = own_service
     with small_volume(service.data, megabytes=24):
@@ -97,3 +125,32 @@ def test_the_volume_of_all_data_full(own_service: Service, check: Judge, trial: 
             service.stop()
     assert answer.is_success
     assert told <= LINES_PER_FAULT, f"{told} lines in {FAULT_S:g} s: {service.log_tail()}"
+
+
+def test_the_database_locked_by_another_process(service: Service, check: Judge, trial: int) -> None:
+    """Reads go on, writes are refused in bounded time, runs wait."""
+    work = service.post(good_runs(30))
+    service.wait_until_ended(work, 3)
+    before = lines(service)
+    latencies = []
+    with contextlib.closing(sqlite3.connect(service.data / "drivora.sqlite3")) as locker:
+        locker.isolation_level = None
+        locker.execute("PRAGMA busy_timeout = 10000")
+        locker.execute("BEGIN EXCLUSIVE")
+        begun = time.monotonic()
+        with service.client() as client:
+            answer = client.post("/jobs", json=json.loads(good_runs(1)[0].document))
+        answered = time.monotonic() - begun
+        while time.monotonic() - begun < LOCKED_S:
+            paths = ("/healthz", "/readyz", f"/api/v1/batches/{work.batch}")
+            latencies += [service.latency(path) for path in paths]
+            time.sleep(1.0)
+        locker.execute("ROLLBACK")
+    told = lines(service) - before
+    check(service, work)
+    assert answer.status_code == 503, answer.text
+    assert int(answer.headers["Retry-After"]) > 0
+    assert answered < 30.0
+    assert told <= LINES_PER_FAULT, f"{told} lines in {LOCKED_S:g} s: {service.log_tail()}"
+    assert statistics.median(latencies) < 0.1, sorted(latencies)[-5:]
+    assert max(latencies) < 1.0, sorted(latencies)[-5:]

@@ -101,7 +101,7 @@ class RemoteAgent:
                 message = f"{who} did not answer {where} within {timeout:g} s"
             case grpc.StatusCode.UNAVAILABLE | grpc.StatusCode.CANCELLED:
                 ended = self._host.ended()
-                cause = "agent_died" if ended else "agent_unreachable"
+                cause = self._host.death if ended else "agent_unreachable"
                 message = f"{who} {ended or f'cannot be reached: {details}'}, in {where}"
             case grpc.StatusCode.UNIMPLEMENTED:
                 cause = "agent_protocol"

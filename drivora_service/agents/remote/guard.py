@@ -28,6 +28,9 @@ from typing import Any
 LOG_BYTES = 1 << 20
 """Size at which the older half of the log is dropped."""
 
+BEYOND_MEMORY = 120
+"""Exit code where the command was ended because it had taken too much memory."""
+
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 1, 36, 38
 _CHUNK = 1 << 16
 _WATCH_S = 1.0
@@ -60,7 +63,11 @@ class BoundedLog:
 def main(
     parent: int, folder: Path, log: BoundedLog, confinement: dict[str, Any], command: list[str]
 ) -> int:
-    """Does what the module says; gives the exit code, of a signal 128 and its number."""
+    """Does what the module says.
+
+    Returns:
+        The exit code of the command; of a signal 128 and its number; or :data:`BEYOND_MEMORY`.
+    """
     signal.signal(signal.SIGTERM, _stop)
     # Told to end while the command is being started, it would know of nothing to end: not before.
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM])
@@ -84,6 +91,7 @@ def main(
     try:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
         looked = time.monotonic()
+        too_much = False
         while os.getppid() == parent:
             # The end of the command is seen by its output's end, or, where something that it
             # started has that too, by looking once a second.
@@ -97,6 +105,7 @@ def main(
                         f"{confinement['memory_bytes'] >> 20} MiB "
                         "(DRIVORA_AGENT_MEMORY_MB)]\n".encode()
                     )
+                    too_much = True
                     child.kill()
             if copied and child.poll() is None:
                 continue
@@ -106,7 +115,8 @@ def main(
             if child.returncode is not None:
                 while _copy(output, log, 0.0) is True:
                     pass
-                return _exit_code(child.returncode, log)
+                code = _exit_code(child.returncode, log)
+                return BEYOND_MEMORY if too_much else code
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise SystemExit(1)
     except SystemExit:

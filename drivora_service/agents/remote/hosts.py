@@ -57,7 +57,12 @@ class Host(Protocol):
         ...
 
     def ended(self) -> str:
-        """Tells how the ADS ended by itself, "" if it did not or nobody knows."""
+        """Tells how the ADS ended by itself, "" if it did not or that is not known."""
+        ...
+
+    @property
+    def death(self) -> str:
+        """The cause of a failure that is the end of the ADS."""
         ...
 
     def end(self) -> None:
@@ -159,7 +164,7 @@ class ProcessHost:
         until = time.monotonic() + deadline
         while time.monotonic() < until:
             if not self.is_alive:
-                raise self._error("agent_died", f"{self.ended()} before it answered")
+                raise self._error(self.death, f"{self.ended()} before it answered")
             if socket.exists():
                 left = until - time.monotonic()
                 with contextlib.suppress(grpc.RpcError):
@@ -197,10 +202,21 @@ class ProcessHost:
             code = self._process.wait(_ENDING_S)
         except subprocess.TimeoutExpired:
             return ""
+        if code == guard.BEYOND_MEMORY:
+            return "was ended because it took more memory than it may"
         if code > 128:
             with contextlib.suppress(ValueError):
                 return f"was ended by {signal.Signals(code - 128).name}"
         return f"exited with code {code}"
+
+    @property
+    def death(self) -> str:
+        """The cause of a failure that is the end of the ADS.
+
+        No fault of a program ends it by SIGKILL; the kernel does where memory is short.
+        """
+        killed = self._process.poll() == 128 + signal.SIGKILL
+        return "agent_killed" if killed else "agent_died"
 
     def end(self) -> None:
         """Ends the process with all that it started; removes its socket and its folder."""
@@ -246,8 +262,13 @@ class AddressHost:
         return f"[the log is with whoever runs the ADS at {self._address}]"
 
     def ended(self) -> str:
-        """Gives "": nobody here knows."""
+        """Returns "": how an ADS elsewhere ended is not known here."""
         return ""
+
+    @property
+    def death(self) -> str:
+        """The cause of a failure that is the end of the ADS."""
+        return "agent_died"
 
     def end(self) -> None:
         """Ends the connection only."""

@@ -54,9 +54,9 @@ class Ads:
 
     def act(self) -> Control:
         match self.what:
-            case "dies":
+            case "dies" | "is-killed":
                 print("about to be killed", flush=True)
-                os.kill(os.getpid(), signal.SIGKILL)
+                os.kill(os.getpid(), signal.SIGSEGV if self.what == "dies" else signal.SIGKILL)
             case "exits":
                 os._exit(3)
             case "hangs":

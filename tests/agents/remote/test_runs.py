@@ -144,7 +144,7 @@ def test_each_ego_has_a_process_of_its_own(agents: Path, perform: Perform) -> No
 
 
 FAILING = {
-    "dies": ("agent_died", "was ended by SIGKILL", "about to be killed"),
+    "dies": ("agent_died", "was ended by SIGSEGV", "about to be killed"),
     "exits": ("agent_died", "exited with code 3", "exited with code 3"),
     "raises": ("agent_raised", "KeyError: 'lost the way'", "Traceback"),
     "setup-raises": ("agent_raised", "no way in setup", "Traceback"),
@@ -209,6 +209,17 @@ def test_each_way_to_fail_is_told_apart_and_the_worker_goes_on(worker: Perform, 
     assert logs in failure.log
     assert len(failure.log) < 20_000
     assert worker(one_ego("drives")).status is RunStatus.FINISHED
+
+
+def test_an_ads_that_was_killed_is_not_to_blame(agents: Path, perform: Perform) -> None:
+    add_agent(agents, "is-killed")
+    report = perform(one_ego("is-killed"))
+    assert report.status is RunStatus.INFRASTRUCTURE_FAILED
+    assert report.failure is not None
+    assert report.failure.cause == "agent_killed"
+    assert "was ended by SIGKILL" in report.failure.message
+    assert "about to be killed" in report.failure.log
+    assert left_behind(agents) == []
 
 
 @pytest.mark.parametrize("what", ["hangs", "setup-hangs", "hangs-with-a-child"])
