@@ -235,8 +235,10 @@ def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record
     connection.isolation_level = None
     cursor = connection.cursor()
     try:
-        # Before anything is written, else only a rewritten file could ever become shorter.
-        cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        # Before anything is written, else only a rewritten file could ever become shorter; later
+        # it is a write, which a reader must not wait for.
+        if cursor.execute("PRAGMA page_count").fetchone() == (0,):
+            cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
         cursor.execute("PRAGMA journal_mode = WAL")
         # FULL: what was answered with 202 also survives a loss of power.
         cursor.execute("PRAGMA synchronous = FULL")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import random
-import shutil
 import signal
 import sqlite3
 import subprocess
@@ -254,7 +253,8 @@ def test_a_run_whose_trace_cannot_be_written_goes_back_unharmed_if_the_storage_i
     with serving(database, tmp_path) as dispatcher:
         runs = submit(database, *["writes-trace 0.3"] * 4)
         wait_until_running(database, 4)
-        shutil.rmtree(folder)
+        # At one moment, whatever is written into it meanwhile.
+        folder.rename(tmp_path / "aside")
         folder.write_text("in the way")
         wait_for(lambda: statuses(database)[RunStatus.QUEUED] == 4)
         assert dispatcher.is_alive

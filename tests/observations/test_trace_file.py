@@ -100,7 +100,15 @@ def test_meta_that_is_not_json_is_refused_before_anything_is_written(
     assert not path.exists()
 
 
-def test_a_folder_that_is_not_there_is_a_store_error(full_trace: Trace, tmp_path: Path) -> None:
+def test_a_folder_that_is_not_there_is_made(full_trace: Trace, tmp_path: Path) -> None:
+    write_trace(full_trace, tmp_path / "missing" / "run.parquet")
+    assert read_trace(tmp_path / "missing" / "run.parquet").step_count == full_trace.step_count
+
+
+def test_a_file_where_the_folder_belongs_is_a_store_error(
+    full_trace: Trace, tmp_path: Path
+) -> None:
+    (tmp_path / "missing").write_text("in the way")
     with pytest.raises(StoreError, match="cannot write"):
         write_trace(full_trace, tmp_path / "missing" / "run.parquet")
 
