@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import errno
 import json
 import os
 import signal
@@ -10,6 +12,7 @@ import sys
 import threading
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import structlog
 import uvicorn
@@ -17,6 +20,7 @@ import uvicorn
 from drivora_service.api.connections import BoundedConnection, raise_descriptor_limit
 from drivora_service.app import Service, create_service
 from drivora_service.errors import ServiceBroken
+from drivora_service.fault_log import FaultLog
 from drivora_service.logs import configure_logs
 from drivora_service.settings import Settings
 
@@ -40,7 +44,9 @@ _HURRY_S = 5.0
 _NOT_DONE = 3
 """Exit code of a process that had to be ended, as of everything that could not be done."""
 
-_log = structlog.stdlib.get_logger(__name__)
+_NO_DESCRIPTORS = (errno.EMFILE, errno.ENFILE)
+
+_log = structlog.get_logger(__name__)
 
 
 def serve_until_stopped(settings: Settings) -> None:
@@ -143,6 +149,23 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._service, self._ending, self._drain_s = service, ending, drain_s
         self._signals = 0
+        self._faults = FaultLog(_log)
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begins to take connections."""
+        asyncio.get_running_loop().set_exception_handler(self._note_fault)
+        await super().startup(sockets)
+
+    def _note_fault(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Says once a minute that no descriptor is left for clients, and all else as ever.
+
+        The loop tries once a second to take as many connections as may wait, and tells of each one.
+        """
+        fault = context.get("exception")
+        if isinstance(fault, OSError) and fault.errno in _NO_DESCRIPTORS:
+            self._faults.error("no_descriptors_for_clients", error=str(fault))
+        else:
+            loop.default_exception_handler(context)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Begins to drain at the first signal, and ends at once at the second."""

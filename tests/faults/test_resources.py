@@ -9,10 +9,8 @@ import shutil
 import signal
 import socket
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 
 import pytest
 
@@ -20,7 +18,7 @@ from tests.faults import processes
 from tests.faults.agents.spreading import CHILD_S
 from tests.faults.conftest import Judge
 from tests.faults.processes import wait_until
-from tests.faults.service_under_test import Service, install_agents
+from tests.faults.service_under_test import Service
 from tests.faults.test_clients import connect
 from tests.faults.work import among, good_runs
 
@@ -103,38 +101,6 @@ def test_more_clients_than_descriptors(own_service: Service, check: Judge, trial
     check(service, work)
     told = service.log.read_text(errors="replace").count("\n")
     assert told < 200, f"{told} lines: {service.log_tail()}"
-
-
-def test_no_processes_left(check: Judge, trial: int) -> None:
-    """As another user than root, whom no limit binds; it may read what root may."""
-    user = 54321
-    if os.getuid() != 0 or shutil.which("setpriv") is None:
-        pytest.skip("needs root and setpriv to become another user")
-    with tempfile.TemporaryDirectory() as folder:
-        # The folders of the other tests are closed to other users.
-        os.chown(folder, user, user)
-        service = Service(Path(folder))
-        service.prefix = (
-            *("setpriv", f"--reuid={user}", "--inh-caps=-all,+dac_override"),
-            "--ambient-caps=-all,+dac_override",
-        )
-        install_agents(service.site)
-        service.evidence.mkdir()
-        service.data.mkdir()
-        os.chown(service.data, user, user)
-        try:
-            service.start()
-            work = service.post(good_runs(24))
-            service.wait_until_ended(work, 3)
-            workers = service.workers()
-            with limited(service, resource.RLIMIT_NPROC, 1):
-                for worker in workers:
-                    processes.send(worker, signal.SIGKILL)
-                time.sleep(5.0)
-                assert processes.workers(service.data / "workers") == (), "the limit does not bind"
-            check(service, work)
-        finally:
-            service.stop()
 
 
 INIT = "import subprocess, sys, time; subprocess.Popen(sys.argv[1:]); time.sleep(10 ** 6)"

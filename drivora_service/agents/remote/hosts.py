@@ -204,6 +204,8 @@ class ProcessHost:
             return ""
         if code == guard.BEYOND_MEMORY:
             return "was ended because it took more memory than it may"
+        if code < 0:
+            return f"was ended because its guard was, by {signal.Signals(-code).name}"
         if code > 128:
             with contextlib.suppress(ValueError):
                 return f"was ended by {signal.Signals(code - 128).name}"
@@ -215,7 +217,7 @@ class ProcessHost:
 
         No fault of a program ends it by SIGKILL; the kernel does where memory is short.
         """
-        killed = self._process.poll() == 128 + signal.SIGKILL
+        killed = self._process.poll() in (128 + signal.SIGKILL, -signal.SIGKILL)
         return "agent_killed" if killed else "agent_died"
 
     def end(self) -> None:
