@@ -113,7 +113,8 @@ def hold_a_worker(url: str, data: Path) -> int:
                 (owner,) = transaction.workers.living()
         finally:
             database.close()
-        found[:] = [slot.pid for slot in owner.slots if slot.pid]
+        # One that is still starting takes no run: what it was to get goes back at the first signal.
+        found[:] = [slot.pid for slot in owner.slots if slot.pid and slot.phase != "starting"]
         return bool(found)
 
     wait_until(started)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import jsonschema
 import pytest
 
 from tests.api.conftest import Offline
@@ -30,3 +31,20 @@ def test_a_batch_is_not_posted_under_a_misspelt_seed(offline: Offline) -> None:
     answer = offline.client.post("/api/v1/batches?sede=3", json=[])
     assert "did you mean 'seed'?" in answer.json()["problems"][0]["message"]
     assert offline.client.get("/api/v1/jobs?limit=5&status=queued").status_code == 200
+
+
+def test_nul_is_refused_in_every_text_and_the_document_says_so(offline: Offline) -> None:
+    paths = offline.client.get("/api/v1/openapi.json").json()["paths"]
+    seen = 0
+    for path, methods in paths.items():
+        for parameter in methods.get("get", {}).get("parameters", ()):
+            schema = parameter["schema"]
+            if parameter["in"] != "query" or schema.get("type") != "string" or "enum" in schema:
+                continue
+            assert not jsonschema.Draft202012Validator(schema).is_valid("a\0b"), parameter
+            answer = offline.client.get(
+                path.replace("{", "").replace("}", ""), params={parameter["name"]: "a\0b"}
+            )
+            assert answer.status_code == 422, parameter
+            seen += 1
+    assert seen >= 10

