@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import http.client
 import itertools
 import json
 import multiprocessing
@@ -178,11 +179,19 @@ def _pace(client: httpx.Client, batch: str, seconds: float) -> float:
 
 
 def _health(url: str, seconds: float) -> dict[str, float]:
+    """Asks ten times a second, each time over a connection of its own."""
     waits = []
+    address = urlsplit(url)
     end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        began = time.monotonic()
-        httpx.get(f"{url}/healthz", timeout=_PATIENCE_S).raise_for_status()
+    for path in itertools.cycle(("/healthz", "/readyz")):
+        if (began := time.monotonic()) >= end:
+            break
+        connection = http.client.HTTPConnection(
+            address.hostname or "", address.port, timeout=_PATIENCE_S
+        )
+        connection.request("GET", path)
+        connection.getresponse().read()
+        connection.close()
         waits.append((time.monotonic() - began) * 1000)
         time.sleep(0.1)
     p50, p99 = np.percentile(waits, (50, 99))
@@ -196,6 +205,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--processes", type=int, default=2, help="Of the clients.")
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument(
+        "--different", action="store_true", help="Hardly any two requests are for the same."
+    )
     options = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -207,9 +219,18 @@ def main() -> None:
         job = client.post(f"{PREFIX}/jobs", json=SCENARIO).json()["id"]
         while client.get(f"{PREFIX}/jobs/{job}").json()["status"] != "finished":
             time.sleep(0.1)
+        paths: tuple[str, ...] = (
+            f"{PREFIX}/jobs/{job}",
+            f"{PREFIX}/jobs?limit=20",
+            f"{PREFIX}/batches?limit=5",
+        )
+        if options.different:
+            client.post(f"{PREFIX}/batches", json=[SCENARIO] * 450).raise_for_status()
+            jobs = client.get(f"{PREFIX}/jobs?limit=450").json()["items"]
+            paths = tuple(f"{PREFIX}/jobs/{item['id']}" for item in jobs)
         load = Load(
             url=url,
-            paths=(f"{PREFIX}/jobs/{job}", f"{PREFIX}/jobs?limit=20", f"{PREFIX}/batches?limit=5"),
+            paths=paths,
             clients=options.clients,
             pause=1.0 if options.scene == "readers" else 0.0,
             seconds=options.seconds,
@@ -220,6 +241,7 @@ def main() -> None:
             scenarios = [{**SCENARIO, "seed": seed} for seed in range(_POSTED)]
             batch = client.post(f"{PREFIX}/batches", json=scenarios).headers["Location"]
             alone = _pace(client, batch, options.seconds)
+            used = sum(server.cpu_times()[:2])
             running = start(pool, load, options.processes)
             read = _pace(client, batch, options.seconds)
             parts = [future.result() for future in running]

@@ -9,6 +9,7 @@ from importlib.metadata import version
 from fastapi import Depends, FastAPI
 from fastapi.responses import HTMLResponse
 
+from drivora_service.api.answer_memory import AnswerMemory
 from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import PREFIX, ApiContext
 from drivora_service.api.docs_page import docs_page
@@ -95,8 +96,10 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
-    api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     api.add_middleware(LoadGuard)
+    # Who waits for an answer that is being made already is no load.
+    api.add_middleware(AnswerMemory, version=context.database.changes.value, tokens=context.tokens)
+    api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     # Outside of all others, so that it sees what they refuse.
     api.add_middleware(TimedRequests, times=times)
     return api

@@ -12,6 +12,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from drivora_service.api.load_guard import overloaded
 from drivora_service.api.problems import MEDIA_TYPE, ProblemDetails
+from drivora_service.api.turns import Turns, is_urgent
 
 HEAD_SECONDS = 20.0
 """From the opening of a connection, or the first byte of a further request, to the head's end."""
@@ -46,14 +47,17 @@ class BoundedConnection(H11Protocol):
 
     Attributes:
         most: Connections that are served; set before the server starts.
+        turns: In which order requests are begun.
     """
 
     most = MOST_CONNECTIONS
+    turns = Turns()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._deadline: asyncio.TimerHandle | None = None
         self._stall: asyncio.TimerHandle | None = None
+        self._unread = b""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as the base class
         """Takes a connection."""
@@ -72,7 +76,23 @@ class BoundedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Reads a part of a request."""
+        """Takes a part of a request; one that begins may have to wait for its turn."""
+        if self._unread:
+            self._unread += data
+        elif self.conn.their_state is not h11.IDLE or is_urgent(data):
+            self._read(data)
+        else:
+            # Who waits here is not idle.
+            self._unset_keepalive_if_required()
+            self._unread = data
+            self.turns.begin(self._read_what_has_come)
+
+    def _read_what_has_come(self) -> None:
+        data, self._unread = self._unread, b""
+        if not self.transport.is_closing():
+            self._read(data)
+
+    def _read(self, data: bytes) -> None:
         super().data_received(data)
         if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
             # A few bytes of the next head would end the waiting of the server for an idle client.

@@ -34,7 +34,8 @@ class LoadGuard:
             await self._app(scope, receive, send)
             return
         if self._served >= self._most:
-            await overloaded(scope, receive, send)
+            # A body that is not read leaves the connection of no further use.
+            await _refuse(scope, receive, send, close=scope["method"] not in ("GET", "HEAD"))
             return
         self._served += 1
         try:
@@ -45,10 +46,23 @@ class LoadGuard:
 
 async def overloaded(scope: Scope, receive: Receive, send: Send) -> None:
     """Answers that the service is busy and when to come back; closes the connection."""
+    await _refuse(scope, receive, send, close=True)
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, *, close: bool) -> None:
+    """Answers that the service is busy and when to come back.
+
+    Args:
+        scope: The request.
+        receive: Not used.
+        send: Takes the answer.
+        close: Whether the connection ends; opening another one costs both sides more.
+    """
+    headers = {"Retry-After": str(RETRY_AFTER_S)}
     response = problem_response(
         HTTPStatus.SERVICE_UNAVAILABLE,
         f"too many requests at once; try again in {RETRY_AFTER_S} s",
         instance=scope["path"],
-        headers={"Retry-After": str(RETRY_AFTER_S), "Connection": "close"},
+        headers={**headers, "Connection": "close"} if close else headers,
     )
     await response(scope, receive, send)

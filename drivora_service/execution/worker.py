@@ -33,6 +33,10 @@ WARM_UP = "drivora_service.runs.warm_up:warm_up"
 """What gets a worker ready for it: called once with the worker's set-up."""
 
 
+_NICENESS = 5
+"""Workers use all cores there are; whoever asks the service something shall not wait for that."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerTask:
     """What a worker does.
@@ -59,6 +63,7 @@ def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
         task: What to do.
     """
     faulthandler.enable()
+    os.nice(_NICENESS)
     board = ProgressBoard(board_file)
     os.close(board_file)
     try:

@@ -22,6 +22,7 @@ from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
+from drivora_service.store.changes import ChangeCounter
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
 from drivora_service.store.figures import FigureRepository
@@ -35,7 +36,7 @@ from drivora_service.store.workers import WorkerRepository
 PATIENCE_S = 30.0
 """Seconds to wait for other writers unless another time is asked for."""
 
-_GLANCE_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 16
+_GLANCE_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 6
 """A thread that waits to write looks so often whether a write takes longer than usual; then only so
 many threads wait for its end, and the others are left to those who read."""
 
@@ -103,10 +104,15 @@ class Transaction:
 
 
 class Database:
-    """A migrated database. Safe to share between threads; one transaction a thread."""
+    """A migrated database. Safe to share between threads; one transaction a thread.
+
+    Attributes:
+        changes: Tells whether something was committed since one last looked.
+    """
 
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
+        self.changes = ChangeCounter(engine)
         # SQLite has one writer. Waiting for a lock of ours is fair and prompt, where SQLite's own
         # waiting sleeps and tries again.
         self._writing = threading.Lock() if engine.dialect.name == "sqlite" else None
@@ -195,6 +201,7 @@ class Database:
 
     def close(self) -> None:
         """Closes every connection."""
+        self.changes.close()
         self.engine.dispose()
 
 

@@ -1,0 +1,49 @@
+"""Tells cheaply whether a database has changed since one last looked."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+from urllib.parse import quote
+
+from sqlalchemy import Engine
+
+
+class ChangeCounter:
+    """A number that changes with every commit, of this process or of any other.
+
+    Reading it takes some microseconds and waits for nobody, so that the event loop may do it.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        file = engine.url.database if engine.dialect.name == "sqlite" else None
+        self._file = Path(file).absolute() if file else None
+        self._connection: sqlite3.Connection | None = None
+
+    def value(self) -> int | None:
+        """Returns the number, of no meaning by itself; ``None`` where it cannot be told.
+
+        The numbers of two counters, or of one that was closed meanwhile, cannot be compared.
+        """
+        if self._file is None:
+            return None
+        try:
+            if self._connection is None:
+                # Nothing is ever written by it: SQLite does not count a connection's own commits.
+                self._connection = sqlite3.connect(
+                    f"file:{quote(str(self._file))}?mode=ro",
+                    uri=True,
+                    timeout=0.0,
+                    isolation_level=None,
+                    check_same_thread=False,
+                )
+            (number,) = self._connection.execute("PRAGMA data_version").fetchone()
+        except sqlite3.Error:
+            return None
+        return int(number)
+
+    def close(self) -> None:
+        """Closes its connection; the next look opens another one."""
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
