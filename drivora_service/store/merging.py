@@ -6,13 +6,15 @@ all of them or walks through all others. Each kind alone is a range of an index.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from typing import TypeVar
 
 from sqlalchemy import ColumnElement, CompoundSelect, Select, literal, select, union_all
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from drivora_service.store.chunks import batched
+_B = TypeVar("_B", bound=Hashable)
 
 _BRANCHES = 60
 """Ranges that one statement reads; SQLite takes 500."""
@@ -43,33 +45,47 @@ def first_numbers(
         after: Only those behind this number, in the order; ``None``: from the beginning.
         descending: Whether the greatest come first.
     """
-    open_branches = list(branches)
-    found: set[int] = set()
-    take = limit if len(branches) <= 2 else max(16, 2 * limit // len(branches))
-    while True:
-        ends: list[int] = []
-        for chunk in batched(open_branches, _BRANCHES):
+
+    def fetch(take: int) -> Iterable[tuple[int, int]]:
+        for start in range(0, len(branches), _BRANCHES):
             parts = [
-                _part(index, branch, take, after, descending=descending)
-                for index, branch in enumerate(chunk)
+                _part(start + index, branch, take, after, descending=descending)
+                for index, branch in enumerate(branches[start : start + _BRANCHES])
             ]
-            numbers: dict[int, list[int]] = {}
             union: CompoundSelect[int, int] = union_all(*parts)
-            for index, number in session.execute(union):
-                numbers.setdefault(index, []).append(number)
-            for rows in numbers.values():
-                found.update(rows)
-                if len(rows) == take:
-                    ends.append(rows[-1])
+            yield from ((index, number) for index, number in session.execute(union))
+
+    return merged(fetch, branches=len(branches), limit=limit, descending=descending)
+
+
+def merged(
+    fetch: Callable[[int], Iterable[tuple[_B, int]]],
+    *,
+    branches: int,
+    limit: int,
+    descending: bool = False,
+) -> list[int]:
+    """Returns the first numbers of all branches together, each once, in their order.
+
+    Args:
+        fetch: Returns the first so many numbers of every branch, each with its branch, in any
+            order.
+        branches: How many there are.
+        limit: How many numbers at most.
+        descending: Whether the greatest come first.
+    """
+    take = limit if branches <= 2 else max(16, 2 * limit // branches)
+    while True:
+        numbers: dict[_B, list[int]] = {}
+        for branch, number in fetch(take):
+            numbers.setdefault(branch, []).append(number)
+        known = sorted(set(chain.from_iterable(numbers.values())), reverse=descending)
         # Behind the end of a branch that was cut off something may be missing.
-        known = sorted(found, reverse=descending)
+        last = min if descending else max
+        ends = [last(rows) for rows in numbers.values() if len(rows) == take]
         if ends:
-            limit_of_knowledge = max(ends) if descending else min(ends)
-            known = [
-                number
-                for number in known
-                if (number >= limit_of_knowledge if descending else number <= limit_of_knowledge)
-            ]
+            end = max(ends) if descending else min(ends)
+            known = [n for n in known if (n >= end if descending else n <= end)]
         if not ends or len(known) >= limit:
             return known[:limit]
         take *= 4
