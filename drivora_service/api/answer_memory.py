@@ -11,7 +11,9 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from drivora_service.api.context import PREFIX
+from drivora_service.api.load_guard import HEALTH_PATHS
 from drivora_service.api.tokens import TokenFile
+from drivora_service.errors import ConfigurationError
 
 MOST_BYTES = 64 << 10
 """Of one answer."""
@@ -28,7 +30,7 @@ class _Answer:
 
     Attributes:
         messages: Head and body, as ASGI has them.
-        route: Of the operation, for those who count requests by it.
+        route: Of the operation, by which requests are counted.
         until: Monotonic seconds.
     """
 
@@ -46,10 +48,10 @@ class _Memory:
 
 
 class AnswerMemory:
-    """ASGI middleware: who asks what was asked just now gets the same answer.
+    """ASGI middleware: a client that asks what was asked just now gets the same answer.
 
     Many clients look at the same lists. An answer holds until the database changes, so that a
-    client finds what it, or anybody, has written before it asked. Requests for the same that come
+    client finds everything that was written before it asked. Requests for the same that come
     at once are answered by one look at the database. Only answers with an ``ETag`` are kept.
     """
 
@@ -90,7 +92,7 @@ class AnswerMemory:
         """Returns all that an answer depends on, or ``None`` if it is not to be kept."""
         if scope["type"] != "http" or scope["method"] != "GET":
             return None
-        if not scope["path"].startswith(PREFIX):
+        if not scope["path"].startswith(PREFIX) or scope["path"] in HEALTH_PATHS:
             return None
         headers = Headers(scope=scope)
         if "content-length" in headers or "transfer-encoding" in headers:
@@ -98,7 +100,7 @@ class AnswerMemory:
         authorization = headers.get("authorization", "")
         if self._tokens is not None:
             _, _, secret = authorization.partition(" ")
-            if self._tokens.find(secret) is None:
+            if not _is_known(self._tokens, secret):
                 return None
         known = headers.get("if-none-match", "")
         query: bytes = scope["query_string"]
@@ -107,7 +109,7 @@ class AnswerMemory:
     async def _make(
         self, memory: _Memory, key: _Key, scope: Scope, receive: Receive, send: Send
     ) -> None:
-        """Has the application answer, and keeps that for those who ask meanwhile and later."""
+        """Has the application answer, and keeps that for the same request meanwhile and later."""
         made: asyncio.Future[_Answer | None] = asyncio.get_running_loop().create_future()
         while len(memory.answers) >= MOST_ANSWERS:
             del memory.answers[next(iter(memory.answers))]
@@ -118,24 +120,40 @@ class AnswerMemory:
         async def keeping_send(message: Message) -> None:
             nonlocal head
             if message["type"] == "http.response.start" and _may_be_kept(message):
-                # Held back until its body is there: nobody shall wait for a slow client's answer.
+                # Held back until its body is there: no other shall wait for a slow client.
                 head = message
                 return
-            if head is not None:
+            if head is None:
+                give_up()
+            else:
                 start, head = head, None
-                if not message.get("more_body", False):
+                if message.get("more_body", False):
+                    give_up()
+                else:
                     until = begun + LONGEST_S
                     made.set_result(_Answer((start, message), scope.get("route"), until))
                 await send(start)
             await send(message)
 
-        try:
-            await self._app(scope, receive, keeping_send)
-        finally:
+        def give_up() -> None:
+            """Has the requests that wait go on by themselves, before this client takes its time."""
             if not made.done():
                 made.set_result(None)
                 if memory.answers.get(key) is made:
                     del memory.answers[key]
+
+        try:
+            await self._app(scope, receive, keeping_send)
+        finally:
+            give_up()
+
+
+def _is_known(tokens: TokenFile, secret: str) -> bool:
+    try:
+        return tokens.find(secret) is not None
+    except ConfigurationError:
+        # The application tells the client, in the form of all errors.
+        return False
 
 
 def _holds(answer: asyncio.Future[_Answer | None]) -> bool:

@@ -79,18 +79,30 @@ class BoundedConnection(H11Protocol):
         """Takes a part of a request; one that begins may have to wait for its turn."""
         if self._unread:
             self._unread += data
+            self.flow.pause_reading()
         elif self.conn.their_state is not h11.IDLE or is_urgent(data):
             self._read(data)
         else:
-            # Who waits here is not idle.
+            # A request that waits for its turn is not an idle connection.
             self._unset_keepalive_if_required()
             self._unread = data
             self.turns.begin(self._read_what_has_come)
 
     def _read_what_has_come(self) -> None:
         data, self._unread = self._unread, b""
-        if not self.transport.is_closing():
+        if not data or self.transport.is_closing():
+            return
+        self.flow.resume_reading()
+        try:
             self._read(data)
+        except BaseException:
+            self.transport.abort()
+            raise
+
+    def shutdown(self) -> None:
+        """Ends the connection once a request that has come is answered."""
+        self._read_what_has_come()
+        super().shutdown()
 
     def _read(self, data: bytes) -> None:
         super().data_received(data)
@@ -128,6 +140,9 @@ class BoundedConnection(H11Protocol):
 
     def _give_up(self) -> None:
         self._deadline = None
+        if self._unread:
+            # What has come waits for its turn; the time begins anew when it is read.
+            return
         if self.transport.is_closing() or self.conn.their_state is not h11.IDLE:
             return
         self._refuse(

@@ -13,7 +13,9 @@ MOST_REQUESTS = 256
 """More would not be answered sooner: they would only wait here instead of at the client."""
 RETRY_AFTER_S = 1
 
-_HEALTH = frozenset(f"{prefix}/{name}" for prefix in ("", PREFIX) for name in ("healthz", "readyz"))
+HEALTH_PATHS = frozenset(
+    f"{prefix}/{name}" for prefix in ("", PREFIX) for name in ("healthz", "readyz")
+)
 """Answered without a thread and without the database."""
 
 
@@ -30,7 +32,7 @@ class LoadGuard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves a request."""
-        if scope["type"] != "http" or scope["path"] in _HEALTH:
+        if scope["type"] != "http" or scope["path"] in HEALTH_PATHS:
             await self._app(scope, receive, send)
             return
         if self._served >= self._most:

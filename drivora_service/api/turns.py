@@ -1,4 +1,4 @@
-"""Begins the requests of many clients a few at a time, and the questions about health first."""
+"""Begins the requests of many clients a few at a time, and questions about health first."""
 
 from __future__ import annotations
 

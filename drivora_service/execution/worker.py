@@ -34,7 +34,7 @@ WARM_UP = "drivora_service.runs.warm_up:warm_up"
 
 
 _NICENESS = 5
-"""Workers use all cores there are; whoever asks the service something shall not wait for that."""
+"""Workers use all cores there are; requests to the service shall not wait for that."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

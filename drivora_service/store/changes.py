@@ -1,4 +1,4 @@
-"""Tells cheaply whether a database has changed since one last looked."""
+"""Tells cheaply whether a database has changed since the last look."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from sqlalchemy import Engine
 class ChangeCounter:
     """A number that changes with every commit, of this process or of any other.
 
-    Reading it takes some microseconds and waits for nobody, so that the event loop may do it.
+    Reading it takes some microseconds and waits for no lock, so that the event loop may do it.
     """
 
     def __init__(self, engine: Engine) -> None:
         file = engine.url.database if engine.dialect.name == "sqlite" else None
         self._file = Path(file).absolute() if file else None
         self._connection: sqlite3.Connection | None = None
+        self._closed = False
 
     def value(self) -> int | None:
         """Returns the number, of no meaning by itself; ``None`` where it cannot be told.
 
-        The numbers of two counters, or of one that was closed meanwhile, cannot be compared.
+        The numbers of two counters cannot be compared.
         """
-        if self._file is None:
+        if self._file is None or self._closed:
             return None
         try:
             if self._connection is None:
@@ -43,7 +44,8 @@ class ChangeCounter:
         return int(number)
 
     def close(self) -> None:
-        """Closes its connection; the next look opens another one."""
+        """Closes its connection; from then on nothing can be told."""
+        self._closed = True
         if self._connection is not None:
             self._connection.close()
             self._connection = None

@@ -107,7 +107,7 @@ class Database:
     """A migrated database. Safe to share between threads; one transaction a thread.
 
     Attributes:
-        changes: Tells whether something was committed since one last looked.
+        changes: Tells whether something was committed since the last look.
     """
 
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:

@@ -39,12 +39,14 @@ def listed_runs(
         if batch_seq is None:
             return []
     heads: list[tuple[int, _Source, int]] = []
-    for source in _sources(wanted, batch_seq):
+    sources = _sources(wanted, batch_seq)
+    for source in sources:
         heads += _heads(session, source, wanted, batch_seq, after, newest_first=newest_first)
-    # Of more facets than rows are wanted, those with the first heads hold all of these rows.
+    # Of more facets than rows are wanted, those with the first heads hold all of these rows. A run
+    # may be the head of its facet in every source.
     choose = heapq.nlargest if newest_first else heapq.nsmallest
     keys: dict[_Source, list[int]] = {}
-    for _, source, key in choose(limit, heads, key=lambda head: head[0]):
+    for _, source, key in choose(limit * len(sources), heads, key=lambda head: head[0]):
         keys.setdefault(source, []).append(key)
 
     def fetch(take: int) -> Iterable[tuple[tuple[_Source, int], int]]:
@@ -90,7 +92,8 @@ class _Source:
         )
 
     def _of_facet(self, limit: int, after: int | None, *, newest_first: bool) -> Select[int]:
-        query = select(self.number).where(*self.conditions, self.facet == FacetRow.key)
+        # A run has a verdict of an oracle for each ego.
+        query = select(self.number).where(*self.conditions, self.facet == FacetRow.key).distinct()
         if after is not None:
             query = query.where(self.number < after if newest_first else self.number > after)
         ordered = query.order_by(self.number.desc() if newest_first else self.number)

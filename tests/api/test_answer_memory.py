@@ -65,10 +65,19 @@ class Scene:
         self.version: int | None = 1
         self.app = AnswerMemory(self.inner, version=lambda: self.version, tokens=tokens)
 
-    async def ask(self, path: str = "/api/v1/jobs", method: str = "GET", **headers: str) -> str:
+    async def ask(
+        self,
+        path: str = "/api/v1/jobs",
+        method: str = "GET",
+        until: asyncio.Event | None = None,
+        **headers: str,
+    ) -> str:
+        """Asks; takes nothing of the answer until then."""
         sent: list[Message] = []
 
         async def send(message: Message) -> None:
+            if until is not None:
+                await until.wait()
             sent.append(message)
 
         async def receive() -> Message:
@@ -139,8 +148,24 @@ def test_nothing_but_plain_reads_of_the_api_is_kept() -> None:
         for _ in range(2):
             await s.ask(method="POST")
             await s.ask("/metrics")
+            await s.ask("/api/v1/healthz")
             await s.ask(content_length="2")
-        assert s.inner.asked == 6
+        assert s.inner.asked == 8
+
+    play(scene)
+
+
+@pytest.mark.parametrize("name", ["large", "parts", "untagged"])
+def test_no_request_waits_for_a_slow_client_of_what_is_not_kept(name: str) -> None:
+    async def scene() -> None:
+        s = Scene()
+        slow = asyncio.Event()
+        first = asyncio.create_task(s.ask(f"/api/v1/{name}", until=slow))
+        await asyncio.sleep(0.01)
+        assert not first.done()
+        assert (await s.ask(f"/api/v1/{name}"))[0] == "2"
+        slow.set()
+        assert (await first)[0] == "1"
 
     play(scene)
 
@@ -151,7 +176,7 @@ def test_an_answer_grows_old(monkeypatch: pytest.MonkeyPatch) -> None:
     async def scene() -> None:
         s = Scene()
         assert [await s.ask() for _ in range(3)] == ["1", "2", "3"]
-        # Who comes while an answer is made takes it, however long that takes.
+        # A request that comes while an answer is made takes it, however long that takes.
         s.inner.gate.clear()
         asked = [asyncio.create_task(s.ask()) for _ in range(5)]
         await asyncio.sleep(0.01)
@@ -161,7 +186,7 @@ def test_an_answer_grows_old(monkeypatch: pytest.MonkeyPatch) -> None:
     play(scene)
 
 
-def test_who_asks_after_a_change_does_not_get_what_was_begun_before_it() -> None:
+def test_a_request_after_a_change_does_not_get_what_was_begun_before_it() -> None:
     async def scene() -> None:
         s = Scene()
         s.inner.gate.clear()
@@ -178,7 +203,7 @@ def test_who_asks_after_a_change_does_not_get_what_was_begun_before_it() -> None
     play(scene)
 
 
-def test_who_waits_is_answered_when_the_one_before_is_not() -> None:
+def test_requests_that_wait_are_answered_when_the_one_before_is_not() -> None:
     async def scene() -> None:
         s = Scene()
         s.inner.gate.clear()
@@ -208,6 +233,9 @@ def test_a_token_that_is_revoked_gets_nothing_of_what_is_kept(tmp_path: Path) ->
         assert await s.ask(authorization=f"Bearer {secret}") == "1"
         tokens.revoke("somebody")
         assert await s.ask(authorization=f"Bearer {secret}") == "2"
+        # The application tells the client that the file cannot be read.
+        (tmp_path / "tokens.json").write_text("[")
+        assert await s.ask(authorization=f"Bearer {secret}") == "3"
 
     play(scene)
 

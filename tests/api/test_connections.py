@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import resource
 import select
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import pytest
 import uvicorn
@@ -21,9 +23,17 @@ from tests.api.conftest import Offline
 HEAD = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
+@dataclass(frozen=True)
+class Running:
+    """A server that was started."""
+
+    server: uvicorn.Server
+    address: tuple[str, int]
+
+
 @pytest.fixture
-def address(offline: Offline, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, int]]:
-    """Address of the application behind bounded connections, four of them."""
+def running(offline: Offline, monkeypatch: pytest.MonkeyPatch) -> Iterator[Running]:
+    """The application behind bounded connections, four of them."""
     monkeypatch.setattr(BoundedConnection, "most", 4)
     config = uvicorn.Config(
         offline.app, port=0, log_config=None, lifespan="off", ws="none", http=BoundedConnection
@@ -34,9 +44,14 @@ def address(offline: Offline, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple
     thread.start()
     while not server.started:
         time.sleep(0.005)
-    yield listener.getsockname()
+    yield Running(server, listener.getsockname())
     server.should_exit = True
     thread.join()
+
+
+@pytest.fixture
+def address(running: Running) -> tuple[str, int]:
+    return running.address
 
 
 @contextmanager
@@ -62,9 +77,10 @@ def answer(client: socket.socket) -> tuple[int, bytes, dict[str, object]]:
         data += more
     head, _, body = data.partition(b"\r\n\r\n")
     fields = dict(line.lower().split(b": ", 1) for line in head.split(b"\r\n")[1:])
-    while len(body) < int(fields[b"content-length"]):
+    length = int(fields[b"content-length"])
+    while len(body) < length:
         body += client.recv(65536)
-    return int(head.split()[1]), head.lower(), json.loads(body)
+    return int(head.split()[1]), head.lower(), json.loads(body[:length])
 
 
 def test_a_head_that_never_ends_is_given_up(
@@ -166,3 +182,34 @@ def test_connections_leave_descriptors_for_the_service() -> None:
         assert 0 < most < soft
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+def test_a_request_that_waits_for_its_turn_is_answered_before_the_connection_ends(
+    running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held: list[Callable[[], None]] = []
+    monkeypatch.setattr(BoundedConnection.turns, "begin", held.append)
+    monkeypatch.setattr(connections, "HEAD_SECONDS", 0.2)
+    head = HEAD.replace(b"/healthz", b"/api/v1/towns")
+    with connected(running.address) as client:
+        client.sendall(head)
+        # The deadline of a head that has come already ends nothing.
+        assert select.select([client], [], [], 0.6)[0] == []
+        # What follows is not read before.
+        client.setblocking(False)
+        sent = 0
+        with contextlib.suppress(BlockingIOError):
+            while sent < 64 << 20:
+                sent += client.send(bytes(1 << 16))
+        assert sent < 32 << 20
+        client.setblocking(True)
+        client.settimeout(30)
+        held[0]()
+        assert answer(client)[0] == 404
+    with connected(running.address) as client:
+        client.sendall(head)
+        while len(held) < 2:
+            time.sleep(0.005)
+        running.server.should_exit = True
+        assert answer(client)[0] == 404
+        assert client.recv(1) == b""

@@ -18,7 +18,7 @@ def test_a_turn_of_the_loop_begins_a_few_and_all_in_their_order() -> None:
         while len(begun) < 12:
             sizes.append(len(begun))
             if len(begun) == 4:
-                # Who comes later waits behind those who wait.
+                # Later requests wait behind those that wait already.
                 turns.begin(lambda: begun.append(10))
                 turns.begin(lambda: begun.append(11))
             await asyncio.sleep(0)

@@ -62,22 +62,33 @@ def finished(
     trace: str = "",
     severity: Severity = Severity.MAJOR,
     avoidable: Answer | None = None,
+    faults: tuple[bool, ...] = (True,),
 ) -> AttemptEnd:
-    """The end of a run in which the oracles named were violated, by the ego's fault."""
+    """The end of a run in which each oracle named was violated, once a fault, by another ego each.
+
+    Args:
+        run_id: The run.
+        violated: The oracles.
+        trace: Its hash.
+        severity: Of each.
+        avoidable: Of each.
+        faults: Whether that was the ego's fault.
+    """
     verdicts = [
         Verdict(oracle="arrival", ego="ego", outcome=Outcome.PASSED, message="arrived"),
         *(
             Verdict(
                 oracle=o,
-                ego="ego",
+                ego=f"ego{number or ''}",
                 outcome=Outcome.VIOLATED,
                 message=o,
                 severity=severity,
-                at_fault=True,
+                at_fault=fault,
                 avoidable=avoidable,
                 time=1,
             )
             for o in violated
+            for number, fault in enumerate(faults)
         ),
     ]
     return ended(

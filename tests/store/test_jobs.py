@@ -73,6 +73,33 @@ def test_filters(database: Database) -> None:
     assert (record.size, record.violated_runs, record.is_done) == (3, 1, False)
 
 
+@pytest.mark.parametrize("faults", [(True, True, True), (True, False), (False, True, True)])
+def test_a_run_with_several_verdicts_of_an_oracle_is_listed_once(
+    database: Database, faults: tuple[bool, ...]
+) -> None:
+    with database.write() as transaction:
+        # Each agent's runs are counted apart.
+        runs = [new_run(f"{{{number}}}", agent=f"agent-{number % 25}") for number in range(60)]
+        ids = transaction.jobs.submit(runs)
+    owner = register(database)
+    claim(database, owner, 60)
+    finish(database, owner, *(finished(run, "collision", faults=faults) for run in ids))
+    wanted = [JobFilter(oracle="collision")]
+    wanted += [JobFilter(oracle="collision", at_fault=fault) for fault in set(faults)]
+    for each in wanted:
+        for limit in (1, 2, 11, 17, 50):
+            listed: list[str] = []
+            token = ""
+            with database.read() as transaction:
+                while True:
+                    page = transaction.jobs.page(each, limit=limit, page_token=token)
+                    listed += [job.id for job in page.items]
+                    if not (token := page.next_token):
+                        break
+                    assert len(page.items) == limit
+            assert listed == list(reversed(ids))
+
+
 def test_observations_are_no_violations_and_runs_are_found_by_accountability(
     database: Database,
 ) -> None:
