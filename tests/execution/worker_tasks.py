@@ -119,6 +119,8 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             until = time.monotonic() + float(argument)
             while time.monotonic() < until:
                 os.write(1, b"again and again\n" * 4096)
+            # What is printed in the moment of a cut is lost.
+            time.sleep(0.5)
             print("the last words", flush=True)
         case "replaces-log":
             log, target = argument.split()
