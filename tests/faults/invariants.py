@@ -122,10 +122,16 @@ def _blamed(service: Service, work: Work, hashes: Hashes, notes: list[str]) -> i
 
 
 def _told_over_http(service: Service, work: Work) -> bool:
+    told: dict[str, str] = {}
     with service.client() as client:
         batch = client.get(f"/batches/{work.batch}").raise_for_status().json()
-        jobs = client.get("/jobs", params={"batch": work.batch, "limit": 500})
-        told = {job["id"]: job["status"] for job in jobs.raise_for_status().json()["items"]}
+        token = ""
+        while True:
+            wanted = {"batch": work.batch, "limit": 500, "page_token": token}
+            page = client.get("/jobs", params=wanted).raise_for_status().json()
+            told |= {job["id"]: job["status"] for job in page["items"]}
+            if not (token := page["next_page_token"]):
+                break
     return (
         bool(batch["done"]) and batch["size"] == len(work.runs) and told == service.statuses(work)
     )
