@@ -127,6 +127,7 @@ def _told_over_http(service: Service, work: Work) -> bool:
         batch = client.get(f"/batches/{work.batch}").raise_for_status().json()
         token = ""
         while True:
+            wanted: dict[str, str | int]
             wanted = {"batch": work.batch, "limit": 500, "page_token": token}
             page = client.get("/jobs", params=wanted).raise_for_status().json()
             told |= {job["id"]: job["status"] for job in page["items"]}
