@@ -3,7 +3,8 @@
 A real server with two workers does batches of short drives; hostile agents hang, die, flood the
 log, leave processes behind and turn against their worker. After each batch its runs are judged
 (lost, counted twice, blamed wrongly), and memory, descriptors, processes, threads and files are
-read from /proc. The last tenth of the runs must come as fast as the first.
+read from /proc. Whether the service has become slower is measured at the end, against a fresh one
+beside it: both do batches of good runs in turn, so that whatever else the machine does meets both.
 
     python -m benchmarks.soak --runs 20000 --out benchmarks/results/soak.md
 """
@@ -148,7 +149,67 @@ def soak(
         samples.append(sample(service, (number + 1) * size, time.monotonic() - begun))
         print(samples[-1], judgements[-1].notes, flush=True)
         work = following
+    service.wait_until_ended(work, size, seconds=_PATIENCE_S)
     return samples, judgements
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Round:
+    """What a batch of good runs took.
+
+    Attributes:
+        seconds: From posting it to its end.
+        cpu_s: Processor time of the whole service.
+        server_cpu_s: Of its server alone.
+    """
+
+    seconds: float
+    cpu_s: float
+    server_cpu_s: float
+
+
+def in_turn(services: Sequence[Service], *, rounds: int, size: int) -> list[list[Round]]:
+    """Has services do batches of good runs in turn, and returns what each took, service by service.
+
+    Args:
+        services: Ready, and with nothing to do.
+        rounds: Batches of each; one more before them is not counted.
+        size: Runs of a batch.
+    """
+    work = [Run(agent=DRIVER, kind=n % KINDS, seed=n % KINDS) for n in range(size)]
+    found: list[list[Round]] = [[] for _ in services]
+    for number in range(rounds + 1):
+        for service, its in zip(services, found, strict=True):
+            before, begun = _used(service), time.monotonic()
+            service.wait_until_ended(service.post(work), size, seconds=_PATIENCE_S)
+            seconds, after = time.monotonic() - begun, _used(service)
+            if number:
+                cpu_s, server_cpu_s = (b - a for a, b in zip(before, after, strict=True))
+                its.append(Round(seconds=seconds, cpu_s=cpu_s, server_cpu_s=server_cpu_s))
+    return found
+
+
+def _used(service: Service) -> tuple[float, float]:
+    tree = processes.tree(service.pid)
+    return sum(_cpu_s(process) for process in tree), _cpu_s(tree[0])
+
+
+def against_fresh(old: Sequence[Round], fresh: Sequence[Round], size: int) -> str:
+    """Writes how the service that was soaked compares with a fresh one."""
+
+    def ratio(of: str) -> float:
+        pairs = zip(fresh, old, strict=True)
+        return float(np.median([getattr(new, of) / getattr(used, of) for new, used in pairs]))
+
+    def mean(rounds: Sequence[Round], of: str) -> float:
+        return 1000.0 / size * float(np.mean([getattr(one, of) for one in rounds]))
+
+    return (
+        f"Afterwards it and a fresh service beside it did {len(old)} batches of {size} good runs "
+        f"each in turn: it did {ratio('seconds'):.1%} of the fresh one's runs a second, and "
+        f"{ratio('cpu_s'):.1%} of its runs a second of processor time (medians of pairs; server "
+        f"{mean(old, 'server_cpu_s'):.1f} ms a run against {mean(fresh, 'server_cpu_s'):.1f} ms)."
+    )
 
 
 def pace(samples: Sequence[Sample], first: int, last: int, *, of: str) -> float:
@@ -157,7 +218,7 @@ def pace(samples: Sequence[Sample], first: int, last: int, *, of: str) -> float:
     return float((end.runs - begin.runs) / (getattr(end, of) - getattr(begin, of)))
 
 
-def report(samples: Sequence[Sample], judgements: Sequence[Judgement]) -> str:
+def report(samples: Sequence[Sample], judgements: Sequence[Judgement], compared: str) -> str:
     """Writes what was found in Markdown."""
     tenth = max(1, len(samples) // 10)
     # The start of the service is behind the first sample.
@@ -177,7 +238,9 @@ def report(samples: Sequence[Sample], judgements: Sequence[Judgement]) -> str:
         f"{sum(j.is_clean for j in judgements)} of {len(judgements)} batches without any fault.",
         "",
         f"The last tenth of the runs against the first: {ratios[0]:.1%} of its runs a second, "
-        f"{ratios[1]:.1%} of its runs a second of processor time.",
+        f"{ratios[1]:.1%} of its runs a second of processor time (whatever else the machine did).",
+        "",
+        compared,
         "",
         "| | first | last | most | growth for 1,000 runs, after the first quarter |",
         "|---|---|---|---|---|",
@@ -200,19 +263,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=20_000)
     parser.add_argument("--batch", type=int, default=500, help="runs between two samples")
+    parser.add_argument("--rounds", type=int, default=8, help="batches against a fresh service")
+    parser.add_argument("--round", type=int, default=300, help="runs of such a batch")
     parser.add_argument("--out", type=Path, help="file to write the results to")
     options = parser.parse_args()
     if options.runs < 4 * options.batch:
         parser.error("four batches are the least that tells first from last")
     with tempfile.TemporaryDirectory() as folder:
-        service = Service(Path(folder) / "soak")
+        service, fresh = Service(Path(folder) / "soak"), Service(Path(folder) / "fresh")
         try:
             service.start()
             good = [Run(agent=DRIVER, kind=n % KINDS, seed=n % KINDS) for n in range(5 * KINDS)]
             hashes = undisturbed(service, service.post(good))
-            text = report(*soak(service, options.runs, options.batch, hashes))
+            samples, judgements = soak(service, options.runs, options.batch, hashes)
+            fresh.start()
+            old, new = in_turn((service, fresh), rounds=options.rounds, size=options.round)
+            text = report(samples, judgements, against_fresh(old, new, options.round))
         finally:
             service.stop()
+            fresh.stop()
     print(text)
     if options.out:
         options.out.write_text(text)
