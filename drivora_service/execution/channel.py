@@ -81,6 +81,13 @@ class Channel:
         """Whether a message has been begun and is not there as a whole."""
         return bool(self._coming)
 
+    @property
+    def has_message(self) -> bool:
+        """Whether a whole message has come and was not read."""
+        return len(self._coming) >= _HEADER.size and (
+            len(self._coming) >= _HEADER.size + _HEADER.unpack_from(self._coming)[2]
+        )
+
     def put(self, frame: Frame) -> None:
         """Sends a message, as far as the other side takes it now; :meth:`flush` sends the rest."""
         self._going += _HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from drivora_service.execution.channel import Kind, ProtocolError
 from drivora_service.execution.executor import Limits
-from drivora_service.execution.kept_worker import KeptWorker, WorkerDiedError
+from drivora_service.execution.kept_worker import KeeperLostError, KeptWorker, WorkerDiedError
 from drivora_service.execution.messages import NotReady, message_of, report_of
 from drivora_service.execution.processes import (
     ProcessReading,
@@ -22,6 +22,9 @@ from drivora_service.runs.report import RunReport, RunSpec
 
 _FAMILY_EVERY_S = 0.7
 """Seconds between two looks at the memory of what was started in the worker."""
+
+_READY_AGAIN_S = 5.0
+"""Seconds in which a process is ready again after a report; it takes a worker microseconds."""
 
 
 class NotReadyError(Exception):
@@ -111,6 +114,25 @@ class Child:
         """
         frame = self._current().receive(timeout)
         return None if frame is None else report_of(frame, run_id)
+
+    def is_ready_again(self) -> bool:
+        """Waits until the process, which has sent a report, is ready for the next run.
+
+        A report that code under test has sent is followed by that of the worker, which may come
+        late: it is not to be taken for the report of the next run.
+
+        Returns:
+            False if something else came, or nothing within a few seconds.
+        """
+        until = time.monotonic() + _READY_AGAIN_S
+        try:
+            while time.monotonic() < until:
+                frame = self._current().receive(_READY_AGAIN_S)
+                if frame is not None:
+                    return frame.kind is Kind.READY
+        except (WorkerDiedError, KeeperLostError, ProtocolError):
+            pass
+        return False
 
     def _current(self) -> KeptWorker:
         if self._worker is None:

@@ -104,7 +104,8 @@ class KeptWorker:
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something that is no message.
         """
-        wait_for((self._channel, self._control), timeout)
+        if not self._channel.has_message:
+            wait_for((self._channel, self._control), timeout)
         try:
             frame = self._channel.read()
             if frame is None:

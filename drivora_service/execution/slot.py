@@ -225,6 +225,8 @@ class Slot:
             if report is not None:
                 if child.progress().phase is Phase.IN_AGENT:
                     raise ProtocolError("a report that came while an agent was called")
+                if not child.is_ready_again():
+                    child.retire()
                 return report
             if self._closing.is_set() or self._source.is_cancelled(run_id):
                 child.end()

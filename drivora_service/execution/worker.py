@@ -55,7 +55,8 @@ class WorkerTask:
 def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
     """Is the worker: does the runs that come through the channel until that is closed.
 
-    Sends that it is ready once, and then the report of each run; or why it is not, and returns.
+    Sends that it is ready, at first and after the report of each run; or why it is not, and
+    returns.
 
     Args:
         channel: The worker's end of the connection with its slot.
@@ -87,6 +88,7 @@ def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
         # A report that comes while an agent is called is not the worker's own.
         board.cells[0] = Phase.IDLE
         send(channel, frame_of_report(report))
+        send(channel, Frame(Kind.READY))
 
 
 def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:

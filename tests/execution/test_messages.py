@@ -177,6 +177,21 @@ def test_messages_come_in_any_pieces() -> None:
         end.close()
 
 
+def test_messages_that_came_together_are_told_of() -> None:
+    ours, theirs = socket.socketpair()
+    reading = Channel(ours)
+    send(theirs, Frame(Kind.REPORT, b"first"))
+    send(theirs, Frame(Kind.READY))
+    told = [reading.has_message]
+    assert reading.read() == Frame(Kind.REPORT, b"first")
+    # The socket itself has nothing more to read: a wait for it would be in vain.
+    told.append(reading.has_message)
+    assert reading.read() == Frame(Kind.READY, b"")
+    assert [*told, reading.has_message] == [False, True, False]
+    reading.close()
+    theirs.close()
+
+
 def test_nothing_is_waited_for() -> None:
     ours, theirs = socket.socketpair()
     writing = Channel(ours)
