@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 import schemathesis
 from hypothesis import strategies as st
 from schemathesis.core.parameters import ParameterLocation
-from schemathesis.generation.meta import TestPhase
+from schemathesis.core.transport import Response
 
 # A token is of one query, so that only the empty one fits every query; the others come by links.
 schemathesis.openapi.format("page-token", st.just(""))
@@ -20,11 +21,43 @@ def as_line(_context: Any, value: Any) -> bytes:
     return value if isinstance(value, bytes) else json.dumps(value).encode()
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Query:
+    """The query whose answer had a page token."""
+
+    path: str
+    parameters: dict[str, Any]
+
+
+_queries: dict[str, _Query] = {}
+
+
+@schemathesis.hook
+def after_call(_context: Any, case: schemathesis.Case[Any], response: Response) -> None:
+    """Keeps the query of a page token."""
+    if b"next_page_token" not in response.content:
+        return
+    if response.status_code == 200 and (token := response.json()["next_page_token"]):
+        _queries[token] = _Query(path=case.formatted_path, parameters=dict(case.query))
+
+
 @schemathesis.hook
 def before_call(_context: Any, case: schemathesis.Case[Any], **_arguments: Any) -> None:
-    """Takes the token of another query, which an answer had by chance, out of a valid request."""
-    meta = case.meta
-    if meta is None or meta.phase.name is TestPhase.STATEFUL or "page_token" not in case.query:
+    """Mends valid requests that are refused for what no schema says.
+
+    The two ends of a span are put in order. A page token gets the query that it is of; one of
+    another path, which an answer had by chance, is taken out.
+    """
+    if case.meta is None or case.meta.is_negative_at(ParameterLocation.QUERY):
         return
-    if not meta.is_negative_at(ParameterLocation.QUERY):
-        case.query["page_token"] = ""
+    query = case.query
+    ends = [query.get("first"), query.get("last")]
+    if all(str(end).isdecimal() for end in ends):
+        query["first"], query["last"] = sorted(ends, key=lambda end: int(str(end)))
+    if token := query.get("page_token"):
+        known = _queries.get(str(token))
+        if known is None or known.path != case.formatted_path:
+            query["page_token"] = ""
+        else:
+            query.clear()
+            query.update(known.parameters | {"page_token": token})
