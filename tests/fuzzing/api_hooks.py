@@ -35,9 +35,10 @@ _queries: dict[str, _Query] = {}
 @schemathesis.hook
 def after_call(_context: Any, case: schemathesis.Case[Any], response: Response) -> None:
     """Keeps the query of a page token."""
-    if b"next_page_token" not in response.content:
+    if not response.content or response.headers.get("content-type") != ["application/json"]:
         return
-    if response.status_code == 200 and (token := response.json()["next_page_token"]):
+    answer = response.json()
+    if isinstance(answer, dict) and (token := answer.get("next_page_token")):
         _queries[token] = _Query(path=case.formatted_path, parameters=dict(case.query))
 
 
