@@ -38,9 +38,9 @@ from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.plotting.strip import draw_strip
-from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunReport, RunSpec
-from drivora_service.runs.worker_setup import WorkerSetup
+from drivora_service.worker.performing import perform
+from drivora_service.worker.setup import WorkerSetup
 
 RANDOM = next(arm for arm in ARMS if arm.tester == "random" and arm.egos == "one ego")
 SIMULATIONS = 300

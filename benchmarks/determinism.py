@@ -17,8 +17,8 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.report import RunReport, RunSpec
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.worker.setup import WorkerSetup
 
 
 def run_with(slots: int, specs: Sequence[RunSpec]) -> dict[str, RunReport]:

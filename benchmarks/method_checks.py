@@ -27,22 +27,23 @@ from typing import Any
 
 from benchmarks.method_study import ARMS, SCENES
 from benchmarks.method_study import campaign_document as study_document
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.figures import Subject, figures_of
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import installed_catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
+from drivora_service.studies.figures import Subject, figures_of
+from drivora_service.worker.setup import WorkerSetup
 
 SPACES: dict[str, dict[str, Any]] = {
     "random": {},

@@ -24,22 +24,23 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
+from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
 from drivora_service.campaigns.clustering import Clustering
-from drivora_service.campaigns.comparison import compare_campaigns, measure
 from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.figures import CampaignFigures, Subject, cost_s, figures_of
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
-from drivora_service.campaigns.situations import count_situations
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.cli.campaign_files import shipped_campaigns
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.studies.comparison import compare_campaigns, measure
+from drivora_service.studies.figures import CampaignFigures, Subject, cost_s, figures_of
+from drivora_service.studies.situations import count_situations
+from drivora_service.worker.parent_death import die_with_parent
+from drivora_service.worker.setup import WorkerSetup
 
 AGENT = "idm"
 STEP = 0.1

@@ -30,9 +30,9 @@ from benchmarks.million_campaigns import fill_campaigns
 from benchmarks.million_fill import fill_runs
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy

@@ -24,11 +24,11 @@ import libsumo
 
 from benchmarks.scenes import town_scene
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunSpec
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.simulation import sumo
+from drivora_service.worker.performing import perform
+from drivora_service.worker.setup import WorkerSetup
 
 STEP = 0.05
 

@@ -30,11 +30,11 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
 from drivora_service.feedback.behavexplor import DEGREE
 from drivora_service.feedback.samota import VEHICLE
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.report import RunSpec
-from drivora_service.runs.worker_setup import WorkerSetup
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.mutation import RedrawSlice
+from drivora_service.worker.setup import WorkerSetup
 
 OBJECTIVES = {"avfuzzer": SAFETY_MARGIN, "behavexplor": DEGREE, "samota": VEHICLE}
 """Of each method, what it minimises; of SAMOTA's six, the one that collisions are about."""

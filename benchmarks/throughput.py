@@ -28,15 +28,15 @@ from benchmarks.run_cost import floor, record
 from benchmarks.scenes import usual_scenes
 from drivora_service.cli.service_process import running_service
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.model import Scenario
+from drivora_service.worker.parent_death import die_with_parent
+from drivora_service.worker.setup import WorkerSetup
 
 _WARM_UP = 8
 _POLL_S = 0.25

@@ -14,9 +14,9 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher

@@ -8,8 +8,8 @@ from drivora_service.agents.remote.confinement import Confinement, account
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.executor import Limits as RunLimits
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.settings import Settings
+from drivora_service.worker.setup import WorkerSetup
 
 
 def worker_setup(settings: Settings) -> WorkerSetup:

@@ -10,8 +10,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
 from drivora_service.cli.service_process import running_service
-from drivora_service.runs.integrity import judging_code
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.worker.integrity import judging_code
 
 # Machines differ in speed: a test fails for what it finds, not for how long it took to find it.
 hypothesis.settings.register_profile(
@@ -50,6 +52,12 @@ def shared_data() -> Path:
     if not path.is_dir():
         pytest.skip("the real towns and routes are not beside the checkout")
     return path
+
+
+@pytest.fixture(scope="session")
+def catalogues() -> Catalogues:
+    """What the package itself has: networks, agents, oracles, testers and feedbacks."""
+    return installed_catalogues(NetworkCatalogue(shipped_networks()))
 
 
 @pytest.fixture(scope="session")

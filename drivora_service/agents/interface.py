@@ -10,17 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.agents.log import AgentLog
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Light
 from drivora_service.scenario.actor_models import ActorModel
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

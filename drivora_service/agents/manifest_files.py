@@ -11,7 +11,7 @@ FILE_NAME = "agent.yaml"
 """Of an operator's manifest, in a folder called like the agent."""
 
 _NAME = re.compile(NAME_PATTERN)
-_SHIPPED = Path(__file__).resolve().parent / "environments"
+_SHIPPED = Path(__file__).resolve().parent / "adapters"
 
 
 def shipped_manifests() -> dict[str, Path]:

@@ -12,12 +12,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.line_tracking import track_line
 from drivora_service.networks.road_network import RoadNetwork
-
-FloatArray = NDArray[np.float64]
 
 _MAX_CHAIN = 8
 """Internal lanes in a row, at most, that lead through one junction."""

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 
 @compiled

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.genes import GeneSpace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
-from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.campaigns.stored import run_stored
 from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
-from drivora_service.execution.parent_death import die_with_parent
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.store.database import open_database
 from drivora_service.store.traces import TraceFolder
+from drivora_service.worker.parent_death import die_with_parent
 
 NOT_MINE = 75
 """Exit code of a process that cannot run its campaign now: another does, it is not queued, or the

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from drivora_service.campaigns.comparing import ground_of
-from drivora_service.campaigns.reading import Catalogues
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.ground import ground_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.search.genes import GeneSpace
 from drivora_service.store.campaign_records import CampaignRecord

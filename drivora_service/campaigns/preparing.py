@@ -7,9 +7,10 @@ from importlib.metadata import version
 import numpy as np
 
 from drivora_service.campaigns.campaign import FeedbackMode
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine import Search
 from drivora_service.campaigns.failure_keys import FailureKeys
-from drivora_service.campaigns.reading import Catalogues, ValidCampaign
+from drivora_service.campaigns.reading import ValidCampaign
 from drivora_service.campaigns.scenario_candidates import ScenarioCandidates
 from drivora_service.campaigns.shuffling import ShuffledFeedback
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError

@@ -5,13 +5,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.campaign import Campaign
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import CampaignDocument, TesterDocument, to_campaign
 from drivora_service.errors import (
     InvalidDocument,
@@ -20,9 +20,8 @@ from drivora_service.errors import (
     SearchError,
     UnknownName,
 )
-from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
@@ -36,31 +35,6 @@ from drivora_service.search.catalogue import (
 )
 
 M = TypeVar("M", bound=BaseModel)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Catalogues:
-    """Where the names in a campaign are looked up."""
-
-    networks: NetworkCatalogue
-    agents: AgentCatalogue
-    testers: TesterCatalogue
-    oracles: OracleCatalogue
-
-
-def installed_catalogues(networks: NetworkCatalogue, agents: Path | None = None) -> Catalogues:
-    """Gives what campaigns may name here: these networks, and whatever else is installed.
-
-    Args:
-        networks: The road networks.
-        agents: Folder of installed agents and of the operator's manifests.
-    """
-    return Catalogues(
-        networks=networks,
-        agents=AgentCatalogue(folder=agents),
-        testers=TesterCatalogue(),
-        oracles=OracleCatalogue(),
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

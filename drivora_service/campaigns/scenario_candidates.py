@@ -6,9 +6,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from drivora_service.campaigns.candidates import Candidate
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.validity import find_problems
 

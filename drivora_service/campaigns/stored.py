@@ -6,12 +6,13 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher, conduct
 from drivora_service.campaigns.documents import campaign_text
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.preparing import prepare_search, search_versions
-from drivora_service.campaigns.reading import Catalogues, ValidCampaign, read_campaign
+from drivora_service.campaigns.reading import ValidCampaign, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError, StoreUnavailable, WorkersCannotStart
 from drivora_service.store.campaign_records import (

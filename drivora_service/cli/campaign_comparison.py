@@ -6,16 +6,16 @@ from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
-from drivora_service.campaigns.comparing import Comparison
-from drivora_service.campaigns.comparison import Row
-from drivora_service.campaigns.comparison_text import (
+from drivora_service.cli.output import print_table
+from drivora_service.studies.comparing import Comparison
+from drivora_service.studies.comparison import Row
+from drivora_service.studies.comparison_text import (
     a12,
     how_to_read,
     probability,
     setting,
     value,
 )
-from drivora_service.cli.output import print_table
 
 
 def comparison_result(comparison: Comparison) -> dict[str, Any]:

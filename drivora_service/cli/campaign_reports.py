@@ -7,11 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from drivora_service.campaigns.campaign_report import CampaignReport, group, read_report
+from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.campaigns.documents import CampaignDocument
-from drivora_service.campaigns.reading import Catalogues, installed_catalogues
-from drivora_service.campaigns.report_pictures import draw_examples
 from drivora_service.cli.embedded import network_catalogue, settings_for
 from drivora_service.cli.output import note
 from drivora_service.cli.service_campaigns import ServiceCampaigns
@@ -19,6 +17,8 @@ from drivora_service.cli.stored_campaigns import StoredCampaigns
 from drivora_service.errors import UnknownName
 from drivora_service.settings import Settings
 from drivora_service.store.campaign_records import CampaignRecord
+from drivora_service.studies.campaign_report import CampaignReport, group, read_report
+from drivora_service.studies.report_pictures import draw_examples
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

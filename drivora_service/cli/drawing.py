@@ -10,8 +10,8 @@ from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.output import note
 from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
-from drivora_service.oracles.catalogue import judge_all
-from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.oracles.built_in import judge_all
+from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.plotting.run_picture import draw_run
 from drivora_service.plotting.strip import draw_strip
 from drivora_service.settings import Settings

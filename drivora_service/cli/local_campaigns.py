@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import installed_catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file

@@ -13,8 +13,8 @@ from drivora_service.errors import ConfigurationError, DrivoraError, NetworkErro
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.accountability import IN_WORDS, accountable
-from drivora_service.oracles.catalogue import judge_all
-from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.oracles.built_in import judge_all
+from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.verdict import Answer, Verdict
 from drivora_service.oracles.verdict_json import verdict_to_json
 

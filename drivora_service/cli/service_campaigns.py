@@ -11,7 +11,6 @@ from typing import Any, Self
 import numpy as np
 from pydantic import TypeAdapter
 
-from drivora_service.campaigns.figures import CampaignFigures
 from drivora_service.campaigns.progress import Progress
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file
@@ -34,6 +33,7 @@ from drivora_service.store.campaign_records import (
     FailureKind,
     FailureRecord,
 )
+from drivora_service.studies.figures import CampaignFigures
 
 _POLL_S = 0.5
 _PARQUET = "application/vnd.apache.parquet"

@@ -7,11 +7,11 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from drivora_service.campaigns.comparing import Comparison
-from drivora_service.campaigns.comparison import Row, measure
-from drivora_service.campaigns.figures import CampaignFigures
-from drivora_service.campaigns.statistics import Effect
 from drivora_service.cli.client import ServiceClient
+from drivora_service.studies.comparing import Comparison
+from drivora_service.studies.comparison import Row, measure
+from drivora_service.studies.figures import CampaignFigures
+from drivora_service.studies.statistics import Effect
 
 
 def compare_on_service(

@@ -6,19 +6,19 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from drivora_service.execution.channel import Kind, ProtocolError
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, KeptWorker, WorkerDiedError
-from drivora_service.execution.messages import NotReady, message_of, report_of
-from drivora_service.execution.processes import (
+from drivora_service.execution.worker_log import WorkerLog
+from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.worker.channel import Kind, ProtocolError
+from drivora_service.worker.loop import WorkerTask
+from drivora_service.worker.messages import NotReady, message_of, report_of
+from drivora_service.worker.processes import (
     ProcessReading,
     proportional_memory,
     read_process,
 )
-from drivora_service.execution.worker import WorkerTask
-from drivora_service.execution.worker_log import WorkerLog
-from drivora_service.runs.progress import NO_PROGRESS, Progress
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.worker.progress import NO_PROGRESS, Progress
 
 _FAMILY_EVERY_S = 0.7
 """Seconds between two looks at the memory of what was started in the worker."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import signal
 
-from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.worker.progress import Progress
 
 _CRASHES = frozenset(
     {
@@ -39,7 +39,7 @@ def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> R
     A signal from outside, such as the kernel's when memory is short, is nobody's.
     """
     name = signal_name(exit_code)
-    in_agent, place = progress.phase is Phase.IN_AGENT, _place(progress)
+    in_agent, place = progress.phase is RunPhase.IN_AGENT, _place(progress)
     if name and -exit_code not in _CRASHES:
         return report_loss(run_id, f"the worker was ended by {name} {place}", log)
     how = f"died of {name}" if name else f"exited with code {exit_code}"
@@ -63,7 +63,7 @@ def report_breach(run_id: str, what: str, progress: Progress, log: str) -> RunRe
         progress: Where the worker was.
         log: The last lines of its log.
     """
-    in_agent = progress.phase is Phase.IN_AGENT
+    in_agent = progress.phase is RunPhase.IN_AGENT
     return RunReport(
         run_id=run_id,
         status=RunStatus.AGENT_FAILED if in_agent else RunStatus.INFRASTRUCTURE_FAILED,
@@ -76,7 +76,7 @@ def report_breach(run_id: str, what: str, progress: Progress, log: str) -> RunRe
 
 
 def _place(progress: Progress) -> str:
-    if progress.phase is Phase.IN_AGENT:
+    if progress.phase is RunPhase.IN_AGENT:
         return f"in the agent of ego number {progress.ego} at {progress.call}"
     return f"while {progress.phase.name.lower()}, at step {progress.step}"
 

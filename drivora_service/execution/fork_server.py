@@ -14,9 +14,9 @@ from typing import Any
 
 import structlog
 
-from drivora_service.execution.processes import ProcessHandle
+from drivora_service.worker.processes import ProcessHandle
 
-_PRELOADED = "drivora_service.execution.preloaded"
+_PRELOADED = "drivora_service.worker.preloaded"
 
 ENVIRONMENT = {
     # Results must not depend on the order of sets, nor on what this machine's processor can do.

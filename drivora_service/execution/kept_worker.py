@@ -11,7 +11,9 @@ from multiprocessing.process import BaseProcess
 
 import psutil
 
-from drivora_service.execution.channel import (
+from drivora_service.execution.fork_server import forget_process, start_process
+from drivora_service.runs.report import RunSpec
+from drivora_service.worker.channel import (
     Channel,
     ChannelClosedError,
     Frame,
@@ -19,13 +21,11 @@ from drivora_service.execution.channel import (
     ProtocolError,
     wait_for,
 )
-from drivora_service.execution.fork_server import forget_process, start_process
-from drivora_service.execution.keeper import HandedFile, is_guard, keep
-from drivora_service.execution.messages import Ended, Started, Strangers, message_of
-from drivora_service.execution.processes import ProcessHandle, descendants_of, read_process
-from drivora_service.execution.worker import WorkerTask
-from drivora_service.runs.progress import BoardReader
-from drivora_service.runs.report import RunSpec
+from drivora_service.worker.keeper import HandedFile, is_guard, keep
+from drivora_service.worker.loop import WorkerTask
+from drivora_service.worker.messages import Ended, Started, Strangers, message_of
+from drivora_service.worker.processes import ProcessHandle, descendants_of, read_process
+from drivora_service.worker.progress import BoardReader
 
 _ANSWER_S = 10.0
 """Seconds within which a keeper answers, and tells the end of a worker whose channel is closed."""

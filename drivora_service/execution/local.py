@@ -12,11 +12,11 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.fork_server import prepare_processes
 from drivora_service.execution.slot import Slot
 from drivora_service.execution.starts import WorkerStarts
-from drivora_service.execution.worker import PERFORM, WARM_UP
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.worker.loop import PERFORM, WARM_UP
 
 
 class LocalExecutor:

@@ -13,7 +13,6 @@ from typing import Protocol
 
 import structlog
 
-from drivora_service.execution.channel import ProtocolError
 from drivora_service.execution.child import Child, NotReadyError
 from drivora_service.execution.deaths import (
     report_breach,
@@ -25,12 +24,13 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
 from drivora_service.execution.starts import WorkerStarts
 from drivora_service.execution.watch import Look, Watch
-from drivora_service.execution.worker import WorkerTask
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.worker.channel import ProtocolError
+from drivora_service.worker.loop import WorkerTask
 
 _POLL_S = 0.05
 """Seconds between two looks at a run: limits are kept to this, and a look costs some 50 us."""
@@ -223,7 +223,7 @@ class Slot:
         while True:
             report = child.wait(run_id, _POLL_S)
             if report is not None:
-                if child.progress().phase is Phase.IN_AGENT:
+                if child.progress().phase is RunPhase.IN_AGENT:
                     raise ProtocolError("a report that came while an agent was called")
                 if not child.is_ready_again():
                     child.retire()

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.execution.executor import Limits
-from drivora_service.execution.processes import ProcessReading
-from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunFailure, RunStatus
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.worker.processes import ProcessReading
+from drivora_service.worker.progress import Progress
 
 _LONGEST_GAP_S = 1.0
 """Seconds between two looks that count; more means that the server itself was held up."""
@@ -76,7 +76,7 @@ class Watch:
             self._seen, self._in_call = look.progress, 0.0
         else:
             self._in_call += own
-        in_agent = look.progress.phase is Phase.IN_AGENT
+        in_agent = look.progress.phase is RunPhase.IN_AGENT
         resident = 0 if look.process is None else look.process.memory_bytes
         if resident + look.family_memory > self._limits.memory_bytes:
             return self._memory_breach(look, resident)
@@ -131,7 +131,7 @@ class Watch:
     def _memory_breach(self, look: Look, resident: int) -> Breach:
         limit = self._limits.memory_bytes
         started = resident <= limit
-        by_agent = started or look.progress.phase is Phase.IN_AGENT
+        by_agent = started or look.progress.phase is RunPhase.IN_AGENT
         grown = (
             f"the worker grew to {resident >> 20} MiB and the processes that were started in it to "
             f"{look.family_memory >> 20} MiB"
@@ -150,9 +150,9 @@ class Watch:
 
 def _where(progress: Progress) -> str:
     match progress.phase:
-        case Phase.IN_AGENT:
+        case RunPhase.IN_AGENT:
             return f"in the agent of ego number {progress.ego} at {progress.call}"
-        case Phase.SIMULATING:
+        case RunPhase.SIMULATING:
             return f"simulating step {progress.step}"
         case phase:
             return phase.name.lower()

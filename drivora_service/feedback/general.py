@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drivora_service.feedback.catalogue import default_objectives, score_run
 from drivora_service.feedback.measurement import Measurement
+from drivora_service.feedback.objectives import default_objectives, score_run
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.observations.run_view import RunView
 from drivora_service.parameters import read_parameters

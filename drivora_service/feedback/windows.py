@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivora_service.observations.trace import Col, FloatArray
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.observations.trace import Col
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import EgoView

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.metrics.measured import Combine, Measured
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import FloatArray
 
 _Measure = Callable[[EgoView], float | None]
 

@@ -6,8 +6,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import Col, EgoCol, FloatArray, Role
+from drivora_service.observations.trace import Col, EgoCol, Role
 
 CHECKPOINTS = 20
 """Sections of the route over which speeds are compared (Bench2Drive)."""

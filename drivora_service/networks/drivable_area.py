@@ -12,10 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.networks.road_network import FloatArray, Lane, RoadNetwork
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.networks.road_network import Lane, RoadNetwork
 
 MAX_GAP = 0.5
 """Metres between two lanes, or a lane and a junction, that belong together."""
@@ -26,7 +26,6 @@ TOLERANCE = 0.01
 TILE = 40.0
 """Metres: side of the tiles that the area is cut into, so that a query meets a small polygon."""
 
-BoolArray = NDArray[np.bool_]
 Tree = shapely.STRtree
 
 

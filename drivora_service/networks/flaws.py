@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drivora_service.errors import NetworkError
-from drivora_service.networks.road_network import FloatArray, Lane, SignalProgram
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.road_network import Lane, SignalProgram
 
 MAX_COORDINATE = 1e8
 """Metres; twice the way round the Earth."""

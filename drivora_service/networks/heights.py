@@ -6,7 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.networks.road_network import FloatArray, IntArray, RoadNetwork
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.networks.road_network import RoadNetwork
 
 
 @lru_cache(maxsize=128)

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import RoadNetwork
 
 SPACING = 0.5

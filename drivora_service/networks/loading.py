@@ -14,11 +14,11 @@ import numpy as np
 import sumolib
 
 from drivora_service.errors import NetworkError
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.flaws import check_lanes, check_numbers, check_signals, read_line
 from drivora_service.networks.road_network import (
     Connection,
-    FloatArray,
     Lane,
     RoadNetwork,
     SignalPhase,

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
-from drivora_service.networks.road_network import FloatArray, LanePosition, RoadNetwork
-from drivora_service.networks.segment_index import CELL, Int32Array, SegmentIndex, segment_index
+from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.networks.road_network import LanePosition, RoadNetwork
+from drivora_service.networks.segment_index import CELL, SegmentIndex, segment_index
 
 HEADING_WEIGHT = 3.0
 """Metres of distance that a lane at a right angle to the wanted heading counts as further away."""

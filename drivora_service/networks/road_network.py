@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray
 
 
 def make_read_only(*arrays: NDArray[Any]) -> None:

@@ -10,10 +10,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.lane_route import LaneRoute, LaneRun, RouteSignal
-from drivora_service.networks.road_network import FloatArray, IntArray, RoadNetwork
+from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_search import EdgePass
 
 SPACING = 1.0

@@ -9,12 +9,10 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
-from drivora_service.networks.road_network import FloatArray, RoadNetwork
-
-BoolArray = NDArray[np.bool_]
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.lines import arc_lengths
+from drivora_service.networks.road_network import RoadNetwork
 
 SAME_LINE = 1.5
 """Metres: lines with points at most 1 m apart are on the same lane or cross where they are nearer;

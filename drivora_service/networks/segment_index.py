@@ -8,12 +8,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.networks.road_network import FloatArray, Lane, RoadNetwork
+from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.networks.road_network import Lane, RoadNetwork
 
 CELL = 10.0
 """Metres: side of a cell, and the longest segment, so that a segment lies in few cells."""
-
-Int32Array = NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

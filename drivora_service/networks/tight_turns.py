@@ -13,9 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_route import LaneRoute
-from drivora_service.networks.road_network import Connection, FloatArray, Lane, RoadNetwork
+from drivora_service.networks.road_network import Connection, Lane, RoadNetwork
 
 TURNING_RADIUS = 5.0
 """Metres: the radius on which the middle of a passenger car drives at its full steering angle

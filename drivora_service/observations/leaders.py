@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, Int32Array
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray, IntArray, Role
+from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 
 VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
@@ -30,7 +31,7 @@ class Leaders:
         same_way: (n,) whether it heads as the ego does.
     """
 
-    actor: IntArray
+    actor: Int32Array
     room: FloatArray
     speed: FloatArray
     same_way: BoolArray
@@ -72,7 +73,7 @@ def _in_front(
     row: int,
     margin: float,
     same_way: float,
-) -> tuple[IntArray, FloatArray, FloatArray, BoolArray]:
+) -> tuple[Int32Array, FloatArray, FloatArray, BoolArray]:
     rows = states.shape[0]
     actor = np.full(rows, -1, dtype=np.int32)
     room = np.full(rows, np.inf)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.stop_lines import StopLines, WayThrough, stop_lines
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray
+from drivora_service.observations.trace import LEVEL_GAP, Col
 
 LINE_WIDTH = 1.2
 """Width of a stop line over that of its lane, for the front (CARLA Leaderboard)."""

@@ -10,12 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.savitzky_golay import savitzky_golay
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
 
 SMOOTHING_TIME = 0.4
 """Seconds of the filter for accelerations and rates."""

@@ -14,8 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.observations.boxes import box_gap, overlap_depth, time_to_contact
-from drivora_service.observations.trace import LEVEL_GAP, BoolArray, Col, FloatArray, Trace
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
+from drivora_service.geometry.kernels import wrapped
+from drivora_service.observations.trace import LEVEL_GAP, Col, Trace
 
 HORIZON = 10.0
 """Seconds up to which a time to collision is looked for."""
@@ -330,7 +332,7 @@ def _least_lag(
                             break
                         lag += max(1, int(away / stride))
                         continue
-                    turn = (other[2] - ego[2] + math.pi) % (2.0 * math.pi) - math.pi
+                    turn = wrapped(other[2] - ego[2])
                     level = abs(other[_Z] - ego[_Z]) <= LEVEL_GAP
                     if level and abs(turn) >= crossing and (
                         overlap_depth(

@@ -7,24 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, Int32Array
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.lane_bends import tangent_gap
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
-from drivora_service.observations.trace import (
-    Actor,
-    BoolArray,
-    ByteArray,
-    Col,
-    EgoCol,
-    EgoRoute,
-    FloatArray,
-    IntArray,
-    TerminalEvent,
-    Trace,
-)
+from drivora_service.observations.trace import Actor, Col, EgoCol, EgoRoute, TerminalEvent, Trace
 
 _BEND_SHARE = 2.0
 """Times that the border of a road may leave its tangents further than the centre of a lane."""
@@ -67,7 +57,7 @@ class EgoView:
         self.times: FloatArray = trace.times[part]
         self.states: FloatArray = trace.states[part, row]
         self.values: FloatArray = trace.ego_values[part, row]
-        self.lanes: IntArray = trace.ego_lanes[part, row]
+        self.lanes: Int32Array = trace.ego_lanes[part, row]
         self.lights: ByteArray = trace.ego_lights[part, row]
         self.count = len(self.times)
         vx, vy, yaw = self.states[:, Col.VX], self.states[:, Col.VY], self.states[:, Col.YAW]

@@ -10,9 +10,8 @@ from functools import lru_cache
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 
 @lru_cache(maxsize=32)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 from drivora_service.compilation import compiled
-from drivora_service.observations.trace import LEVEL_GAP, BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.observations.trace import LEVEL_GAP
 
 _ABOVE_ROOF = 0.2
 """Metres."""

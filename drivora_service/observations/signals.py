@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from shapely import LineString, line_locate_point, points
 
+from drivora_service.geometry.arrays import BoolArray, ByteArray
 from drivora_service.networks.road_network import Connection, RoadNetwork
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import BoolArray, ByteArray, Col, EgoCol, Light
+from drivora_service.observations.trace import Col, EgoCol, Light
 
 BESIDE_ROUTE = 8.0
 """Metres from the route from which on an ego is on another road: what the trace says of the next

@@ -11,12 +11,8 @@ from enum import IntEnum, StrEnum
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-ByteArray = NDArray[np.uint8]
-IntArray = NDArray[np.int32]
+from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, Int32Array
 
 
 class Role(StrEnum):
@@ -188,7 +184,7 @@ class Trace:
     states: FloatArray
     present: BoolArray
     ego_values: FloatArray
-    ego_lanes: IntArray
+    ego_lanes: Int32Array
     ego_lights: ByteArray
     ego_routes: tuple[EgoRoute, ...]
     ego_start_times: tuple[float, ...]
@@ -196,7 +192,7 @@ class Trace:
     ego_end_steps: tuple[int, ...]
     contacts: tuple[Contact, ...]
     light_ids: tuple[str, ...]
-    light_states: IntArray
+    light_states: Int32Array
     light_state_names: tuple[str, ...]
     log_names: tuple[str, ...]
     log_values: FloatArray

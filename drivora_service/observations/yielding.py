@@ -13,16 +13,17 @@ import shapely
 from shapely import LineString, Polygon
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.road_network import Connection, RoadNetwork
 from drivora_service.networks.stop_lines import WayThrough
-from drivora_service.observations.boxes import overlap_depth
 from drivora_service.observations.leaders import VEHICLES
 from drivora_service.observations.line_crossings import Crossing, line_crossings
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.signals import signal_letter
-from drivora_service.observations.trace import LEVEL_GAP, Col, FloatArray, Role
+from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 
 _NEAR = 80.0
 """Metres from the ego within which others are looked at."""

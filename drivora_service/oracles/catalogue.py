@@ -1,67 +1,173 @@
-"""The built-in oracles, and judging a run by several."""
+"""The oracles that judge every run: those built in and those of installed packages."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import inspect
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import partial
+from typing import Any
 
-from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Trace
-from drivora_service.oracles.blocked import Blocked
-from drivora_service.oracles.collision import Collision
-from drivora_service.oracles.deadlock import Deadlock
-from drivora_service.oracles.destination import Destination
-from drivora_service.oracles.discomfort import Discomfort
-from drivora_service.oracles.failure_to_yield import FailureToYield
-from drivora_service.oracles.lane_keeping import LaneKeeping
-from drivora_service.oracles.minimum_speed import MinimumSpeed
-from drivora_service.oracles.near_miss import NearMiss
-from drivora_service.oracles.off_road import OffRoad
-from drivora_service.oracles.red_light import RedLight
-from drivora_service.oracles.route_deviation import RouteDeviation
-from drivora_service.oracles.speeding import Speeding
-from drivora_service.oracles.stop_sign import StopSign
-from drivora_service.oracles.tailgating import Tailgating
-from drivora_service.oracles.verdict import Oracle, Verdict
-from drivora_service.oracles.wrong_way import WrongWay
+from pydantic_core import to_jsonable_python
+
+from drivora_service.errors import OracleError, UnknownName
+from drivora_service.oracles.built_in import default_oracles
+from drivora_service.oracles.installed import InstalledOracle, traceback_of
+from drivora_service.oracles.plugin import OraclePlugin
+from drivora_service.oracles.verdict import Oracle
+from drivora_service.plugin_table import PluginTable
+
+_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_LONGEST_NAME = 60
+"""Characters that the database keeps of it."""
 
 
-def default_oracles() -> tuple[Oracle, ...]:
-    """Gives the built-in oracles with their default thresholds."""
-    return (
-        Collision(),
-        RedLight(),
-        StopSign(),
-        FailureToYield(),
-        OffRoad(),
-        WrongWay(),
-        LaneKeeping(),
-        RouteDeviation(),
-        Speeding(),
-        Blocked(),
-        Deadlock(),
-        Destination(),
-        NearMiss(),
-        Tailgating(),
-        MinimumSpeed(),
-        Discomfort(),
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OracleEntry:
+    """What is known of an oracle.
 
-
-def judge_all(
-    trace: Trace,
-    network: RoadNetwork,
-    oracles: Sequence[Oracle],
-    *,
-    view: RunView | None = None,
-) -> tuple[Verdict, ...]:
-    """Judges a run by several oracles.
-
-    Args:
-        trace: The run.
-        network: The road network it took place on.
-        oracles: The rules, in the order in which their verdicts are wanted.
-        view: A view of that run, if there is one already: what it has computed is used again.
+    Attributes:
+        description: One sentence for people.
+        thresholds: By name, as JSON has them; SI units.
+        package: That brings it; "" for a built-in one.
+        reason: Why it cannot judge, which then no run can be; "" if it can.
     """
-    view = view or RunView(trace, network)
-    return tuple(verdict for oracle in oracles for verdict in oracle.judge(view))
+
+    name: str
+    description: str
+    thresholds: Mapping[str, Any] = field(default_factory=dict)
+    package: str = ""
+    reason: str = ""
+
+
+class OracleCatalogue:
+    """Oracles by name.
+
+    Packages bring them by entry point, found when the catalogue is made and loaded when first asked
+    for. One that cannot be loaded is not tried again.
+    """
+
+    def __init__(self) -> None:
+        self._built_in = {oracle.name: oracle for oracle in default_oracles()}
+        self._table = PluginTable(
+            kind="oracle",
+            group="drivora_service.oracles",
+            type_=OraclePlugin,
+            built_in=[_plugin(oracle) for oracle in self._built_in.values()],
+            error=partial(OracleError, cause="oracle_plugin"),
+        )
+        self._installed: dict[str, InstalledOracle | OracleError] = {}
+
+    def names(self) -> tuple[str, ...]:
+        """Gives all names in the order of judging: built-in ones, then the others, sorted."""
+        return (*self._built_in, *self._installed_names())
+
+    def oracles(self) -> tuple[Oracle, ...]:
+        """Gives all oracles in the order of judging.
+
+        Raises:
+            OracleError: As :meth:`installed`.
+        """
+        return (*self._built_in.values(), *self.installed())
+
+    def installed(self) -> tuple[InstalledOracle, ...]:
+        """Gives the oracles of installed packages, by name.
+
+        Raises:
+            OracleError: One of them cannot be loaded or made.
+        """
+        return tuple(self._installed_oracle(name) for name in self._installed_names())
+
+    def versions(self, name: str) -> Mapping[str, str]:
+        """Gives the package that brings an oracle, with its version; nothing if it is built in."""
+        return self._table.versions(name)
+
+    def oracle(self, name: str) -> Oracle:
+        """Gives an oracle.
+
+        Raises:
+            UnknownName: If there is none of that name.
+            OracleError: If an installed package's cannot be loaded or made.
+        """
+        if name in self._built_in:
+            return self._built_in[name]
+        if name not in self._table.names():
+            raise UnknownName("oracle", name, self.names())
+        return self._installed_oracle(name)
+
+    def entry(self, name: str) -> OracleEntry:
+        """Gives what is known of an oracle; of one that cannot judge, why.
+
+        Raises:
+            UnknownName: If there is none of that name.
+        """
+        package = self._table.package(name)
+        try:
+            oracle = self.oracle(name)
+        except OracleError as error:
+            return OracleEntry(name=name, description="", package=package, reason=str(error))
+        judge = oracle.oracle if isinstance(oracle, InstalledOracle) else oracle
+        return OracleEntry(
+            name=name,
+            description=self._table.plugin(name).description,
+            thresholds=_thresholds(judge),
+            package=package,
+        )
+
+    def _installed_names(self) -> tuple[str, ...]:
+        return tuple(name for name in self._table.names() if name not in self._built_in)
+
+    def _installed_oracle(self, name: str) -> InstalledOracle:
+        if name not in self._installed:
+            try:
+                self._installed[name] = self._make(name)
+            except OracleError as error:
+                self._installed[name] = error
+        made = self._installed[name]
+        if isinstance(made, OracleError):
+            # Raised as it is, it would take the frames of every raising with it.
+            raise OracleError(str(made), cause=made.cause, log=made.log) from made
+        return made
+
+    def _make(self, name: str) -> InstalledOracle:
+        package = self._table.package(name)
+        of = f"oracle {name!r} of the package {package!r}"
+        refusal = partial(OracleError, cause="oracle_plugin")
+        try:
+            plugin = self._table.plugin(name)
+        except OracleError as error:
+            log = "" if error.__cause__ is None else traceback_of(error.__cause__)
+            raise refusal(f"{of}: {error}", log=log) from error
+        if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME:
+            raise refusal(
+                f"{of}: allowed are names in snake case of at most {_LONGEST_NAME} characters"
+            )
+        try:
+            oracle: Any = plugin.create()
+            judge, called = getattr(oracle, "judge", None), getattr(oracle, "name", None)
+        except (Exception, SystemExit) as error:
+            raise refusal(
+                f"{of} raised {type(error).__name__} when it was made: {error}",
+                log=traceback_of(error),
+            ) from error
+        if not callable(judge):
+            raise refusal(f"{of} is a {type(oracle).__name__}, which has no method `judge`")
+        if called != name:
+            raise refusal(f"{of} calls itself {called!r}: its plug-in must be called like it")
+        return InstalledOracle(name=name, package=package, oracle=oracle)
+
+
+def _plugin(oracle: Oracle) -> OraclePlugin:
+    summary = (inspect.getdoc(type(oracle)) or "").partition("\n\n")[0].replace("\n", " ")
+    return OraclePlugin(name=oracle.name, description=summary, create=lambda: oracle)
+
+
+def _thresholds(oracle: object) -> dict[str, Any]:
+    """Gives the fields of an oracle that is a dataclass; as text what JSON has not."""
+    if not is_dataclass(oracle):
+        return {}
+    return {
+        threshold.name: to_jsonable_python(getattr(oracle, threshold.name, None), fallback=repr)
+        for threshold in fields(oracle)
+    }

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from shapely import LineString, Polygon
 
-from drivora_service.geometry import wrap_angle
+from drivora_service.geometry.angles import wrap_angle
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.oracles.blocked import STANDING_SPEED, standing_clock

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import Col, EgoCol, FloatArray, TerminalEvent
+from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry.arrays import BoolArray
 from drivora_service.observations.motion import FilteredMotion
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import BoolArray
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry.arrays import BoolArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import BoolArray, Col, EgoCol
+from drivora_service.observations.trace import Col, EgoCol
 from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 

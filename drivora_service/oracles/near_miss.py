@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.observations.boxes import time_to_contact
+from drivora_service.geometry.boxes import time_to_contact
 from drivora_service.observations.leaders import SAME_WAY
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import EgoView, RunView

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import FloatArray
 from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.plotting.view import View
 

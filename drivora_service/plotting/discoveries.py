@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, PercentFormatter
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.plotting.charts import (
     Look,
     chart_style,
@@ -20,8 +20,6 @@ from drivora_service.plotting.charts import (
     panels,
     write_chart,
 )
-
-FloatArray = NDArray[np.float64]
 
 _TITLE_CHARACTERS = 44
 """Of a line of the title above a panel."""

@@ -13,7 +13,8 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.networks.road_network import FloatArray, Lane, RoadNetwork
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.plotting import colors
 from drivora_service.plotting.view import View
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
-from drivora_service.observations.trace import FloatArray
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.plotting import colors
 from drivora_service.plotting.view import View

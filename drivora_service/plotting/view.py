@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.observations.trace import Col, FloatArray, Trace
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.observations.trace import Col, Trace
 from drivora_service.oracles.verdict import Verdict
 
 _MARGIN_M = 12.0

@@ -14,7 +14,7 @@ class SlotState:
         name: Unique among the slots of one server.
         pid: Process id of its worker, ``None`` while there is none.
         run_id: What it runs, or "".
-        phase: What the worker is doing, as in ``Phase``, in lower case.
+        phase: What the worker is doing, as in ``RunPhase``, in lower case.
         step: Row of the trace at which the run is.
         memory_bytes: Resident memory of the worker process.
         runs: Runs that the slot has ended.

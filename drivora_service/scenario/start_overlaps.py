@@ -16,7 +16,8 @@ import numpy as np
 import shapely
 
 from drivora_service.errors import Problem
-from drivora_service.geometry import FloatArray, box_corners
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.scenario.placed_actors import PlacedActor
 
 TOUCH = 0.02

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivora_service.search.genes import FloatArray, GeneSpace
-
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.search.genes import GeneSpace
 
 
 class Mutation(Protocol):

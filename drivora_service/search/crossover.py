@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.search.genes import GeneSpace
 
 Children = tuple[FloatArray, FloatArray]
 Crossover = Callable[[FloatArray, FloatArray, GeneSpace, np.random.Generator], Children]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.mutation import effective_genes, varying_blocks
 
 _ABSENT = -1.0

@@ -12,12 +12,9 @@ from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.errors import SearchError
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 
 
 class GeneKind(StrEnum):

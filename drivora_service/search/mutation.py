@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import Block, BoolArray, FloatArray, GeneSpace
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.search.genes import Block, GeneSpace
 from drivora_service.search.plugin import MutationPlugin
 
 

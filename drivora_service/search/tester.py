@@ -10,8 +10,9 @@ from typing import Protocol
 import numpy as np
 
 from drivora_service.feedback.measurement import Measurement
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 
 
 class EvaluationStatus(StrEnum):

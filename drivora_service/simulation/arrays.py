@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorModel
@@ -16,18 +16,15 @@ from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.dynamics import Limit
 from drivora_service.simulation.followers import (
     FollowerCol,
+    FollowerPhase,
     Followers,
     PathCol,
-    Phase,
     Reaction,
 )
 from drivora_service.simulation.lights import RunningProgram, light_of
 from drivora_service.simulation.perception import Sense
 from drivora_service.simulation.plan import EgoPlan, FollowerPlan, ObstaclePlan
 from drivora_service.simulation.route_tracking import PERMISSIVE, Progress
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def _offsets(counts: Sequence[int]) -> IntArray:
@@ -60,7 +57,7 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
     state = np.zeros((len(plans), len(FollowerCol)))
     for row, plan in zip(state, plans, strict=True):
         row[FollowerCol.SPEED] = plan.first_speed
-        row[FollowerCol.PHASE] = Phase.WAITING
+        row[FollowerCol.PHASE] = FollowerPhase.WAITING
         row[FollowerCol.START_TIME] = plan.start_time
         row[FollowerCol.REACTION] = Reaction.BRAKES if plan.reacts else Reaction.NONE
         row[FollowerCol.STAYS] = plan.stays

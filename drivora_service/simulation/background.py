@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.tight_turns import tight_turns
 from drivora_service.scenario.model import Region
-
-FloatArray = NDArray[np.float64]
 
 LENGTH = 4.6
 WIDTH = 1.85

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -15,10 +14,9 @@ from drivora_service.agents.interface import (
     TrajectoryControl,
 )
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorModel
 from drivora_service.simulation.dynamics import CommandMode
-
-FloatArray = NDArray[np.float64]
 
 _DRIVE = int(CommandMode.DRIVE)
 _NOWHERE = 1e-6

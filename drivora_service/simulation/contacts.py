@@ -4,42 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.observations.trace import LEVEL_GAP
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
-
-@compiled
-def boxes_overlap(
-    x1: float,
-    y1: float,
-    yaw1: float,
-    length1: float,
-    width1: float,
-    x2: float,
-    y2: float,
-    yaw2: float,
-    length2: float,
-    width2: float,
-) -> bool:
-    """Says whether two oriented boxes overlap (separating axes; touching does not count)."""
-    dx, dy = x2 - x1, y2 - y1
-    c1, s1, c2, s2 = math.cos(yaw1), math.sin(yaw1), math.cos(yaw2), math.sin(yaw2)
-    c, s = abs(c1 * c2 + s1 * s2), abs(s1 * c2 - c1 * s2)
-    hl1, hw1, hl2, hw2 = 0.5 * length1, 0.5 * width1, 0.5 * length2, 0.5 * width2
-    if abs(dx * c1 + dy * s1) >= hl1 + hl2 * c + hw2 * s:
-        return False
-    if abs(-dx * s1 + dy * c1) >= hw1 + hl2 * s + hw2 * c:
-        return False
-    if abs(dx * c2 + dy * s2) >= hl2 + hl1 * c + hw1 * s:
-        return False
-    return abs(-dx * s2 + dy * c2) < hw2 + hl1 * s + hw1 * c
 
 
 @compiled

@@ -24,13 +24,9 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.kernels import wrapped
 
 GRAVITY = 9.81
 STEER_RATE = 0.7
@@ -94,11 +90,6 @@ class CommandMode(IntEnum):
 
 
 @compiled
-def _wrap(angle: float) -> float:
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-@compiled
 def _clip(value: float, low: float, high: float) -> float:
     return float(min(max(value, low), high))
 
@@ -132,7 +123,7 @@ def _drive_kinematic(
     course = body[2] + slip + drift + 0.5 * (yaw_rate + slip_rate) * dt
     body[0] += way * math.cos(course)
     body[1] += way * math.sin(course)
-    body[2] = _wrap(body[2] + yaw_rate * dt)
+    body[2] = wrapped(body[2] + yaw_rate * dt)
     body[9] = _drift(body, grip, wind)
     slip += slip_rate * dt + body[9]
     body[3] = v_next * math.cos(slip)
@@ -171,7 +162,7 @@ def _drive_dynamic(
     body[3] = min(vx + vx_rate * dt, limits[4])
     body[4] = vy + vy_rate * dt
     body[5] = r + r_rate * dt
-    body[2] = _wrap(body[2] + body[5] * dt)
+    body[2] = wrapped(body[2] + body[5] * dt)
     cos, sin = math.cos(body[2]), math.sin(body[2])
     body[0] += (body[3] * cos - body[4] * sin) * dt
     body[1] += (body[3] * sin + body[4] * cos) * dt
@@ -214,7 +205,7 @@ def _drive_to_pose(
     scale = speed / wanted if wanted > speed else 1.0
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
-    turn = 0.0 if math.isnan(command[2]) else _wrap(command[2] - body[2])
+    turn = 0.0 if math.isnan(command[2]) else wrapped(command[2] - body[2])
     # What braking and driving take of the grip is not left for turning.
     taken = min(abs(speed - body[3]) / dt, grip)
     side_grip = max(math.sqrt(grip * grip - taken * taken), _SIDE_RESERVE * grip)
@@ -225,7 +216,7 @@ def _drive_to_pose(
     cos, sin = math.cos(body[2]), math.sin(body[2])
     body[0] += speed * dt * cos - side * sin
     body[1] += speed * dt * sin + side * cos
-    body[2] = _wrap(body[2] + turn)
+    body[2] = wrapped(body[2] + turn)
     if not math.isnan(command[3]):
         # The planner's own speed at the pose, within what this step could reach.
         speed = min(max(command[3], low, 0.0), max(high, 0.0))

@@ -14,6 +14,7 @@ from drivora_service.agents.interface import Agent, AgentContext, Control, Obser
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.observations.trace import Col, Light, TerminalEvent
 from drivora_service.scenario.model import VehicleDynamics
 from drivora_service.simulation.arrays import (
@@ -26,17 +27,14 @@ from drivora_service.simulation.arrays import (
 from drivora_service.simulation.commands import write_command
 from drivora_service.simulation.dynamics import Body, CommandMode
 from drivora_service.simulation.perception import Sense, perceive
-from drivora_service.simulation.phase import SETTING_UP, Phase
+from drivora_service.simulation.phase import SETTING_UP, RunPhase
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.route_tracking import Progress
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
 # Attributes of an enum are looked up slowly: the step loop uses plain values.
-_IN_AGENT, _SIMULATING = int(Phase.IN_AGENT), int(Phase.SIMULATING)
+_IN_AGENT, _SIMULATING = int(RunPhase.IN_AGENT), int(RunPhase.SIMULATING)
 _ROUTE_S, _SPEED_LIMIT = int(Progress.ROUTE_S), int(Progress.SPEED_LIMIT)
 _SPEED, _STEER = int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
@@ -123,12 +121,12 @@ class EgoTeam:
             log=self.logs[m],
         )
         # Also where no reading falls between this call and the first step, the two are told apart.
-        self._cells[1], self._cells[2], self._cells[0] = SETTING_UP, m, Phase.IN_AGENT
+        self._cells[1], self._cells[2], self._cells[0] = SETTING_UP, m, RunPhase.IN_AGENT
         try:
             agent.setup_env(context)
         except (Exception, SystemExit) as error:
             raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
-        self._cells[0], self._cells[1] = Phase.SIMULATING, 0
+        self._cells[0], self._cells[1] = RunPhase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
         """Gives where a log's columns stand among all; a slice, which is faster, where it can."""

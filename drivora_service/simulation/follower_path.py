@@ -10,13 +10,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.speed_profile import slow_down_in_time
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.simulation.dynamics import GRAVITY
-
-FloatArray = NDArray[np.float64]
 
 _SPACING = 1.0
 _SIDE_GRIP_SHARE = 0.6

@@ -13,15 +13,12 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.trace import LEVEL_GAP
 from drivora_service.simulation.dynamics import GRAVITY
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 PATIENCE = 10.0
 """Seconds for which reactive vehicles wait for each other in a ring before one of them is taken off
@@ -32,7 +29,7 @@ STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
 
 
-class Phase(IntEnum):
+class FollowerPhase(IntEnum):
     """Where a follower is in its life."""
 
     WAITING = 0
@@ -102,7 +99,7 @@ class Followers:
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
 _MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
 _X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in PathCol)
-_WAITING, _MOVING, _DONE = (float(phase) for phase in Phase)
+_WAITING, _MOVING, _DONE = (float(phase) for phase in FollowerPhase)
 _BRAKES = float(Reaction.BRAKES)
 
 
@@ -294,7 +291,7 @@ def _write_pose(me: FloatArray, way: FloatArray, state: FloatArray) -> None:
         state[0] = way[i, _X] + t * (way[i + 1, _X] - way[i, _X])
         state[1] = way[i, _Y] + t * (way[i + 1, _Y] - way[i, _Y])
         heading = way[i, _YAW] + t * (way[i + 1, _YAW] - way[i, _YAW])
-    state[2] = (heading + math.pi) % (2.0 * math.pi) - math.pi
+    state[2] = wrapped(heading)
     state[3] = me[_SPEED] * math.cos(heading)
     state[4] = me[_SPEED] * math.sin(heading)
     state[8] = way[i, _HEIGHT]

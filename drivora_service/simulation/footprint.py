@@ -9,16 +9,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray, Int32Array
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.segment_index import CELL, segment_index
 from drivora_service.observations.trace import LEVEL_GAP
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Int32Array = NDArray[np.int32]
 
 REACH = 0.2
 """Metres that a box may reach into a lane from its edge without being in it."""

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import SignalPhase, SignalProgram
 from drivora_service.observations.trace import Light
 from drivora_service.scenario.model import LightTimes, TrafficLights
-
-FloatArray = NDArray[np.float64]
 
 _MIN_PHASE = 1.0
 _CODES: Mapping[str, Light] = {

@@ -13,16 +13,10 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.observations.sight import is_hidden
 from drivora_service.observations.trace import LEVEL_GAP
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 class Sense(IntEnum):

@@ -8,7 +8,7 @@ SETTING_UP = -1
 """The step that is shown while an agent sets up: a call of its own, with a deadline of its own."""
 
 
-class Phase(IntEnum):
+class RunPhase(IntEnum):
     """What a worker is doing."""
 
     IDLE = 0

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import LineString, Point
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position, project_points
@@ -36,8 +36,6 @@ from drivora_service.scenario.weather import WeatherEffects, weather_effects
 from drivora_service.simulation.follower_path import FollowerPath, build_path
 from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
-
-FloatArray = NDArray[np.float64]
 
 JOIN_DISTANCE = 10.0
 """Waypoints of a reactive NPC further apart than this are joined along the lanes, metres."""

@@ -6,16 +6,11 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from drivora_service.networks.line_tracking import track_line
 from drivora_service.observations.trace import TerminalEvent
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-ByteArray = NDArray[np.uint8]
 
 STUCK_SPEED = 0.1
 STUCK_AFTER = 60.0

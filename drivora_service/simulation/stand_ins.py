@@ -22,14 +22,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.simulation.footprint import Overlap, lanes_under
 from drivora_service.simulation.sumo import MovedActor, SumoWorld
-
-FloatArray = NDArray[np.float64]
 
 _SETTLED = 1.0
 """Seconds for which a vehicle must stand that may drive on; what never moves counts at once."""

@@ -11,18 +11,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from drivora_service.geometry.kernels import wrapped
 from drivora_service.simulation.contacts import find_contacts
 from drivora_service.simulation.dynamics import drive_vehicles
 from drivora_service.simulation.followers import advance_followers
 from drivora_service.simulation.route_tracking import follow_egos
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-ByteArray = NDArray[np.uint8]
 
 
 @compiled
@@ -239,7 +235,7 @@ def _write_rates(
             continue
         next_frame[j, 5] = (next_frame[j, 3] - frame[j, 3]) / dt
         next_frame[j, 6] = (next_frame[j, 4] - frame[j, 4]) / dt
-        turn = (next_frame[j, 2] - frame[j, 2] + math.pi) % (2.0 * math.pi) - math.pi
+        turn = wrapped(next_frame[j, 2] - frame[j, 2])
         next_frame[j, 7] = turn / dt
 
 

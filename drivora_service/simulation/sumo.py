@@ -19,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import SimulatorError
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import SignalPhase
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.lights import RunningProgram
@@ -29,7 +31,6 @@ try:
 except ImportError as error:
     raise SimulatorError(explain(error)) from error
 
-FloatArray = NDArray[np.float64]
 
 SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
 """What libsumo raises."""
@@ -329,7 +330,7 @@ class SumoWorld:
                 present[actor.row] = False
                 continue
             yaw = math.radians(90.0 - values[angle])
-            yaw = (yaw + math.pi) % (2.0 * math.pi) - math.pi
+            yaw = wrap_angle(yaw)
             cos, sin = math.cos(yaw), math.sin(yaw)
             front_x, front_y, height = values[position]
             v = values[speed]

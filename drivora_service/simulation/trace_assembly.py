@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.log import AgentLog
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.projection import project_points
 from drivora_service.observations.trace import (
     Col,
@@ -22,8 +22,6 @@ from drivora_service.observations.trace import (
 from drivora_service.scenario.canonical import scenario_sha256
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.world import World
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(slots=True, kw_only=True)

@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.sumo_driver import LaneChangeModel
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.simulation.background import LENGTH, WIDTH, Wanderers
 from drivora_service.simulation.plan import DrivenPlan
 from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _DRIVER = "krauss"
 _ROUTE_CHECK_STEPS = 20

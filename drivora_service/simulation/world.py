@@ -7,11 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import Actor, Col, EgoCol, Role
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 _MOST_ROWS_AT_ONCE = 4096
 KIND_OF_ROLE = {

@@ -34,7 +34,6 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, Light, TerminalEvent, Trace
 from drivora_service.observations.trace_hash import trace_sha256
-from drivora_service.runs.integrity import Snapshot
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import (
     AgentChoice,
@@ -46,6 +45,7 @@ from drivora_service.scenario.model import (
 )
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.plan import plan_episode
+from drivora_service.worker.integrity import Snapshot
 
 _TOWN = "tee-town"
 _MODEL = "vehicle.lincoln.mkz_2017"

@@ -21,9 +21,9 @@ from drivora_service.execution.executor import Limits
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.warm_up import warm_up_checks
+from drivora_service.worker.setup import WorkerSetup
 
 _LONG_S = 300.0
 """Seconds after which a test gives up; far beyond what anything takes."""

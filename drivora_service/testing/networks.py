@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import Connection, Lane, RoadNetwork
 
 EAST, EAST_LEFT, WEST, CROSSING = 0, 1, 2, 3

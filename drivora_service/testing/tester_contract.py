@@ -19,9 +19,10 @@ import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.search.components import Components
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import (
     Evaluation,

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
+
+from drivora_service.geometry.arrays import Float32Array
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-Float32Array = NDArray[np.float32]
 Parts: TypeAlias = "Tensor | Sequence[Parts]"
 """One parameter of a module, or what is stacked to one array."""
 

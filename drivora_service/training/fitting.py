@@ -8,15 +8,13 @@ from typing import Protocol
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from drivora_service.agents.imitation.way_view import SPEED_SCALE
 from drivora_service.agents.imitation.waypoints import INTERVAL, WAYPOINTS
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.training.exchange import Parts
 from drivora_service.training.recording import Samples
-
-FloatArray = NDArray[np.float64]
 
 _WEIGHT_DECAY = 1e-4
 _SIDE_WEIGHT = 2.0

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.agent import View
 from drivora_service.agents.imitation.waypoints import INTERVAL, WAYPOINTS
@@ -24,13 +23,10 @@ from drivora_service.agents.interface import (
     Observation,
 )
 from drivora_service.agents.log import AgentLog
+from drivora_service.geometry.arrays import BoolArray, Float32Array
 from drivora_service.observations.trace import Col, TerminalEvent
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.plan import EpisodePlan
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
-BoolArray = NDArray[np.bool_]
 
 _PERIOD = 0.2
 """Seconds between two samples."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.observations.trace import EgoCol, Light, TerminalEvent, Trace
-from drivora_service.oracles.catalogue import judge_all
+from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.verdict import Oracle, Outcome
 from drivora_service.scenario.model import LightTimes, Scenario, TrafficLights, Waypoint
 from tests.simulation.episodes import ROAD, car, ego, network, place, scenario, speeds, track

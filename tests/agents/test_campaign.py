@@ -10,7 +10,7 @@ import pytest
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.oracles.catalogue import judge_all
+from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.verdict import Outcome

@@ -10,26 +10,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.agents.environments.dilu.adapter import examples_in
-from drivora_service.agents.environments.dilu.decisions import DECISIONS, Decision, decision_in
-from drivora_service.agents.environments.dilu.driving import idm_acceleration
-from drivora_service.agents.environments.dilu.experiences import (
+from drivora_service.agents.adapters.dilu.adapter import examples_in
+from drivora_service.agents.adapters.dilu.decisions import DECISIONS, Decision, decision_in
+from drivora_service.agents.adapters.dilu.driving import idm_acceleration
+from drivora_service.agents.adapters.dilu.experiences import (
     Experience,
     Memory,
     read_experiences,
 )
-from drivora_service.agents.environments.dilu.models import ModelError
-from drivora_service.agents.environments.dilu.operator_settings import (
+from drivora_service.agents.adapters.dilu.models import ModelError
+from drivora_service.agents.adapters.dilu.operator_settings import (
     EndpointSettings,
     endpoint_settings,
 )
-from drivora_service.agents.environments.dilu.prompts import (
+from drivora_service.agents.adapters.dilu.prompts import (
     check_messages,
     decision_messages,
     example_answer,
     reflection_messages,
 )
-from drivora_service.agents.environments.dilu.situation import (
+from drivora_service.agents.adapters.dilu.situation import (
     Beside,
     Neighbour,
     Situation,

@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivora_service.agents.adapters.dilu import adapter as dilu_adapter
+from drivora_service.agents.adapters.dilu.adapter import DiluAdapter
+from drivora_service.agents.adapters.dilu.decisions import DECISIONS, Decision
+from drivora_service.agents.adapters.dilu.endpoint import EndpointModel
+from drivora_service.agents.adapters.dilu.experiences import Memory, read_experiences
+from drivora_service.agents.adapters.dilu.models import ModelError
+from drivora_service.agents.adapters.dilu.operator_settings import EndpointSettings
+from drivora_service.agents.adapters.dilu.prompts import Message
+from drivora_service.agents.adapters.dilu.reasoning import Driver
+from drivora_service.agents.adapters.dilu.situation import Beside, Situation
 from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.agents.environments.dilu import adapter as dilu_adapter
-from drivora_service.agents.environments.dilu.adapter import DiluAdapter
-from drivora_service.agents.environments.dilu.decisions import DECISIONS, Decision
-from drivora_service.agents.environments.dilu.endpoint import EndpointModel
-from drivora_service.agents.environments.dilu.experiences import Memory, read_experiences
-from drivora_service.agents.environments.dilu.models import ModelError
-from drivora_service.agents.environments.dilu.operator_settings import EndpointSettings
-from drivora_service.agents.environments.dilu.prompts import Message
-from drivora_service.agents.environments.dilu.reasoning import Driver
-from drivora_service.agents.environments.dilu.situation import Beside, Situation
 from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.remote.adapter_messages import context_view, observation_view

@@ -24,10 +24,10 @@ from drivora_service.agents.interface import (
 from drivora_service.agents.plugin import AgentPlugin
 from drivora_service.errors import AgentError
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs import performing
 from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.worker import performing
+from drivora_service.worker.setup import WorkerSetup
 from tests.simulation.episodes import ego, place, run, scenario
 
 

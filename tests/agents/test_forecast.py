@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from drivora_service.agents.environments.forecast import LaneForecaster
+from drivora_service.agents.adapters.forecast import LaneForecaster
 from drivora_service.agents.interface import Observation
 from drivora_service.agents.remote.views import LaneView
 from drivora_service.observations.trace import Col

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from shapely.affinity import rotate, translate
 from shapely.geometry import Polygon, box
 
-from drivora_service.agents.environments.overlap import overlap
+from drivora_service.agents.adapters.overlap import overlap
 
 PLACE = st.floats(-6.0, 6.0)
 POSE = st.tuples(PLACE, PLACE, st.floats(-math.pi, math.pi))

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast
@@ -20,11 +19,11 @@ from drivora_service.agents.pdm_closed.scoring import (
     score,
 )
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
 from tests.simulation.episodes import car, ego, network, obstacle, place, run, scenario, track
 
-FloatArray = NDArray[np.float64]
 HALF_LENGTH, HALF_WIDTH = 2.45, 0.92
 
 

@@ -20,11 +20,10 @@ from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT, show_others
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, car_ahead, red_light_ahead
 from tests.simulation.episodes import closest, run
-
-FloatArray = NDArray[np.float64]
 
 STRAIGHT = np.column_stack([np.arange(-60.0, 200.0), np.zeros(260), np.arange(260.0), np.ones(260)])
 """A way along the x axis; the ego is at its 60th metre."""

@@ -27,6 +27,7 @@ from drivora_service.agents.puffer_drive.policy import (
 from drivora_service.agents.puffer_drive.road import EDGE, LANE, LINE, pieces_along, road_pieces
 from drivora_service.agents.puffer_drive.weights import FILE_NAME, load_weights
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import Float32Array
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.testing.agent_contract import AgentContract
@@ -35,7 +36,6 @@ from tests.agents.fetched_weights import fetched_weights
 from tests.simulation.episodes import network, place, run
 
 Array = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
 
 NO_ROAD = np.zeros((0, 6))
 SIZE = np.array([4.9, 2.1])

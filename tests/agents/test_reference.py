@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivora_service.agents.environments.reference import find_reference
+from drivora_service.agents.adapters.reference import find_reference
 from drivora_service.agents.remote.views import LaneView, RouteView
 
 

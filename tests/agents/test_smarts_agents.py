@@ -15,27 +15,26 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.agents.environments.lights import light_speed
-from drivora_service.agents.environments.reference import find_reference
-from drivora_service.agents.environments.smarts_agents.acting import (
+from drivora_service.agents.adapters.lights import light_speed
+from drivora_service.agents.adapters.reference import find_reference
+from drivora_service.agents.adapters.smarts_agents.acting import (
     allowed_speed,
     pose_of,
     step_towards,
     target_of,
 )
-from drivora_service.agents.environments.smarts_agents.facing import facing
-from drivora_service.agents.environments.smarts_agents.lane_places import LanePlaces, lane_index
-from drivora_service.agents.environments.smarts_agents.observing import Observer, long_enough
-from drivora_service.agents.environments.smarts_agents.scene import (
+from drivora_service.agents.adapters.smarts_agents.facing import facing
+from drivora_service.agents.adapters.smarts_agents.lane_places import LanePlaces, lane_index
+from drivora_service.agents.adapters.smarts_agents.observing import Observer, long_enough
+from drivora_service.agents.adapters.smarts_agents.scene import (
     OFF_LANE,
     Scene,
     to_heading,
     to_yaw,
 )
-from drivora_service.agents.environments.smarts_agents.ways import RouteWays
+from drivora_service.agents.adapters.smarts_agents.ways import RouteWays
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import (
     Agent,
     AgentContext,
@@ -54,14 +53,13 @@ from drivora_service.agents.remote.views import (
     RouteView,
     VehicleView,
 )
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Light, TerminalEvent
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.installed_agents import fresh_agent, installed_agents
 from tests.agents.smarts_scenario import smarts_scenario
 from tests.simulation.episodes import ego, place, run, scenario, standing, start
-
-FloatArray = NDArray[np.float64]
 
 NAMES = ("smarts-iamp", "smarts-dsac", "smarts-casl")
 DATA = Path(__file__).parent / "data" / "smarts_agents.npz"

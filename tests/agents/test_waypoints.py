@@ -8,18 +8,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.way_view import EGO_SIZE, PIECE_SIZE, PIECES, WayView
 from drivora_service.agents.imitation.waypoints import INTERVAL, WAYPOINTS, drive_waypoints
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.log import AgentLog
+from drivora_service.geometry.arrays import Float32Array
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Light
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from tests.simulation.episodes import CAR, network, place
-
-Float32Array = NDArray[np.float32]
 
 TIMES = INTERVAL * np.arange(1, WAYPOINTS + 1)
 WHEELBASE, MAX_BRAKING = 2.85, 8.0

@@ -20,9 +20,9 @@ from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.tokens import TokenFile
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import installed_catalogues
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder

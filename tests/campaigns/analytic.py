@@ -14,9 +14,10 @@ from drivora_service.campaigns.engine import Engine, Search, Told
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.campaigns.journal import Journal
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import Evaluation, Proposal, Tester
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
 from drivora_service.testing.gene_spaces import small_space

@@ -10,14 +10,7 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.reading import Catalogues, installed_catalogues
-from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import Database, open_database
-
-
-@pytest.fixture(scope="session")
-def catalogues() -> Catalogues:
-    return installed_catalogues(NetworkCatalogue(shipped_networks()))
 
 
 @pytest.fixture

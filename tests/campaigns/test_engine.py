@@ -9,8 +9,8 @@ import pytest
 from drivora_service.campaigns.engine import Told
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.errors import CampaignError, PluginError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
 from drivora_service.testing.gene_spaces import small_space

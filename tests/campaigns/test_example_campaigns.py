@@ -9,17 +9,18 @@ from typing import Any
 
 import pytest
 
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.confirming import confirm_failures
 from drivora_service.campaigns.engine import Engine, Told
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, ValidCampaign, read_campaign
+from drivora_service.campaigns.reading import ValidCampaign, read_campaign
 from drivora_service.cli.campaign_files import read_campaign_file, shipped_campaigns
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.store.campaign_records import CampaignRequest, Confirmation
+from drivora_service.worker.setup import WorkerSetup
 
 CAMPAIGNS = sorted(shipped_campaigns().glob("*.yaml"))
 _PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "failures-found.md"

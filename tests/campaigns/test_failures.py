@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.clustering import Clustering, scale, situation_features
 from drivora_service.campaigns.failure_keys import FailureKeys, junction_of, relation
-from drivora_service.campaigns.reading import Catalogues
 from drivora_service.oracles.verdict import Outcome, Verdict
 
 

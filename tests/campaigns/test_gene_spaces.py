@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.reading import Catalogues
-from tests.campaigns.computed_study import campaign_content, opened
+from tests.studies.computed_study import campaign_content, opened
 
 
 def test_genes_are_known_again_once_what_was_missing_is_back(

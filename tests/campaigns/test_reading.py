@@ -11,11 +11,12 @@ import pytest
 import yaml
 
 from drivora_service.campaigns.campaign import DEFAULT_ORACLES, FeedbackMode
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import SpaceDocument, campaign_text
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.errors import InvalidDocument
-from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.search.space.options import SpaceOptions
 from tests.oracles.installing import install_oracles
 

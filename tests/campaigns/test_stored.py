@@ -12,11 +12,12 @@ from typing import Any
 import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
 from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.reading import Catalogues, installed_catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.errors import CampaignError, Conflict, UnknownName
@@ -24,7 +25,6 @@ from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.observations.trace_hash import trace_sha256
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
@@ -33,6 +33,7 @@ from drivora_service.store.campaign_records import (
     EvaluationRecord,
 )
 from drivora_service.store.database import Database
+from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.folders import add_agent
 from tests.campaigns.analytic import sequence
 

@@ -12,9 +12,10 @@ from typing import Any
 import psutil
 import pytest
 
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.folder import ask_for
-from drivora_service.campaigns.reading import Catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.stored import new_campaign
 from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.networks.catalogue import shipped_networks

@@ -22,7 +22,7 @@ from tests.cli.command_process import run_command
 
 _TIME_LIMIT_S = 120.0
 _PRELOADED = (
-    "drivora_service.execution.preloaded",
+    "drivora_service.worker.preloaded",
     "drivora_service.app",
     "drivora_service.cli.local_campaigns",
     "drivora_service.cli.local_runs",

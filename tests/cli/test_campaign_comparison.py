@@ -12,16 +12,17 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.reading import installed_catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.store.database import open_database
+from drivora_service.worker.setup import WorkerSetup
 from tests.cli.conftest import Drivora
 
 TESTERS = ("random", "avfuzzer")

@@ -15,11 +15,11 @@ import pytest
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import EgoCol, Light, Role, TerminalEvent
 from drivora_service.observations.trace_file import SCHEMA_VERSION
-from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
+from drivora_service.worker.performing import perform
+from drivora_service.worker.setup import WorkerSetup
 
 _ROOT = Path(__file__).resolve().parents[2]
 _PAGE = (_ROOT / "docs" / "reference" / "trace.md").read_text()

@@ -1,16 +1,16 @@
 from __future__ import annotations
 
 from drivora_service.execution.executor import Limits
-from drivora_service.execution.processes import ProcessReading
 from drivora_service.execution.watch import Breach, Look, Watch
-from drivora_service.runs.progress import Progress
 from drivora_service.runs.report import RunStatus
-from drivora_service.simulation.phase import SETTING_UP, Phase
+from drivora_service.simulation.phase import SETTING_UP, RunPhase
+from drivora_service.worker.processes import ProcessReading
+from drivora_service.worker.progress import Progress
 
 LIMITS = Limits(wall_time_s=100.0, agent_deadline_s=5.0, memory_bytes=1000)
 
 
-def reading(phase: Phase, *, step: int = 0, ego: int = 0) -> Progress:
+def reading(phase: RunPhase, *, step: int = 0, ego: int = 0) -> Progress:
     return Progress(phase=phase, step=step, ego=ego, run_counter=1)
 
 
@@ -56,38 +56,38 @@ class Worker:
 def test_an_agent_may_take_its_time_again_at_each_call() -> None:
     worker = Worker()
     for call in range(10):
-        progress = reading(Phase.IN_AGENT, step=call // 2, ego=call % 2)
+        progress = reading(RunPhase.IN_AGENT, step=call // 2, ego=call % 2)
         assert worker.live(4.0, progress) is None
-    late = reading(Phase.IN_AGENT, step=7, ego=1)
+    late = reading(RunPhase.IN_AGENT, step=7, ego=1)
     assert worker.live(5.0, late) is None
     assert outcome(worker.live(0.6, late)) == (RunStatus.AGENT_FAILED, "agent_hung")
 
 
 def test_setting_up_and_the_first_step_have_deadlines_of_their_own() -> None:
     worker = Worker()
-    assert worker.live(4.8, reading(Phase.IN_AGENT, step=SETTING_UP)) is None
+    assert worker.live(4.8, reading(RunPhase.IN_AGENT, step=SETTING_UP)) is None
     # No reading fell into the moment between the two calls.
-    assert worker.live(4.8, reading(Phase.IN_AGENT, step=0)) is None
-    late = worker.live(1.0, reading(Phase.IN_AGENT, step=0))
+    assert worker.live(4.8, reading(RunPhase.IN_AGENT, step=0)) is None
+    late = worker.live(1.0, reading(RunPhase.IN_AGENT, step=0))
     assert late is not None
     assert "from step 0 within 5 s" in late.failure.message
-    late = Worker().live(6.0, reading(Phase.IN_AGENT, step=SETTING_UP))
+    late = Worker().live(6.0, reading(RunPhase.IN_AGENT, step=SETTING_UP))
     assert late is not None
     assert "from setup_env within 5 s" in late.failure.message
 
 
 def test_only_agents_have_a_deadline() -> None:
     worker = Worker()
-    for phase in (Phase.PREPARING, Phase.SIMULATING, Phase.JUDGING):
+    for phase in (RunPhase.PREPARING, RunPhase.SIMULATING, RunPhase.JUDGING):
         assert worker.live(33.0, reading(phase)) is None
-    late = worker.live(2.0, reading(Phase.SIMULATING, step=7))
+    late = worker.live(2.0, reading(RunPhase.SIMULATING, step=7))
     assert outcome(late) == (RunStatus.TIMED_OUT, "wall_time_limit")
     assert late is not None
     assert "simulating step 7" in late.failure.message
 
 
 def test_an_agent_that_computes_is_charged_its_processor_time() -> None:
-    spins = reading(Phase.IN_AGENT, step=3)
+    spins = reading(RunPhase.IN_AGENT, step=3)
     assert outcome(Worker().live(6.0, spins, state="R", share=1.0)) == (
         RunStatus.AGENT_FAILED,
         "agent_hung",
@@ -97,7 +97,7 @@ def test_an_agent_that_computes_is_charged_its_processor_time() -> None:
 
 
 def test_what_the_worker_did_not_have_itself_is_not_laid_to_the_agent() -> None:
-    call = reading(Phase.IN_AGENT, step=3)
+    call = reading(RunPhase.IN_AGENT, step=3)
     for state, share in (("T", 0.0), ("D", 0.0), ("R", 0.02)):
         worker = Worker()
         assert worker.live(60.0, call, state=state, share=share) is None
@@ -109,7 +109,7 @@ def test_what_the_worker_did_not_have_itself_is_not_laid_to_the_agent() -> None:
 
 def test_a_server_that_was_held_up_blames_no_worker() -> None:
     worker = Worker()
-    call = reading(Phase.IN_AGENT, step=3)
+    call = reading(RunPhase.IN_AGENT, step=3)
     assert worker.live(600.0, call, every=200.0) is None
     assert worker.live(1.0, call) is None
     assert outcome(worker.live(2.0, call)) == (RunStatus.AGENT_FAILED, "agent_hung")
@@ -117,15 +117,15 @@ def test_a_server_that_was_held_up_blames_no_worker() -> None:
 
 def test_memory_is_attributed_to_the_agent_in_whose_call_it_was_seen() -> None:
     worker = Worker()
-    assert worker.look(reading(Phase.IN_AGENT), memory=1000) is None
-    agent = worker.look(reading(Phase.IN_AGENT), memory=1001)
-    simulator = worker.look(reading(Phase.SIMULATING), memory=1001)
+    assert worker.look(reading(RunPhase.IN_AGENT), memory=1000) is None
+    agent = worker.look(reading(RunPhase.IN_AGENT), memory=1001)
+    simulator = worker.look(reading(RunPhase.SIMULATING), memory=1001)
     assert outcome(agent) == (RunStatus.AGENT_FAILED, "memory_limit")
     assert outcome(simulator) == (RunStatus.SIMULATOR_CRASHED, "memory_limit")
 
 
 def test_only_agents_start_processes() -> None:
     worker = Worker()
-    assert worker.look(reading(Phase.SIMULATING), memory=500, family=500) is None
-    breach = worker.look(reading(Phase.SIMULATING), memory=500, family=501)
+    assert worker.look(reading(RunPhase.SIMULATING), memory=500, family=500) is None
+    breach = worker.look(reading(RunPhase.SIMULATING), memory=500, family=501)
     assert outcome(breach) == (RunStatus.AGENT_FAILED, "memory_limit")

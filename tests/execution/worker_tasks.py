@@ -15,9 +15,9 @@ import time
 from pathlib import Path
 
 from drivora_service.errors import SimulatorError
-from drivora_service.runs.progress import ProgressBoard
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.simulation.phase import Phase
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.worker.progress import ProgressBoard
 
 
 def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
@@ -25,7 +25,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     word, _, argument = spec.document.partition(" ")
     board.cells[3] += 1
     board.cells[4] = 0
-    board.cells[0] = Phase.SIMULATING
+    board.cells[0] = RunPhase.SIMULATING
     match word:
         case "sleep":
             time.sleep(float(argument))
@@ -149,7 +149,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             except FileExistsError:
                 return _finished(spec, {})
             os.kill(os.getpid(), signal.SIGSEGV)
-    board.cells[0] = Phase.IDLE
+    board.cells[0] = RunPhase.IDLE
     return _finished(spec, {"pid": str(os.getpid()), "setup": str(setup)})
 
 
@@ -230,7 +230,7 @@ def _daemonize(note: Path) -> None:
 
 def _call_agent(board: ProgressBoard) -> None:
     board.cells[1], board.cells[2], board.cells[4] = 17, 2, 1
-    board.cells[0] = Phase.IN_AGENT
+    board.cells[0] = RunPhase.IN_AGENT
 
 
 def _finished(spec: RunSpec, versions: dict[str, str]) -> RunReport:

@@ -10,8 +10,8 @@ import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN, AvfuzzerFeedback, braking_distance
+from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.feedback.plugins import FeedbackCatalogue
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, Role, TerminalEvent
 from drivora_service.testing.networks import EAST, straight_road

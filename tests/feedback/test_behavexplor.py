@@ -10,8 +10,8 @@ import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.behavexplor import DEGREE, WINDOWS
+from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
-from drivora_service.feedback.plugins import FeedbackCatalogue
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.testing.networks import CROSSING, EAST, EAST_LEFT, straight_road

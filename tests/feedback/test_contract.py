@@ -12,11 +12,11 @@ import pytest
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
+from drivora_service.feedback.catalogue import BUILT_IN
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.feedback.plugins import BUILT_IN
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.observations.run_view import RunView
 from drivora_service.testing.feedback_contract import FeedbackContract

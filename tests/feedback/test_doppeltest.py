@@ -11,14 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivora_service.errors import SearchError
+from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.ego_decisions import Decision
 from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
-from drivora_service.feedback.plugins import FeedbackCatalogue
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Col, FloatArray, Light, Role, TerminalEvent
+from drivora_service.observations.trace import Col, Light, Role, TerminalEvent
 from drivora_service.testing.networks import EAST, EAST_LEFT, straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivora_service.errors import SearchError
+from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.feedback.plugins import FeedbackCatalogue
 from drivora_service.feedback.samota import SamotaFeedback
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, Light, Role, TerminalEvent, Trace

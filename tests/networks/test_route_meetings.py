@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.networks.road_network import RoadNetwork

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from drivora_service.errors import NoRoute
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.loading import load_network
 from drivora_service.networks.projection import lane_positions_near

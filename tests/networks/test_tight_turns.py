@@ -12,14 +12,14 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.networks.tight_turns import tight_turns, uses_tight_turn
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.performing import perform
 from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.search.space.lane_walks import walks_from
 from drivora_service.simulation.background import Wanderers
+from drivora_service.worker.performing import perform
+from drivora_service.worker.setup import WorkerSetup
 
 NODES = """<nodes>
   <node id="middle" x="0" y="0"/> <node id="east" x="140" y="0"/>

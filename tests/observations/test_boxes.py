@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.geometry import box_corners
-from drivora_service.observations.boxes import box_gap, overlap_depth, time_to_contact
+from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
+from drivora_service.geometry.outlines import box_corners
 
 angles = st.floats(-math.pi, math.pi)
 places = st.floats(-12.0, 12.0)

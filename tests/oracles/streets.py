@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.simulation.contacts import boxes_overlap
 from drivora_service.testing.networks import CROSSING, EAST, straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 from tests.oracles.judging import on_lane

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drivora_service.oracles.blocked import Blocked
-from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.oracles.built_in import default_oracles
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.oracles.catalogue import default_oracles, judge_all
+from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.verdict import Oracle, Outcome
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.oracle_contract import example_runs

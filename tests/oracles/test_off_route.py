@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.oracles.catalogue import default_oracles
+from drivora_service.oracles.built_in import default_oracles
 from drivora_service.oracles.verdict import Oracle, Outcome
 from drivora_service.testing.traces import SyntheticEgo
 from tests.oracles.streets import along, judge_on, on_network, steady, way

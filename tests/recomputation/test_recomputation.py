@@ -18,9 +18,9 @@ from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
+from drivora_service.worker.setup import WorkerSetup
 from tests.recomputation.comparing import Comparison, Disagreement, Recomputed
 from tests.recomputation.mixed_runs import TOWNS, Document, mixed_documents
 

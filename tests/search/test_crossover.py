@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.crossover import (
     Crossover,
     exchange_block,
@@ -16,7 +17,6 @@ from drivora_service.search.crossover import (
     simulated_binary,
     uniform,
 )
-from drivora_service.search.genes import FloatArray
 from drivora_service.testing.gene_spaces import small_space
 
 SPACE = small_space()

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.search.genes import BoolArray, FloatArray, GeneKind
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.search.genes import GeneKind
 from drivora_service.search.mutation import (
     GAUSSIAN,
     REDRAW_BLOCK,

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drivora_service.errors import SearchError
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.selection import (
     RANDOM_SELECTION,
     ROULETTE,

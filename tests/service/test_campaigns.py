@@ -18,19 +18,20 @@ import psutil
 import pytest
 
 from drivora_service.api.examples import SCENARIO
+from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.evaluator import EvaluatorContext
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import installed_catalogues, read_campaign
+from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
+from drivora_service.worker.setup import WorkerSetup
 from tests.campaigns.analytic import sequence
 
 pytestmark = pytest.mark.slow

@@ -9,8 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import Polygon
 
-from drivora_service.geometry import box_corners
-from drivora_service.simulation.contacts import boxes_overlap, find_contacts
+from drivora_service.geometry.boxes import boxes_overlap
+from drivora_service.geometry.outlines import box_corners
+from drivora_service.simulation.contacts import find_contacts
 
 places = st.floats(-6, 6)
 angles = st.floats(-math.pi, math.pi)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import lay_followers

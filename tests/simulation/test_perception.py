@@ -10,13 +10,14 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.observations.sight import is_hidden
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.model import Weather
 from drivora_service.scenario.weather import weather_effects
 from drivora_service.simulation.arrays import privileged_senses, senses_of
-from drivora_service.simulation.perception import FloatArray, Sense, perceive
+from drivora_service.simulation.perception import Sense, perceive
 
 CAR, VAN, WALKER = (4.5, 1.8, 1.5), (6.0, 2.0, 2.3), (0.4, 0.4, 1.7)
 """Length, width and height, metres."""

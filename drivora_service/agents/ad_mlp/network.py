@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
-
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 HIDDEN = 192
 

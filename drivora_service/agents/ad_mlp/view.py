@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.way_view import (
     EGO_SIZE,
@@ -28,10 +27,8 @@ from drivora_service.agents.imitation.way_view import (
 )
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import Float32Array, FloatArray
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
 
 FRAMES = 4
 FRAME_SIZE = 4

@@ -9,12 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray, IntArray
 
 SIDE_ROOM = 0.35
 TIGHT_ROOM = 0.08

@@ -7,17 +7,14 @@ the lane run that the agent follows.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.car_following import MAX_ACCELERATION, follow, halt
 from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
 from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 DRIVING_JERK = 3.0
 BRAKING_JERK = 8.0

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
 from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.speed_profile import slow_down_in_time
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.lane_route import LaneRoute, LaneRun
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
 
 STANDING_SPEED = 0.2
 LONGEST_WAIT = 10.0

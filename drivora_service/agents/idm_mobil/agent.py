@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
@@ -23,9 +22,8 @@ from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
 
 _PERIOD = 0.5
 """Seconds between two looks at the neighbouring lanes."""

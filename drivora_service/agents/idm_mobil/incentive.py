@@ -9,13 +9,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.car_following import follow
 from drivora_service.agents.idm.corridor import SIDE_ROOM
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 _REACH = 120.0
 _HARDEST_BRAKING = 9.0

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_graph import change_cost, lane_graph
 from drivora_service.networks.lane_route import LaneRoute, LaneRun
 from drivora_service.networks.line_tracking import track_line
@@ -16,8 +16,6 @@ from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_line import build_route
 from drivora_service.networks.route_search import EdgePass
-
-FloatArray = NDArray[np.float64]
 
 _BEHIND = 100.0
 """Metres of a lane's line behind its beginning, for those who come from there."""

@@ -6,13 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.agents.imitation.waypoints import WAYPOINTS, drive_waypoints
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 _PERIOD = 0.1
 """Seconds between two decisions."""

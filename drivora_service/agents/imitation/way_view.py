@@ -8,15 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import Float32Array, FloatArray
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
 
 PIECES = 12
 PIECE_SIZE = 7

@@ -7,13 +7,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivora_service.agents.idm.pure_pursuit import preview
 from drivora_service.compilation import compiled
-
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 WAYPOINTS = 4
 INTERVAL = 0.5

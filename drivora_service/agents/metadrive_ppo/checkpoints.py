@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.route_corridor import RouteCorridor
-
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 _SPACING = 1.0
 _SMOOTHING = 9

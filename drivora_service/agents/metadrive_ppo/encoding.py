@@ -26,13 +26,11 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.kernels import wrapped
 
 REACH = 50.0
 """Metres that the rays reach, and beyond which checkpoints are shown no further."""
@@ -175,7 +173,7 @@ def _cast_rays(ego: FloatArray, box: FloatArray, size: FloatArray, out: FloatArr
         ax, ay = _corner(ego, box, size, cos, sin, edge)
         bx, by = _corner(ego, box, size, cos, sin, (edge + 1) % 4)
         start = math.atan2(ay, ax)
-        span = (math.atan2(by, bx) - start + math.pi) % (2.0 * math.pi) - math.pi
+        span = wrapped(math.atan2(by, bx) - start)
         low, high = min(start, start + span), max(start, start + span)
         ex, ey = bx - ax, by - ay
         for ray in range(math.ceil(low / step), math.floor(high / step) + 1):

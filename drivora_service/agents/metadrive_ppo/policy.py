@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 OBSERVATION_SIZE = 275
 HIDDEN = 256

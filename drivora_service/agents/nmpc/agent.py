@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.idm.agent import SpeedFactor
@@ -39,11 +38,9 @@ from drivora_service.agents.pdm_closed.forecast import STEPS, forecast, see_from
 from drivora_service.agents.pdm_closed.margins import side_margins
 from drivora_service.agents.pdm_closed.paths import LanePaths
 from drivora_service.agents.plugin import read_agent_parameters
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.line_tracking import track_line
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LARGEST_OFFSET = 1.0
 _EDGE_ROOM = 0.15

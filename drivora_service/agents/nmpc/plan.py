@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.nmpc.problem import INPUTS, STAGE_TIME, STAGES, STATES
-
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 _TIMES = STAGE_TIME * np.arange(STAGES + 1)
 

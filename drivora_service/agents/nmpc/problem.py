@@ -18,11 +18,9 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.nmpc.casadi_files import load_casadi
-
-FloatArray = NDArray[np.float64]
+from drivora_service.geometry.arrays import FloatArray
 
 STAGES = 14
 STAGE_TIME = 0.2

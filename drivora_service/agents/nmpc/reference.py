@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.car_following import MAX_ACCELERATION, halt
 from drivora_service.agents.idm.driving import BRAKING_JERK, DRIVING_JERK
@@ -17,9 +16,8 @@ from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME
 from drivora_service.agents.pdm_closed.proposals import accelerate
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.kernels import wrapped
 
 FORECASTS_A_STAGE = 2
 _FAR = 1e3
@@ -90,8 +88,8 @@ def roll_out(
         if at + 2 < way.shape[0]:
             # Headings run on within a segment, else each corner of the line would be a jerk.
             ahead = math.atan2(way[at + 2, 1] - way[at + 1, 1], way[at + 2, 0] - way[at + 1, 0])
-            yaw += 0.5 * min(past / span, 1.0) * _turn(ahead - yaw)
-        yaw = last_yaw + _turn(yaw - last_yaw)
+            yaw += 0.5 * min(past / span, 1.0) * wrapped(ahead - yaw)
+        yaw = last_yaw + wrapped(yaw - last_yaw)
         row, place = reference[k], places[k]
         low, high = sides[at, 0], sides[at, 1]
         rear, other = _leader(
@@ -124,11 +122,6 @@ def roll_out(
         along += 0.5 * (speed + after) * STAGE_TIME
         speed = after
     reference[0, 5] = reference[1, 5]
-
-
-@compiled
-def _turn(angle: float) -> float:
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
 @compiled

@@ -24,10 +24,9 @@ from drivora_service.agents.pdm_closed.margins import side_margins
 from drivora_service.agents.pdm_closed.paths import LanePaths
 from drivora_service.agents.pdm_closed.proposals import propose
 from drivora_service.agents.pdm_closed.scoring import score
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.line_tracking import track_line
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
 
 FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)
 """Shares of the speed limit that proposals are driven at, as in the paper."""

@@ -8,13 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 STEPS = 40
 STEP = 0.1

@@ -5,13 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.lane_route import LaneRun
 from drivora_service.networks.road_network import RoadNetwork
-
-FloatArray = NDArray[np.float64]
 
 _SAMPLES = np.arange(1.0, 3.6, 0.25)
 """Metres beside the line at which it is looked whether the road goes on."""

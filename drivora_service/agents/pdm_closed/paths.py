@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths, wrap_angle
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _PERIOD = 10
 """Steps between two looks at which lane somebody is on."""

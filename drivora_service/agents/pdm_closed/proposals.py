@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.idm.car_following import (
     COMFORTABLE_BRAKING,
@@ -23,10 +22,8 @@ from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.pdm_closed.forecast import STEP
 from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.line_tracking import track_line
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _STEER_RATE = 0.7
 _SHIFT_TIME = 2.0

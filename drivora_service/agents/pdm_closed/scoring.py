@@ -11,14 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.pdm_closed.forecast import STEP
 from drivora_service.compilation import compiled
-from drivora_service.observations.boxes import overlap_depth
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.boxes import overlap_depth
 
 PROGRESS_WEIGHT = 5.0
 TIME_TO_COLLISION_WEIGHT = 5.0

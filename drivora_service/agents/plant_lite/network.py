@@ -12,13 +12,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.way_view import EGO_SIZE, PIECE_SIZE, PIECES
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT
-
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 WIDTH = 48
 HEADS = 4

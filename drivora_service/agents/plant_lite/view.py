@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.imitation.way_view import (
     EGO_SIZE,
@@ -30,10 +29,7 @@ from drivora_service.agents.imitation.way_view import (
 )
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array, FloatArray, IntArray
 
 OBJECTS = 12
 OBJECT_SIZE = 14

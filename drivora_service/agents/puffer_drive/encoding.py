@@ -33,9 +33,7 @@ from drivora_service.agents.puffer_drive.policy import (
     VEHICLES,
 )
 from drivora_service.compilation import compiled
-
-FloatArray = NDArray[np.float64]
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array, FloatArray
 
 SIZE_SHARE = 0.7
 """Share of its length and width at which the policy was shown every vehicle."""

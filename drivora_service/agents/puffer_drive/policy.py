@@ -11,9 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float32Array = NDArray[np.float32]
+from drivora_service.geometry.arrays import Float32Array
 
 EGO_SIZE = 6
 VEHICLES = 63

@@ -6,13 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.drivable_area import drivable_area
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import Lane, RoadNetwork
-
-FloatArray = NDArray[np.float64]
 
 LANE, LINE, EDGE = 0.0, 1.0, 2.0
 """Kinds of pieces: along the middle of a lane, the line at its left, the edge of the road."""

@@ -18,9 +18,9 @@ from drivora_service.agents.puffer_drive.policy import (
     STEERINGS,
     VEHICLE_SIZE,
     DriveWeights,
-    Float32Array,
 )
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import Float32Array
 
 FILE_NAME = "weights.bin"
 

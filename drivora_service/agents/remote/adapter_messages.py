@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -29,8 +28,6 @@ from drivora_service.agents.remote.views import (
     VehicleView,
 )
 from drivora_service.observations.trace import Light
-
-FloatArray = NDArray[np.float64]
 
 _COLUMNS = 9
 _LIGHTS = tuple(Light)

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -22,11 +21,10 @@ from drivora_service.agents.interface import (
 from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.protocol import VERSION
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.lane_route import LaneRoute, RouteSignal
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.scenario.actor_models import ActorModel
-
-FloatArray = NDArray[np.float64]
 
 SURROUNDINGS = 100.0
 """Metres around the route within which lanes are sent."""

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from drivora_service.agents.interface import AgentContext, Control, Observation, PoseControl
 from drivora_service.errors import AgentError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col
-
-FloatArray = NDArray[np.float64]
 
 _STANDING_SPEED = 0.05
 """m/s below which the direction of motion says nothing about the heading."""

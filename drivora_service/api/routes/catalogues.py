@@ -21,7 +21,7 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.oracles.plugins import OracleEntry
+from drivora_service.oracles.catalogue import OracleEntry
 from drivora_service.parameters import describe_parameters
 from drivora_service.search.catalogue import TesterCatalogue
 

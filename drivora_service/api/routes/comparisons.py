@@ -17,10 +17,10 @@ from drivora_service.api.schemas.comparisons import (
     figures_view,
 )
 from drivora_service.api.security import reader
-from drivora_service.campaigns.campaign_report import read_report
-from drivora_service.campaigns.choosing import choose_campaigns
-from drivora_service.campaigns.comparing import compare_stored
-from drivora_service.campaigns.comparison import MEASURES, measure
+from drivora_service.studies.campaign_report import read_report
+from drivora_service.studies.choosing import choose_campaigns
+from drivora_service.studies.comparing import compare_stored
+from drivora_service.studies.comparison import MEASURES, measure
 
 router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 

@@ -16,7 +16,8 @@ from drivora_service.api.schemas.catalogues import (
     NetworkSummary,
 )
 from drivora_service.api.security import reader
-from drivora_service.networks.road_network import FloatArray, RoadNetwork
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.road_network import RoadNetwork
 
 router = APIRouter(tags=["networks"], dependencies=[Depends(reader)])
 

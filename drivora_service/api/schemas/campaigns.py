@@ -11,9 +11,10 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.jobs import Failure, failure_of
 from drivora_service.api.schemas.runs import AgentView, VerdictView, agent_views, verdict_view
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.runs.report import RunStatus
-from drivora_service.search.genes import FloatArray, GeneKind, GeneSpace, Part
+from drivora_service.search.genes import GeneKind, GeneSpace, Part
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
     CampaignRecord,

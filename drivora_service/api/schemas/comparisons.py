@@ -8,9 +8,9 @@ from typing import Any
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
-from drivora_service.campaigns.comparing import Comparison
-from drivora_service.campaigns.comparison import Row
-from drivora_service.campaigns.figures import CampaignFigures
+from drivora_service.studies.comparing import Comparison
+from drivora_service.studies.comparison import Row
+from drivora_service.studies.figures import CampaignFigures
 
 
 class Figures(Schema):

@@ -12,7 +12,7 @@ from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, note, print_json
 
 if TYPE_CHECKING:
-    from drivora_service.campaigns.comparing import Comparison
+    from drivora_service.studies.comparing import Comparison
 
 
 def compare(
@@ -61,7 +61,7 @@ def compare(
     else:
         print_comparison(comparison)
     if out is not None:
-        from drivora_service.campaigns.comparison_files import write_comparison
+        from drivora_service.studies.comparison_files import write_comparison
 
         for path in write_comparison(comparison, out):
             note(str(path))
@@ -75,12 +75,12 @@ def _compare_here(
     *,
     equal_time: bool,
 ) -> Comparison:
-    from drivora_service.campaigns.choosing import choose_campaigns
-    from drivora_service.campaigns.comparing import compare_stored
-    from drivora_service.campaigns.comparison import MEASURES, measure
-    from drivora_service.campaigns.reading import installed_catalogues
+    from drivora_service.campaigns.catalogues import installed_catalogues
     from drivora_service.cli.embedded import network_catalogue
     from drivora_service.cli.stored_campaigns import StoredCampaigns
+    from drivora_service.studies.choosing import choose_campaigns
+    from drivora_service.studies.comparing import compare_stored
+    from drivora_service.studies.comparison import MEASURES, measure
 
     chosen = tuple(measure(name) for name in names) if names else MEASURES
     with StoredCampaigns(data_dir) as campaigns:
@@ -113,8 +113,8 @@ def report(
 
     With --server it is a campaign of the service; pictures show road networks that are here too.
     """
-    from drivora_service.campaigns.report_text import report_markdown
     from drivora_service.cli.campaign_reports import report_here, report_of_service
+    from drivora_service.studies.report_text import report_markdown
 
     folder = None if out is None else out.with_name(f"{out.stem}-pictures")
     if server:

@@ -61,7 +61,7 @@ def show(
 def _oracles(server: str) -> list[dict[str, Any]]:
     if server:
         return entries_of_service(server, "/oracles")
-    from drivora_service.oracles.plugins import OracleCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
 
     catalogue = OracleCatalogue()
     # The printed form is that of the HTTP API.

@@ -28,7 +28,7 @@ def rejudge(
     """
     from drivora_service.cli.embedded import network_catalogue, settings_for
     from drivora_service.cli.rejudging import find_traces, rejudge
-    from drivora_service.oracles.plugins import OracleCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.oracles.verdict_json import verdict_to_json
 
     networks = network_catalogue(settings_for(data_dir))

@@ -132,7 +132,7 @@ def run(
 
 def _gate(rules: Sequence[str]) -> Gate:
     from drivora_service.cli.gates import read_gate
-    from drivora_service.oracles.plugins import OracleCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
 
     try:
         return read_gate(rules, OracleCatalogue().names(), whose="there is")

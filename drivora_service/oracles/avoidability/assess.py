@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from drivora_service.errors import UnknownName
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import FloatArray, Role, Trace
+from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
 from drivora_service.oracles.avoidability.breach import Breach, own_breach
 from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.observations.boxes import overlap_depth
-from drivora_service.observations.trace import BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.oracles.avoidability.driver import CarefulDriver
 from drivora_service.oracles.avoidability.replay import Replay
 

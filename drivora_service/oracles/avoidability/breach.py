@@ -6,8 +6,9 @@ from enum import StrEnum
 
 import numpy as np
 
+from drivora_service.geometry.arrays import BoolArray
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import BoolArray, Col, EgoCol, Light
+from drivora_service.observations.trace import Col, EgoCol, Light
 
 OUTSIDE = 0.3
 """Metres beyond the road of its own direction that a careful driver keeps within (nuPlan)."""

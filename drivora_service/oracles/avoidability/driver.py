@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
-from drivora_service.observations.trace import FloatArray
+from drivora_service.geometry.arrays import FloatArray
 
 GRAVITY = 9.81
 

@@ -12,10 +12,10 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.trace import BoolArray, FloatArray
 from drivora_service.oracles.avoidability.braking import WAIT, meets, place_on, pose_on
 from drivora_service.oracles.avoidability.replay import Replay
 

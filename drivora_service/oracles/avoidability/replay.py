@@ -12,17 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry import arc_lengths, wrap_angle
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import (
-    LEVEL_GAP,
-    BoolArray,
-    Col,
-    FloatArray,
-    IntArray,
-    Role,
-    Trace,
-)
+from drivora_service.observations.trace import LEVEL_GAP, Col, Role, Trace
 
 BEFORE = 20.0
 """Seconds before the contact that are looked at."""

@@ -17,9 +17,11 @@ from enum import StrEnum
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.observations.boxes import overlap_depth
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.sight import is_hidden
-from drivora_service.observations.trace import BoolArray, Col, FloatArray, Trace
+from drivora_service.observations.trace import Col, Trace
 from drivora_service.oracles.avoidability.braking import place_on, pose_on
 from drivora_service.oracles.avoidability.driver import CarefulDriver
 from drivora_service.oracles.avoidability.replay import SAME_WAY, Replay
@@ -180,7 +182,7 @@ def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> Fl
         if speed > _STANDS:
             course[t, 1] = math.atan2(way_y, way_x)
         if speed > _TURNS:
-            turn = (poses[t, 2] - poses[begin, 2] + math.pi) % (2.0 * math.pi) - math.pi
+            turn = wrapped(poses[t, 2] - poses[begin, 2])
             course[t, 2] = turn / span
         if t - begin > 1:
             course[t, 3] = (first - speed) / (span - step)
@@ -339,5 +341,5 @@ def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> FloatArr
             turn = poses[t, 2] - math.atan2(way_y, way_x)
             found[0, t] = path[i, 0] + share * piece
             found[1, t] = (way_x * y - way_y * x) / piece
-            found[2, t] = (turn + math.pi) % (2.0 * math.pi) - math.pi
+            found[2, t] = wrapped(turn)
     return found

@@ -10,9 +10,10 @@ import numpy as np
 from shapely import Polygon, box
 from shapely.affinity import affine_transform
 
-from drivora_service.geometry import wrap_angle
-from drivora_service.observations.boxes import overlap_depth
-from drivora_service.observations.trace import Actor, Col, FloatArray, Trace
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.observations.trace import Actor, Col, Trace
 
 _JUMP = 1.0
 """Metres in one step that the speeds of an actor do not explain."""

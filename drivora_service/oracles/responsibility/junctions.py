@@ -8,7 +8,7 @@ import numpy as np
 from shapely import LineString, Point
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.geometry import wrap_angle
+from drivora_service.geometry.angles import wrap_angle
 from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.observations.trace import Col
 from drivora_service.oracles.responsibility.party import Party

@@ -12,8 +12,9 @@ import shapely
 from shapely import LineString, Point, Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.geometry import wrap_angle
-from drivora_service.networks.road_network import FloatArray, RoadNetwork
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.road_network import RoadNetwork
 
 _REACH = 30.0
 """Metres around a place in which lanes are looked for."""

@@ -9,10 +9,12 @@ import numpy as np
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.geometry import arc_lengths, box_corners
+from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.geometry.lines import arc_lengths
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.trace import Actor, Col, FloatArray, IntArray, Trace
+from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
 
 GRAVITY = 9.81
@@ -100,12 +102,12 @@ class Party:
         return (self.count - 1 - last) * self.step_length
 
     @cached_property
-    def lanes(self) -> IntArray:
+    def lanes(self) -> Int32Array:
         """(n,) index of the lane that it was on, of those in its direction if there is one."""
         found = project_points(
             self.network, self.states[:, [Col.X, Col.Y]], self.states[:, Col.YAW]
         )
-        lanes: IntArray = found.lane
+        lanes: Int32Array = found.lane
         return lanes
 
     @cached_property

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.geometry import wrap_angle
+from drivora_service.geometry.angles import wrap_angle
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.responsibility.braking import could_brake

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.model import LightTimes, TrafficLights, Weather
-from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.layout import number
 
 _LOWEST_SUN = 0.0

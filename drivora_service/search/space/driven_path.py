@@ -8,18 +8,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.errors import NoRoute
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.lane_route import LaneRoute
-from drivora_service.networks.road_network import FloatArray, RoadNetwork
+from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Region, Waypoint
 from drivora_service.search.space.lane_walks import LaneWalk
-
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 _COORDINATE_DIGITS = 3
 _DEGREE_DIGITS = 3

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import EgoVehicle
-from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.ego_routes import EgoRoute
 from drivora_service.search.space.layout import choice, number, presence
 from drivora_service.search.space.options import SpaceOptions

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import NpcObstacle
-from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.egos import PlacedEgo
 from drivora_service.search.space.layout import choice, number, presence

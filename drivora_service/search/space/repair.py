@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.space.starts import Start, too_near
 
 STEP = 2.0

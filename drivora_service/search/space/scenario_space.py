@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
 
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_meetings import meeting_matrix
 from drivora_service.scenario.model import Scenario
-from drivora_service.search.genes import BoolArray, FloatArray, GeneSpace, Part
+from drivora_service.search.genes import GeneSpace, Part
 from drivora_service.search.space.conditions import (
     light_genes,
     traffic_lights,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drivora_service.observations.boxes import overlap_depth
+from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.search.space.driven_path import DrivenPath, Pose
 
 CLEAR_AHEAD = 2.0

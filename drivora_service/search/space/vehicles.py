@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
 from drivora_service.scenario.route_checks import JOIN_DISTANCE
-from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.layout import choice, number, presence, whole
 from drivora_service.search.space.npc_paths import NpcPath

@@ -8,10 +8,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import NpcWalker, Waypoint
-from drivora_service.search.genes import Block, FloatArray, Gene
+from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.egos import PlacedEgo
 from drivora_service.search.space.layout import choice, number, presence

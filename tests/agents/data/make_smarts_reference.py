@@ -59,7 +59,7 @@ def record(folder: Path) -> None:
 
 
 def answer(folder: Path, path: Path) -> None:
-    from drivora_service.agents.environments.smarts_agents import adapter
+    from drivora_service.agents.adapters.smarts_agents import adapter
     from drivora_service.agents.interface import Observation
     from drivora_service.agents.log import AgentLog
     from drivora_service.agents.remote import agent_pb2 as pb

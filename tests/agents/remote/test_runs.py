@@ -17,11 +17,11 @@ from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_hash import trace_sha256
-from drivora_service.runs import performing
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
+from drivora_service.worker import performing
+from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.ads import FAULT_STEP
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
 from tests.simulation.episodes import ego, place, run, scenario

@@ -18,12 +18,12 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs import performing
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
-from drivora_service.runs.worker_setup import WorkerSetup
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import BackgroundTraffic, Scenario
 from drivora_service.scenario.validation import validate_data
+from drivora_service.worker import performing
+from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
 from tests.simulation.episodes import ego, place, scenario
 

@@ -7,7 +7,7 @@ from functools import cache
 
 from drivora_service.cli.gates import read_gate
 from drivora_service.errors import ConfigurationError, InvalidDocument
-from drivora_service.oracles.plugins import OracleCatalogue
+from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.scenario.agent_parameters import read_agent_parameter, with_agent_parameters
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.validation import validate_data

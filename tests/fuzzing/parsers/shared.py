@@ -18,7 +18,7 @@ from tests.fuzzing.harness import check_refusal
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.campaigns.reading import Catalogues
+    from drivora_service.campaigns.catalogues import Catalogues
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -32,7 +32,7 @@ def networks() -> NetworkCatalogue:
 @cache
 def catalogues() -> Catalogues:
     """What campaigns may name."""
-    from drivora_service.campaigns.reading import installed_catalogues
+    from drivora_service.campaigns.catalogues import installed_catalogues
 
     return installed_catalogues(networks())
 

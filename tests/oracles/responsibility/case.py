@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.scenario.documents import ScenarioDocument, document_text, parse_document
 from tests.oracles.responsibility.ways import TICK, Drive, Point
 

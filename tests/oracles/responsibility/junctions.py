@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from drivora_service.geometry.arrays import FloatArray
 from tests.oracles.responsibility.case import (
     AT_FAULT,
     NOT_AT_FAULT,
@@ -17,15 +18,7 @@ from tests.oracles.responsibility.case import (
     Ego,
     Other,
 )
-from tests.oracles.responsibility.ways import (
-    Drive,
-    FloatArray,
-    detour,
-    lanes,
-    meeting,
-    shift,
-    straight,
-)
+from tests.oracles.responsibility.ways import Drive, detour, lanes, meeting, shift, straight
 
 GRID = "signal-grid"
 PRIORITY = "RSS rule 3 (right of way); Vienna Convention art. 18.2 and 18.4"

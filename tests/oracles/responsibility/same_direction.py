@@ -6,6 +6,7 @@ Grand Street of ``signal-grid`` has two lanes to the east (y = 105.1 and 108.4 m
 
 from __future__ import annotations
 
+from drivora_service.geometry.arrays import FloatArray
 from tests.oracles.responsibility.case import (
     AT_FAULT,
     NOT_AT_FAULT,
@@ -18,7 +19,6 @@ from tests.oracles.responsibility.case import (
 )
 from tests.oracles.responsibility.ways import (
     Drive,
-    FloatArray,
     braking,
     cut,
     lanes,

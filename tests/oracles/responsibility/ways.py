@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivora_service.geometry import arc_lengths
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
 
 TICK = 0.25

@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivora_service.errors import SearchError
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.routing import plan_route
 from drivora_service.scenario.model import AgentChoice, MapRegion, Region
 from drivora_service.scenario.route_checks import route_points
-from drivora_service.search.genes import FloatArray, Part
+from drivora_service.search.genes import Part
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from tests.search.space.seeds import (

@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import NpcObstacle
 from drivora_service.search.space.obstacles import CLEARANCE, MAX_LATERAL

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.routing import RoutePoint, plan_route
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.space.driven_path import DrivenPath, Pose
 from drivora_service.search.space.repair import STEP, Mover, other_choices, settle
 from drivora_service.search.space.starts import CLEAR_OF_EGO, Start, too_near

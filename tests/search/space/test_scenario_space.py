@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.geometry import box_corners
+from drivora_service.geometry.boxes import box_gap
+from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.observations.boxes import box_gap
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.model import (

@@ -10,10 +10,10 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.space.npc_paths import NpcPath
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace

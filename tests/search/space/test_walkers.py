@@ -10,9 +10,9 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.scenario.model import NpcWalker
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.roadside import OFF_ROAD
 from drivora_service.search.space.scenario_space import ScenarioSpace

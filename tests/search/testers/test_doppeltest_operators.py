@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.search.genes import BoolArray, FloatArray, Part
+from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.search.genes import Part
 from drivora_service.search.testers.doppeltest.chromosome import Chromosome
 from drivora_service.search.testers.doppeltest.crossover import DoppelTestCrossover
 from drivora_service.search.testers.doppeltest.mutation import DoppelTestMutation

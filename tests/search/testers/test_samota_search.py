@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from drivora_service.search.genes import Block, FloatArray, Gene, GeneKind, GeneSpace, Part
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.selection import fronts
 from drivora_service.search.testers.samota.archive import Archive, Database
 from drivora_service.search.testers.samota.breeding import Breeding, Region

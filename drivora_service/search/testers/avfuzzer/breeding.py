@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Mutation, Selection
 from drivora_service.search.crossover import exchange_block
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import Evaluation, Proposal
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.distance import candidate_distances
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.mutation import RedrawSlice
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from sklearn.cluster import KMeans

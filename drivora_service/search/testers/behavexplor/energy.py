@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray, IntArray
 
 INITIAL_GAIN = INITIAL_NOVELTY = 0.5
 """What the first seeds, which have no parent, are taken to have gained and to have been new."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import BoolArray, FloatArray, GeneKind, GeneSpace, Part
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.search.genes import GeneKind, GeneSpace, Part
 from drivora_service.search.mutation import effective_genes, shifted
 
 _ALONG, _SPEED = "along_", "speed_"

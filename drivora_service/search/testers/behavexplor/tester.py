@@ -16,8 +16,8 @@ from pydantic import Field
 from drivora_service.errors import SearchError
 from drivora_service.feedback.behavexplor import DEGREE, WINDOWS
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Components
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.behavexplor.behaviour_model import BehaviourModel

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import BoolArray, FloatArray, Gene, GeneSpace, Part
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.search.genes import Gene, GeneSpace, Part
 from drivora_service.search.testers.doppeltest.conflicts import RouteConflicts
 from drivora_service.search.testers.doppeltest.sections import ActorSection
 

@@ -8,8 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import BoolArray
+from drivora_service.geometry.arrays import BoolArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

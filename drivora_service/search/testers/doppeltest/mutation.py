@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.mutation import redrawn
 from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters

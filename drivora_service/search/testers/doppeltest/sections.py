@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drivora_service.search.genes import Block, FloatArray, GeneSpace
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.genes import Block, GeneSpace
 
 
 class ActorSection:

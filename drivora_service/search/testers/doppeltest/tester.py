@@ -9,8 +9,8 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Components, Mutation, Selection
-from drivora_service.search.genes import FloatArray
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Truncation
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import FloatArray, Part
+from drivora_service.search.genes import Part
 from drivora_service.search.tester import Evaluation
 from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
 

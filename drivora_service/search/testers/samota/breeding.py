@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drivora_service.search.components import IntArray, Mutation
-from drivora_service.search.genes import Block, FloatArray, GeneSpace
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.search.components import Mutation
+from drivora_service.search.genes import Block, GeneSpace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

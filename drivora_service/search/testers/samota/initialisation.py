@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.distance import candidate_distances
-from drivora_service.search.genes import FloatArray, GeneSpace
+from drivora_service.search.genes import GeneSpace
 
 
 class AdaptiveRandom:

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.search.components import IntArray
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.search.testers.samota.surrogates import Fit, Surrogate
 
 SIGNIFICANCE = 3.0

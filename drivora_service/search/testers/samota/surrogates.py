@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve
 
-from drivora_service.search.genes import FloatArray
+from drivora_service.geometry.arrays import FloatArray
 
 SMOOTHING = 0.01
 """Of the radial basis functions: scenarios that are alike may end differently."""

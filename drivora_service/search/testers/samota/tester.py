@@ -8,8 +8,8 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.search.components import Components, IntArray
-from drivora_service.search.genes import BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import (
     Evaluation,

@@ -1,0 +1,216 @@
+"""Deciding, and learning from what came of it: DiLu's reasoning and reflection, for one run."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass, field
+
+from drivora_service.agents.adapters.dilu.decisions import DECISIONS, Decision, decision_in
+from drivora_service.agents.adapters.dilu.experiences import Experience, Memory, Recalled
+from drivora_service.agents.adapters.dilu.models import ChatModel, ModelError
+from drivora_service.agents.adapters.dilu.prompts import (
+    Message,
+    check_messages,
+    decision_messages,
+    question,
+    reflection_messages,
+)
+from drivora_service.agents.adapters.dilu.situation import Situation, available
+from drivora_service.agents.log import AgentLog
+
+_GOOD_AFTER = 5
+"""Decisions without trouble after which one counts as good."""
+
+_WORTH_KEEPING = 5
+"""Of good decisions every such one may be kept, as in DiLu."""
+
+_MOVING = 1.0
+"""m/s: who stands has not shown that what it decided was good."""
+
+_LOOK_BACK = 4
+"""Decisions among which the one that led to trouble is looked for."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class _Made:
+    """A decision of this run."""
+
+    situation: Situation
+    decision: Decision
+    answer: str
+
+
+@dataclass(slots=True, kw_only=True)
+class Counts:
+    """What happened in the run so far.
+
+    Attributes:
+        decisions: That were made.
+        unclear: Answers without a decision in them.
+        unparsed: Answers whose decision asking again did not bring out either: it kept on.
+        impossible: Decisions that were not available: it kept on.
+        like_nearest: Decisions that equal that of the most fitting example.
+        reflections: That were asked for.
+        corrected: Of them, how many led to an experience.
+        gained: Good decisions that were kept as experiences.
+    """
+
+    decisions: int = 0
+    unclear: int = 0
+    unparsed: int = 0
+    impossible: int = 0
+    like_nearest: int = 0
+    reflections: int = 0
+    corrected: int = 0
+    gained: int = 0
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Driver:
+    """The language model as the driver of one run.
+
+    Attributes:
+        model: To ask.
+        memory: Grows as the run goes on.
+        examples: Experiences to show with each question.
+        log: Of the agent.
+    """
+
+    model: ChatModel
+    memory: Memory
+    examples: int
+    log: AgentLog
+    counts: Counts = field(default_factory=Counts)
+    _made: list[_Made] = field(default_factory=list)
+    _trouble_at: int = -1
+
+    def decide(self, situation: Situation, until: float) -> Decision:
+        """Asks the model what to do.
+
+        Args:
+            situation: The present one.
+            until: Of the monotonic clock, when answers must be there.
+
+        Raises:
+            ModelError: It does not answer.
+        """
+        if situation.speed > _MOVING:
+            self._keep_a_good_one()
+        recalled = self.memory.recall(situation, self.examples)
+        # The most fitting one last, as a model heeds most what it read last; the others by number,
+        # so that questions begin alike: what it has read before it need not read again.
+        shown = sorted(recalled[1:], key=lambda each: each.number) + recalled[:1]
+        messages = decision_messages(
+            [each.experience for each in shown], situation, reasons=self.model.reasons
+        )
+        self.log.event(f"situation: {messages[-1].content}")
+        self.log.event(f"examples: {_listed(recalled)}")
+        allowed = available(situation)
+        answer = self.model.answer(messages, allowed, self._left(until))
+        self.log.event(f"answer: {_quoted(answer)}")
+        decision = decision_in(answer)
+        if decision is None:
+            decision = self._asked_again(answer, until)
+        if decision not in allowed:
+            self.counts.impossible += 1
+            self.log.event(f"{decision} is not available: keep")
+            decision = Decision.KEEP
+        self.counts.decisions += 1
+        self.counts.like_nearest += bool(recalled and recalled[0].experience.decision is decision)
+        self._made.append(_Made(situation=situation, decision=decision, answer=answer))
+        self.log.event(f"decision: {decision}")
+        return decision
+
+    def _asked_again(self, answer: str, until: float) -> Decision:
+        self.counts.unclear += 1
+        again = self.model.answer(check_messages(answer), DECISIONS, self._left(until))
+        self.log.event(f"no decision in it; asked again: {_quoted(again)}")
+        decision = decision_in(again)
+        if decision is None:
+            self.counts.unparsed += 1
+            self.log.event("no decision again: keep")
+        return decision or Decision.KEEP
+
+    def _left(self, until: float) -> float:
+        left = until - time.monotonic()
+        if left <= 0.0:
+            raise ModelError(
+                f"{self.model.name} was asked more than once in a step, and took the time for all "
+                "of it for less: use a faster model, or give it more time"
+            )
+        return left
+
+    def reflect(self, braking: float, until: float) -> None:
+        """Has the last decision corrected that was not to decelerate: it led to hard braking.
+
+        Args:
+            braking: How hard, m/s².
+            until: Of the monotonic clock, when answers must be there.
+
+        Raises:
+            ModelError: The model does not answer.
+        """
+        self._trouble_at = len(self._made)
+        made = next(
+            (
+                m
+                for m in reversed(self._made[-_LOOK_BACK:])
+                if m.decision is not Decision.DECELERATE
+            ),
+            None,
+        )
+        if made is None:
+            return
+        self.counts.reflections += 1
+        self.log.event(
+            f"reflection: braked by {braking:.1f} m/s² after {made.decision} in: "
+            f"{question(made.situation, reasons=self.model.reasons).content}"
+        )
+        answer = self.model.answer(
+            self._reflection(made), available(made.situation), self._left(until)
+        )
+        self.log.event(f"answer: {_quoted(answer)}")
+        corrected = decision_in(answer)
+        if corrected is None or corrected is made.decision:
+            self.log.event("no correction in it")
+            return
+        self.counts.corrected += 1
+        why = "I made a mistake here before: " + " ".join(answer.rpartition("\n")[0].split())
+        self._remember(made.situation, corrected, why)
+
+    def _reflection(self, made: _Made) -> list[Message]:
+        return reflection_messages(
+            made.situation, made.decision, made.answer, reasons=self.model.reasons
+        )
+
+    def _keep_a_good_one(self) -> None:
+        """Keeps a decision of a while ago, if nothing went wrong since and it is new."""
+        number = len(self._made) - _GOOD_AFTER
+        if number < 0 or number % _WORTH_KEEPING != 1 or self._trouble_at > number:
+            return
+        made = self._made[number]
+        if self.memory.is_new(made.situation):
+            self.counts.gained += 1
+            why = " ".join(made.answer.rpartition("\n")[0].split())
+            self._remember(made.situation, made.decision, why)
+
+    def _remember(self, situation: Situation, decision: Decision, why: str) -> None:
+        number = self.memory.add(Experience(situation=situation, decision=decision, why=why))
+        self.log.event(
+            f"experience {number}: "
+            f"{question(situation, reasons=self.model.reasons).content} -> {decision}"
+        )
+
+
+def _listed(recalled: list[Recalled]) -> str:
+    return (
+        ", ".join(
+            f"{each.number} ({each.distance:.2f}, {each.experience.decision})" for each in recalled
+        )
+        or "none"
+    )
+
+
+def _quoted(answer: str) -> str:
+    return json.dumps(answer, ensure_ascii=False)

@@ -1,0 +1,100 @@
+"""Scenes turned so that the ego faces north, for policies that trip over the compass.
+
+DSAC and CASL subtract headings without going round, and so steer off the road on the way south;
+DSAC puts the empty places of its list at (200, 200), where it would see vehicles that are none.
+Neither remembers more of a scene than how far it has gone, so each scene may have a frame of its
+own: the ego faces north, at as many metres north of the origin as it has driven.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drivora_service.agents.adapters.smarts_agents.scene import (
+    Goal,
+    Mission,
+    Scene,
+    VehicleState,
+    Waypoint,
+)
+from drivora_service.geometry.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Facing:
+    """A frame in which the ego faces north.
+
+    Attributes:
+        origin: (2,) where the ego is in the network's plane.
+        heading: SMARTS's heading of the ego there.
+        driven: Metres north of the frame's origin at which it is in the frame.
+    """
+
+    origin: FloatArray
+    heading: float
+    driven: float
+
+    def turned(self, scene: Scene) -> Scene:
+        """Gives a scene in this frame."""
+        ego = scene.ego_vehicle_state
+        return replace(
+            scene,
+            ego_vehicle_state=replace(
+                ego,
+                position=self._place(ego.position),
+                heading=self._heading(ego.heading),
+                mission=Mission(goal=Goal(position=self._place(ego.mission.goal.position))),
+                linear_velocity=self._rotated(ego.linear_velocity, -self.heading),
+                linear_acceleration=self._rotated(ego.linear_acceleration, -self.heading),
+            ),
+            neighborhood_vehicle_states=tuple(
+                self._vehicle(vehicle) for vehicle in scene.neighborhood_vehicle_states
+            ),
+            waypoint_paths=[
+                [self._waypoint(waypoint) for waypoint in path] for path in scene.waypoint_paths
+            ],
+        )
+
+    def back(self, x: float, y: float, heading: float) -> tuple[float, float, float]:
+        """Gives a pose of this frame in the network's plane."""
+        east, north = self._rotated(np.array([x, y - self.driven]), self.heading).tolist()
+        return (
+            float(self.origin[0]) + east,
+            float(self.origin[1]) + north,
+            math.remainder(heading + self.heading, math.tau),
+        )
+
+    def _place(self, place: FloatArray) -> FloatArray:
+        here = place.copy()
+        here[:2] = self._rotated(place[:2] - self.origin, -self.heading)
+        here[1] += self.driven
+        return here
+
+    def _heading(self, heading: float) -> float:
+        return math.remainder(heading - self.heading, math.tau)
+
+    def _vehicle(self, vehicle: VehicleState) -> VehicleState:
+        place, heading = self._place(vehicle.position), self._heading(vehicle.heading)
+        return replace(vehicle, position=place, heading=heading)
+
+    def _waypoint(self, waypoint: Waypoint) -> Waypoint:
+        place, heading = self._place(waypoint.pos), self._heading(waypoint.heading)
+        return replace(waypoint, pos=place, heading=heading)
+
+    @staticmethod
+    def _rotated(vector: FloatArray, angle: float) -> FloatArray:
+        """Turns x and y counter-clockwise."""
+        cos, sin = math.cos(angle), math.sin(angle)
+        turned = vector.copy()
+        turned[0] = cos * vector[0] - sin * vector[1]
+        turned[1] = sin * vector[0] + cos * vector[1]
+        return turned
+
+
+def facing(scene: Scene, driven: float) -> Facing:
+    """Gives the frame of a scene, before which the ego has driven so many metres."""
+    ego = scene.ego_vehicle_state
+    return Facing(origin=ego.position[:2].copy(), heading=ego.heading, driven=driven)

@@ -1,0 +1,26 @@
+"""Outlines of boxes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivora_service.geometry.arrays import FloatArray
+
+
+def box_corners(
+    x: FloatArray, y: FloatArray, yaw: FloatArray, length: float, width: float
+) -> FloatArray:
+    """Returns the (n, 4, 2) corners of boxes, front left first, counter-clockwise.
+
+    Args:
+        x: (n,) centres, metres.
+        y: (n,) centres, metres.
+        yaw: (n,) headings, radians.
+        length: Of all boxes, metres.
+        width: Of all boxes, metres.
+    """
+    ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * (0.5 * length)
+    left = np.stack((-np.sin(yaw), np.cos(yaw)), axis=-1)[:, None, :] * (0.5 * width)
+    signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    centres = np.stack((x, y), axis=-1)[:, None, :]
+    return centres + signs[None, :, :1] * ahead + signs[None, :, 1:] * left

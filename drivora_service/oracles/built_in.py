@@ -1,0 +1,67 @@
+"""The built-in oracles, and judging a run by several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Trace
+from drivora_service.oracles.blocked import Blocked
+from drivora_service.oracles.collision import Collision
+from drivora_service.oracles.deadlock import Deadlock
+from drivora_service.oracles.destination import Destination
+from drivora_service.oracles.discomfort import Discomfort
+from drivora_service.oracles.failure_to_yield import FailureToYield
+from drivora_service.oracles.lane_keeping import LaneKeeping
+from drivora_service.oracles.minimum_speed import MinimumSpeed
+from drivora_service.oracles.near_miss import NearMiss
+from drivora_service.oracles.off_road import OffRoad
+from drivora_service.oracles.red_light import RedLight
+from drivora_service.oracles.route_deviation import RouteDeviation
+from drivora_service.oracles.speeding import Speeding
+from drivora_service.oracles.stop_sign import StopSign
+from drivora_service.oracles.tailgating import Tailgating
+from drivora_service.oracles.verdict import Oracle, Verdict
+from drivora_service.oracles.wrong_way import WrongWay
+
+
+def default_oracles() -> tuple[Oracle, ...]:
+    """Gives the built-in oracles with their default thresholds."""
+    return (
+        Collision(),
+        RedLight(),
+        StopSign(),
+        FailureToYield(),
+        OffRoad(),
+        WrongWay(),
+        LaneKeeping(),
+        RouteDeviation(),
+        Speeding(),
+        Blocked(),
+        Deadlock(),
+        Destination(),
+        NearMiss(),
+        Tailgating(),
+        MinimumSpeed(),
+        Discomfort(),
+    )
+
+
+def judge_all(
+    trace: Trace,
+    network: RoadNetwork,
+    oracles: Sequence[Oracle],
+    *,
+    view: RunView | None = None,
+) -> tuple[Verdict, ...]:
+    """Judges a run by several oracles.
+
+    Args:
+        trace: The run.
+        network: The road network it took place on.
+        oracles: The rules, in the order in which their verdicts are wanted.
+        view: A view of that run, if there is one already: what it has computed is used again.
+    """
+    view = view or RunView(trace, network)
+    return tuple(verdict for oracle in oracles for verdict in oracle.judge(view))

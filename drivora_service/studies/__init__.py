@@ -1,0 +1,1 @@
+"""Studies: what campaigns come to, alone and compared with others."""

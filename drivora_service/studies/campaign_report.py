@@ -1,0 +1,156 @@
+"""What there is to tell of one campaign."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.documents import CampaignDocument
+from drivora_service.campaigns.ground import Ground, ground_of
+from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
+from drivora_service.oracles.accountability import Accountability, accountability
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    CampaignState,
+    Confirmation,
+    EvaluationRecord,
+    FailureRecord,
+)
+from drivora_service.store.database import Database
+from drivora_service.studies.comparing import (
+    check_genes,
+    confirmed_evaluations,
+    network_coverage,
+)
+from drivora_service.studies.figures import CampaignFigures, Subject, figures_of
+from drivora_service.studies.situations import count_situations
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureGroup:
+    """Failures of one kind in one cluster.
+
+    Attributes:
+        key: Their kind.
+        cluster: Number within the oracle; ``None`` where failures have no cluster.
+        failures: In the order of their evaluations.
+    """
+
+    key: str
+    cluster: int | None
+    failures: tuple[FailureRecord, ...]
+
+    @property
+    def example(self) -> FailureRecord:
+        """The first that was confirmed and has a trace; else the first of all."""
+        for failure in self.failures:
+            if failure.confirmation is Confirmation.CONFIRMED and failure.trace:
+                return failure
+        return self.failures[0]
+
+    def count(self, confirmation: Confirmation) -> int:
+        """Counts failures of which that is known."""
+        return sum(failure.confirmation is confirmation for failure in self.failures)
+
+    @property
+    def at_fault(self) -> int:
+        """Counts failures for which the ego is known to be responsible."""
+        return sum(bool(failure.verdict.at_fault) for failure in self.failures)
+
+    @property
+    def avoidable(self) -> int:
+        """Counts those of them that a careful and competent driver avoids."""
+        return sum(
+            accountability(failure.verdict) is Accountability.AVOIDABLE for failure in self.failures
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignReport:
+    """A campaign and what it came to.
+
+    Attributes:
+        figures: ``None`` where what it searched is not here any more; ``note`` says why.
+        groups: Of failures, in the order in which they were found.
+        privileged: Egos that saw everything, not only what the perception model lets through.
+    """
+
+    record: CampaignRecord
+    document: CampaignDocument
+    figures: CampaignFigures | None
+    groups: tuple[FailureGroup, ...]
+    note: str
+    privileged: tuple[str, ...] = ()
+
+
+def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
+    """Reads what the store knows of a campaign, finished or not.
+
+    Raises:
+        UnknownName: There is no such campaign.
+    """
+    with database.read() as transaction:
+        record = transaction.campaigns.get(campaign_id)
+        failures = transaction.evaluations.failures(campaign_id)
+    document = CampaignDocument.model_validate_json(record.document)
+    groups = group(failures)
+    figures, note = None, ""
+    privileged: set[str] = set()
+    try:
+        ground = ground_of(record, catalogues)
+        evaluations = check_genes(confirmed_evaluations(database, record.id), ground, record)
+        privileged.update(ego for one in evaluations for ego in one.report.privileged)
+        figures = _figures(database, record, document, ground, groups, evaluations)
+    except (CampaignError, InvalidDocument, NetworkError, SearchError) as error:
+        note = str(error)
+    return CampaignReport(
+        record=record,
+        document=document,
+        figures=figures,
+        groups=groups,
+        note=note,
+        privileged=tuple(sorted(privileged)),
+    )
+
+
+def group(failures: Sequence[FailureRecord]) -> tuple[FailureGroup, ...]:
+    """Puts failures of the same kind and cluster together."""
+    found: dict[tuple[str, int | None], list[FailureRecord]] = defaultdict(list)
+    for failure in failures:
+        found[failure.key, failure.cluster].append(failure)
+    return tuple(
+        FailureGroup(key=key, cluster=cluster, failures=tuple(members))
+        for (key, cluster), members in found.items()
+    )
+
+
+def _figures(
+    database: Database,
+    record: CampaignRecord,
+    document: CampaignDocument,
+    ground: Ground,
+    groups: Sequence[FailureGroup],
+    records: Sequence[EvaluationRecord],
+) -> CampaignFigures:
+    clusters = {
+        (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
+    }
+    (situations,) = count_situations([[v for record in records for v in record.violations]])
+    are_grouped = record.state is CampaignState.FINISHED
+    subject = Subject(
+        campaign=record.id, group=record.tester, scenario=record.town, seed=document.seed
+    )
+    figures = figures_of(
+        subject,
+        records,
+        ground.space,
+        clusters=len(clusters) if are_grouped else None,
+        situations=situations,
+        budget=record.budget,
+    )
+    if not figures.simulations:
+        return figures
+    covered = network_coverage(database, record.id, ground.network)
+    return replace(figures, network_coverage=covered)

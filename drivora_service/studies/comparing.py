@@ -1,0 +1,232 @@
+"""Comparing campaigns that are in the store."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.clustering import Clustering
+from drivora_service.campaigns.ground import Ground, ground_of
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.errors import CampaignError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.runs.report import RunReport
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    Confirmation,
+    EvaluationRecord,
+)
+from drivora_service.store.database import Database
+from drivora_service.studies.comparison import (
+    MEASURES,
+    Measure,
+    Row,
+    check_comparable,
+    compare_campaigns,
+)
+from drivora_service.studies.figures import (
+    CampaignFigures,
+    duration_s,
+    figures_of,
+    within_time,
+)
+from drivora_service.studies.road_coverage import RoadCoverage
+from drivora_service.studies.situations import count_situations
+from drivora_service.studies.subjects import Compared, compared_campaigns
+
+_PAGE = 500
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """What came of comparing campaigns.
+
+    Attributes:
+        baseline: The group that the others are compared with.
+        figures: One a campaign, in the order of the campaigns.
+        rows: One for each measure, scenario and group but the baseline.
+        budgets: Simulations that each campaign could make, by scenario.
+        time_limits: Seconds of one worker within which evaluations count, by scenario; empty
+            unless campaigns are compared at equal time.
+        notes: What a reader should know besides, for people.
+    """
+
+    baseline: str
+    figures: tuple[CampaignFigures, ...]
+    rows: tuple[Row, ...]
+    budgets: dict[str, int]
+    time_limits: dict[str, float]
+    notes: tuple[str, ...]
+
+
+def compare_stored(
+    database: Database,
+    records: Sequence[CampaignRecord],
+    catalogues: Catalogues,
+    *,
+    baseline: str = "random",
+    measures: Sequence[Measure] = MEASURES,
+    equal_time: bool = False,
+) -> Comparison:
+    """Compares campaigns by what the store holds of them.
+
+    Failures that did not happen again in an identical run are left out. Groups of similar failures
+    are made of the failures of all campaigns on a scenario at once.
+
+    Args:
+        database: Holds the campaigns.
+        records: The campaigns; see :func:`choosing.choose_campaigns`.
+        catalogues: Where their names are looked up.
+        baseline: Name of the group that the others are compared with.
+        measures: By what.
+        equal_time: Leave out what each campaign evaluated after the seconds (of one worker, the
+            method's own time included) that the shortest campaign on the same scenario took.
+
+    Raises:
+        CampaignError: They cannot be compared; says why.
+        InvalidDocument: What a campaign names is not there any more.
+    """
+    campaigns = compared_campaigns(records, catalogues.testers)
+    check_comparable([campaign.subject for campaign in campaigns], baseline)
+    by_scenario: dict[str, list[Compared]] = defaultdict(list)
+    for campaign in campaigns:
+        by_scenario[campaign.subject.scenario].append(campaign)
+    figures: dict[str, CampaignFigures] = {}
+    limits: dict[str, float] = {}
+    for scenario, here in by_scenario.items():
+        evaluations = [confirmed_evaluations(database, c.record.id) for c in here]
+        if equal_time:
+            limits[scenario] = min(duration_s(one) for one in evaluations)
+        ground = ground_of(here[0].record, catalogues)
+        for found in _figures(database, here, evaluations, ground, limits.get(scenario)):
+            figures[found.campaign] = found
+    ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
+    return Comparison(
+        baseline=baseline,
+        figures=ordered,
+        rows=compare_campaigns(ordered, baseline, measures),
+        budgets={name: here[0].record.budget for name, here in by_scenario.items()},
+        time_limits=limits,
+        notes=_notes(campaigns),
+    )
+
+
+def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
+    """Gives the evaluations of a campaign, without failures that did not happen again.
+
+    Of the runs' reports little is kept, such as how long they took: hundreds of campaigns must fit
+    in memory.
+    """
+    journal = StoreJournal(database, campaign_id)
+    flaky = {f.number for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
+    kept = []
+    for record in journal.evaluations():
+        report = RunReport(
+            run_id=record.report.run_id,
+            status=record.report.status,
+            wall_time_s=record.report.wall_time_s,
+            privileged=record.report.privileged,
+        )
+        stands = record.number not in flaky
+        kept.append(
+            replace(
+                record,
+                report=report,
+                violations=record.violations if stands else (),
+                failure_keys=record.failure_keys if stands else (),
+            )
+        )
+    return tuple(kept)
+
+
+def network_coverage(
+    database: Database, campaign_id: str, network: RoadNetwork, *, until: int | None = None
+) -> float:
+    """Gives the share of the network that a campaign's simulations took place on.
+
+    Args:
+        database: Holds their scenarios.
+        campaign_id: Which campaign.
+        network: Its road network.
+        until: Number of the last evaluation that counts; ``None``: all count.
+    """
+    coverage = RoadCoverage(network)
+    after = -1
+    while True:
+        with database.read() as transaction:
+            page = transaction.evaluations.documents(campaign_id, after=after, limit=_PAGE)
+        coverage.add(
+            [from_canonical(text) for number, text in page if until is None or number <= until]
+        )
+        if len(page) < _PAGE:
+            return coverage.share
+        after = page[-1][0]
+
+
+def _figures(
+    database: Database,
+    campaigns: Sequence[Compared],
+    evaluations: Sequence[Sequence[EvaluationRecord]],
+    ground: Ground,
+    limit: float | None,
+) -> list[CampaignFigures]:
+    counted = [one if limit is None else within_time(one, limit) for one in evaluations]
+    violations = [[verdict for record in one for verdict in record.violations] for one in counted]
+    clusters = Clustering().count_each(violations)
+    situations = count_situations(violations)
+    return [
+        figures_of(
+            campaign.subject,
+            check_genes(records, ground, campaign.record),
+            ground.space,
+            clusters=groups,
+            situations=places,
+            network_coverage=network_coverage(
+                database,
+                campaign.record.id,
+                ground.network,
+                until=records[-1].number if records else -1,
+            ),
+            time_limit_s=limit,
+            budget=campaign.record.budget,
+        )
+        for campaign, records, groups, places in zip(
+            campaigns, counted, clusters, situations, strict=True
+        )
+    ]
+
+
+def check_genes(
+    records: Sequence[EvaluationRecord], ground: Ground, campaign: CampaignRecord
+) -> Sequence[EvaluationRecord]:
+    """Gives evaluations whose genes are those of the space as it is now.
+
+    Raises:
+        CampaignError: They are not.
+    """
+    for record in records:
+        if record.status is not EvaluationStatus.INVALID and not ground.space.within(
+            record.proposal.values
+        ):
+            raise CampaignError(
+                f"evaluation {record.number} of campaign {campaign.id} has other genes than the "
+                "same campaign would have now: the program has changed since. Compare it with the "
+                f"version that it was made with ({campaign.versions.get('drivora', 'unknown')})"
+            )
+    return records
+
+
+def _notes(campaigns: Sequence[Compared]) -> tuple[str, ...]:
+    versions: dict[str, set[str]] = defaultdict(set)
+    for campaign in campaigns:
+        for name, version in campaign.record.versions.items():
+            versions[name].add(version)
+    return tuple(
+        f"the campaigns were made with different versions of {name}: {', '.join(sorted(found))}"
+        for name, found in versions.items()
+        if len(found) > 1
+    )

@@ -1,0 +1,286 @@
+"""Comparing methods over repeated campaigns, measure by measure, scenario by scenario."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from drivora_service.errors import CampaignError, UnknownName
+from drivora_service.studies.figures import CampaignFigures, Subject
+from drivora_service.studies.statistics import Effect, compare_samples, holm
+
+NOTICEABLE = 0.71
+"""A12 from which an effect is called large (Vargha and Delaney 2000)."""
+SIGNIFICANT = 0.05
+_SIZES = ((NOTICEABLE, "large"), (0.64, "medium"), (0.56, "small"))
+"""A12, or 1 minus A12, from which an effect is called so (Vargha and Delaney 2000)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measure:
+    """Something that campaigns are compared by.
+
+    Attributes:
+        value: Gives it; ``None`` where a campaign does not have it.
+    """
+
+    name: str
+    title: str
+    larger_is_better: bool
+    value: Callable[[CampaignFigures], float | None]
+
+
+def _until_first(figures: CampaignFigures) -> float | None:
+    """Gives the simulations up to the first failure; one more than allowed where there was none.
+
+    A tester may have ended before its budget: with one more than it made, who gave up soonest would
+    seem to have found soonest. At equal time campaigns have made different numbers of simulations
+    as well, and none was allowed: then it is not known.
+    """
+    if figures.time_limit_s is not None:
+        return None
+    if figures.first_failure is not None:
+        return float(figures.first_failure)
+    return float(max(figures.simulations, figures.budget or 0) + 1)
+
+
+def _seconds_until_first(figures: CampaignFigures) -> float | None:
+    """Gives the seconds up to the first failure; at equal time all of them where there was none."""
+    found = figures.first_failure_s
+    return figures.time_limit_s if found is None else found
+
+
+MEASURES = (
+    Measure(
+        name="avoidable",
+        title="simulations with an avoidable at-fault failure",
+        larger_is_better=True,
+        value=lambda f: float(f.avoidable),
+    ),
+    Measure(
+        name="at_fault",
+        title="simulations with an at-fault failure",
+        larger_is_better=True,
+        value=lambda f: float(f.at_fault),
+    ),
+    Measure(
+        name="failing",
+        title="simulations with a failure",
+        larger_is_better=True,
+        value=lambda f: float(f.failing),
+    ),
+    Measure(
+        name="kinds",
+        title="different failures (by key)",
+        larger_is_better=True,
+        value=lambda f: float(f.kinds),
+    ),
+    Measure(
+        name="clusters",
+        title="different failures (by cluster)",
+        larger_is_better=True,
+        value=lambda f: None if f.clusters is None else float(f.clusters),
+    ),
+    Measure(
+        name="situations",
+        title="different failures (by situation)",
+        larger_is_better=True,
+        value=lambda f: None if f.situations is None else float(f.situations),
+    ),
+    Measure(
+        name="rules",
+        title="rules broken",
+        larger_is_better=True,
+        value=lambda f: float(f.rules),
+    ),
+    Measure(
+        name="first_failure",
+        title="simulations to the first failure",
+        larger_is_better=False,
+        value=_until_first,
+    ),
+    Measure(
+        name="first_failure_s",
+        title="seconds to the first failure",
+        larger_is_better=False,
+        value=_seconds_until_first,
+    ),
+    Measure(
+        name="gene_coverage",
+        title="coverage of the gene space",
+        larger_is_better=True,
+        value=lambda f: f.gene_coverage,
+    ),
+    Measure(
+        name="network_coverage",
+        title="coverage of the road network",
+        larger_is_better=True,
+        value=lambda f: f.network_coverage,
+    ),
+    Measure(
+        name="invalid_share",
+        title="share of invalid candidates",
+        larger_is_better=False,
+        value=lambda f: f.invalid_share,
+    ),
+    Measure(
+        name="own_share",
+        title="own time over simulation time",
+        larger_is_better=False,
+        value=lambda f: f.own_share,
+    ),
+)
+
+
+def measure(name: str) -> Measure:
+    """Gives a measure by its name.
+
+    Raises:
+        UnknownName: If there is none of that name.
+    """
+    for known in MEASURES:
+        if known.name == name:
+            return known
+    raise UnknownName("measure", name, tuple(known.name for known in MEASURES))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One method against the baseline, by one measure on one seed scenario.
+
+    Attributes:
+        repetitions: Of the method.
+        baseline_repetitions: Of the baseline.
+        median: Of the method's repetitions.
+        baseline_median: Of the baseline's.
+        effect: A12 is the probability that a repetition of the method is *better* than one of the
+            baseline.
+        p_holm: p corrected for all rows of the same measure.
+    """
+
+    scenario: str
+    measure: Measure
+    group: str
+    baseline: str
+    repetitions: int
+    baseline_repetitions: int
+    median: float
+    baseline_median: float
+    effect: Effect
+    p_holm: float
+
+    @property
+    def is_better(self) -> bool:
+        """Whether the method is better by a large effect that is hardly chance."""
+        return self.effect.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
+
+    @property
+    def judgement(self) -> str:
+        """Says in words who is better and by how much; undecided where that may be chance.
+
+        The words for its size are those of Vargha and Delaney 2000.
+        """
+        if self.p_holm >= SIGNIFICANT:
+            return "undecided"
+        larger = max(self.effect.a12, 1.0 - self.effect.a12)
+        size = next((word for least, word in _SIZES if larger >= least), "negligible")
+        return f"{'better' if self.effect.a12 > 0.5 else 'worse'}, {size}"
+
+
+def compare_campaigns(
+    figures: Sequence[CampaignFigures], baseline: str, measures: Sequence[Measure] = MEASURES
+) -> tuple[Row, ...]:
+    """Compares every group with one of them.
+
+    Args:
+        figures: Of campaigns with the same budget on each seed scenario.
+        baseline: Name of the group that the others are compared with.
+        measures: By what.
+
+    Returns:
+        Rows by measure, then scenario, then group. A measure that a campaign of either group does
+        not have gives no row.
+
+    Raises:
+        CampaignError: If the campaigns cannot be compared; says why.
+    """
+    check_comparable(figures, baseline)
+    rows = []
+    for by in measures:
+        found = [
+            row
+            for scenario in _unique(f.scenario for f in figures)
+            for group in _unique(f.group for f in figures if f.scenario == scenario)
+            if group != baseline
+            and (row := _row(figures, scenario, group, baseline, by)) is not None
+        ]
+        corrected = holm([row.effect.p for row in found])
+        rows += [replace(row, p_holm=p) for row, p in zip(found, corrected, strict=True)]
+    return tuple(rows)
+
+
+def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str) -> None:
+    """Checks that every group has repetitions, and a baseline to be compared with.
+
+    Args:
+        figures: The campaigns, counted or not yet.
+        baseline: Name of the group that the others are compared with.
+
+    Raises:
+        CampaignError: If the campaigns cannot be compared; says why.
+    """
+    groups = _unique(f.group for f in figures)
+    if baseline not in groups:
+        raise CampaignError(
+            f"there is no campaign of {baseline!r} to compare with; there are: {', '.join(groups)}"
+        )
+    if len(groups) < 2:
+        raise CampaignError(f"all campaigns are of {baseline!r}: there is nothing to compare")
+    for scenario in _unique(f.scenario for f in figures):
+        here = [f for f in figures if f.scenario == scenario]
+        if not any(f.group == baseline for f in here):
+            raise CampaignError(f"on {scenario!r} there is no campaign of {baseline!r}")
+        for group in _unique(f.group for f in here):
+            if sum(f.group == group for f in here) < 2:
+                raise CampaignError(
+                    f"on {scenario!r} there is one campaign of {group!r} only; chance can be told "
+                    "from difference with repetitions alone: run it with other seeds, 20 in all "
+                    "for a result that can be relied on"
+                )
+        seen: dict[tuple[str, int], str] = {}
+        for f in here:
+            twin = seen.setdefault((f.group, f.seed), f.campaign)
+            if twin != f.campaign:
+                raise CampaignError(
+                    f"campaigns {twin} and {f.campaign} are the same search ({f.group}, seed "
+                    f"{f.seed}): repetitions need seeds of their own"
+                )
+
+
+def _row(
+    figures: Sequence[CampaignFigures], scenario: str, group: str, baseline: str, by: Measure
+) -> Row | None:
+    first = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, group)]
+    second = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, baseline)]
+    ours = [value for value in first if value is not None]
+    theirs = [value for value in second if value is not None]
+    if len(ours) < len(first) or len(theirs) < len(second):
+        return None
+    sign = 1.0 if by.larger_is_better else -1.0
+    return Row(
+        scenario=scenario,
+        measure=by,
+        group=group,
+        baseline=baseline,
+        repetitions=len(ours),
+        baseline_repetitions=len(theirs),
+        median=statistics.median(ours),
+        baseline_median=statistics.median(theirs),
+        effect=compare_samples([sign * v for v in ours], [sign * v for v in theirs]),
+        p_holm=1.0,
+    )
+
+
+def _unique(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))

@@ -1,0 +1,137 @@
+"""A comparison as files: Markdown, CSV, and charts as SVG and PNG."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from pathlib import Path
+
+from drivora_service.plotting.discoveries import Discoveries, Repetition, draw_first, draw_found
+from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
+from drivora_service.studies.comparing import Comparison
+from drivora_service.studies.comparison import SIGNIFICANT, Row
+from drivora_service.studies.comparison_text import comparison_markdown, groups_of, measures_of
+from drivora_service.studies.figures import CampaignFigures
+
+_ROW_COLUMNS = (
+    "measure",
+    "scenario",
+    "group",
+    "baseline",
+    "repetitions",
+    "baseline_repetitions",
+    "median",
+    "baseline_median",
+    "a12",
+    "a12_low",
+    "a12_high",
+    "p",
+    "p_holm",
+    "judgement",
+)
+
+
+def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
+    """Writes a comparison into a folder, which is made if need be.
+
+    Returns:
+        The files: ``comparison.md``, ``comparison.csv``, ``figures.csv`` and charts.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    text, table, figures = (
+        folder / name for name in ("comparison.md", "comparison.csv", "figures.csv")
+    )
+    charts = _draw(comparison, folder)
+    text.write_text(comparison_markdown(comparison, [p for p in charts if p.suffix == ".svg"]))
+    _write_csv(table, _ROW_COLUMNS, (_row_cells(row) for row in comparison.rows))
+    columns = (*(field.name for field in fields(CampaignFigures)), "own_share")
+    _write_csv(figures, columns, (_figure_cells(one, columns) for one in comparison.figures))
+    return (text, table, figures, *charts)
+
+
+def _draw(comparison: Comparison, folder: Path) -> list[Path]:
+    baseline = comparison.baseline
+    discoveries = [
+        Discoveries(
+            title=scenario,
+            groups={
+                group: [
+                    Repetition(simulations=f.simulations, found=f.found)
+                    for f in comparison.figures
+                    if (f.scenario, f.group) == (scenario, group)
+                ]
+                for group in groups_of(f for f in comparison.figures if f.scenario == scenario)
+            },
+        )
+        for scenario in comparison.budgets
+    ]
+    charts = [
+        *draw_found(discoveries, baseline, folder / "failures-found"),
+        *draw_first(discoveries, baseline, folder / "first-failure"),
+    ]
+    if comparison.rows:
+        charts += draw_effects(_effects(comparison), baseline, folder / "effects")
+        charts += draw_values(_values(comparison), baseline, folder / "values")
+    return charts
+
+
+def _effects(comparison: Comparison) -> list[EffectRow]:
+    several = len(comparison.budgets) > 1
+    return [
+        EffectRow(
+            section=f"{row.measure.title}, {row.scenario}" if several else row.measure.title,
+            group=row.group,
+            a12=row.effect.a12,
+            low=row.effect.low,
+            high=row.effect.high,
+            is_significant=row.p_holm < SIGNIFICANT,
+        )
+        for row in comparison.rows
+    ]
+
+
+def _values(comparison: Comparison) -> list[Values]:
+    shown = []
+    for measure in measures_of(comparison):
+        for scenario in comparison.budgets:
+            here = [f for f in comparison.figures if f.scenario == scenario]
+            known: dict[str, list[float]] = {}
+            for figures in here:
+                found = measure.value(figures)
+                if found is not None:
+                    known.setdefault(figures.group, []).append(found)
+            if known:
+                shown.append(Values(measure=measure.title, scenario=scenario, groups=known))
+    return shown
+
+
+def _row_cells(row: Row) -> tuple[object, ...]:
+    return (
+        row.measure.name,
+        row.scenario,
+        row.group,
+        row.baseline,
+        row.repetitions,
+        row.baseline_repetitions,
+        row.median,
+        row.baseline_median,
+        row.effect.a12,
+        row.effect.low,
+        row.effect.high,
+        row.effect.p,
+        row.p_holm,
+        row.judgement,
+    )
+
+
+def _figure_cells(figures: CampaignFigures, columns: Sequence[str]) -> list[object]:
+    cells = [getattr(figures, column) for column in columns]
+    return [" ".join(map(str, cell)) if isinstance(cell, tuple) else cell for cell in cells]
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(rows)

@@ -1,0 +1,97 @@
+"""A comparison in words: what was compared, how to read it, and all of it as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from drivora_service.studies.comparing import Comparison
+from drivora_service.studies.comparison import SIGNIFICANT, Measure, Row
+from drivora_service.studies.figures import CampaignFigures
+
+
+def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> str:
+    """Writes a comparison as Markdown.
+
+    Args:
+        comparison: What to write.
+        charts: Pictures to show, which lie beside the text.
+    """
+    lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
+    lines += [f"- {line}" for line in setting(comparison)]
+    lines += [f"- Note: {note}" for note in comparison.notes]
+    for measure in measures_of(comparison):
+        better = "more" if measure.larger_is_better else "less"
+        lines += [
+            "",
+            f"## {measure.title[0].upper()}{measure.title[1:]}",
+            "",
+            f"`{measure.name}`; {better} is better.",
+            "",
+            f"| scenario | method | n | median | {comparison.baseline} | A12 [95 %] | p | p, Holm "
+            "| judgement |",
+            "|---|---|---|---|---|---|---|---|---|",
+        ]
+        lines += [
+            f"| {row.scenario} | {row.group} | {row.repetitions} | {value(row.median)} "
+            f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.effect.p)} "
+            f"| {probability(row.p_holm)} | {row.judgement} |"
+            for row in comparison.rows
+            if row.measure is measure
+        ]
+    if charts:
+        lines += ["", "## Charts", ""]
+        lines += [f"![{chart.stem.replace('-', ' ')}]({chart.name})\n" for chart in charts]
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def how_to_read(comparison: Comparison) -> str:
+    """Says in three sentences what the columns mean."""
+    return (
+        f"A12 is the probability that a repetition of the method is better than one of "
+        f"{comparison.baseline}: 0.5 is no difference, from 0.71 on (or below 0.29) it is called "
+        f"large. A row is undecided unless p, corrected by Holm for all rows of a measure, is "
+        f"below {SIGNIFICANT:g} (Mann-Whitney U, two-sided)."
+    )
+
+
+def setting(comparison: Comparison) -> tuple[str, ...]:
+    """Says what was compared on which scenario."""
+    lines = []
+    for scenario, budget in comparison.budgets.items():
+        here = [f for f in comparison.figures if f.scenario == scenario]
+        counts = {group: sum(f.group == group for f in here) for group in groups_of(here)}
+        told = ", ".join(f"{count} of {group}" for group, count in counts.items())
+        limit = comparison.time_limits.get(scenario)
+        until = (
+            f"{budget} simulations each"
+            if limit is None
+            else f"what each had done after {limit:.1f} s of one worker, its own time included"
+        )
+        lines.append(f"{scenario}: {told}; {until}")
+    return tuple(lines)
+
+
+def value(number: float) -> str:
+    """Writes the value of a measure."""
+    return f"{number:.4g}"
+
+
+def a12(row: Row) -> str:
+    """Writes A12 with its interval."""
+    return f"{row.effect.a12:.2f} [{row.effect.low:.2f}, {row.effect.high:.2f}]"
+
+
+def probability(p: float) -> str:
+    """Writes a p-value."""
+    return "<0.001" if p < 0.001 else f"{p:.3f}"
+
+
+def measures_of(comparison: Comparison) -> tuple[Measure, ...]:
+    """Gives the measures that have rows, in their order."""
+    return tuple({row.measure.name: row.measure for row in comparison.rows}.values())
+
+
+def groups_of(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:
+    """Gives the names of the groups, in their order."""
+    return tuple(dict.fromkeys(f.group for f in figures))

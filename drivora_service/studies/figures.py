@@ -1,0 +1,230 @@
+"""What a campaign came to, in figures that campaigns can be compared by."""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.search.genes import GeneSpace
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import EvaluationRecord
+
+_LEVELS = 4
+"""Parts into which the range of a gene is cut to count which combinations were tried."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignFigures:
+    """One campaign in figures.
+
+    Attributes:
+        campaign: Its id.
+        group: What is compared: campaigns of one group are repetitions of one another.
+        scenario: Name of the seed scenario; only campaigns of the same one are compared.
+        seed: Of the search.
+        simulations: Candidates that were simulated.
+        invalid_share: Of all candidates, those that were no valid scenario.
+        failed_share: Of the simulations, those without a result.
+        failing: Simulations with at least one failure.
+        at_fault: Simulations in which an ego is known to be responsible for one.
+        avoidable: Those of them with one that a careful and competent driver avoids.
+        unavoidable: Those of them in which that driver avoids none.
+        undetermined: Simulations in which fault cannot be told of any failure.
+        kinds: Different failures by key (``campaigns.failures``).
+        rules: Different rules broken, collisions apart by what the other was: an ego, an NPC
+            vehicle, background traffic, a walker or an obstacle.
+        clusters: Groups of similar failures; ``None`` if they were not grouped.
+        situations: Situations that failures occurred in (``campaigns.situations``); ``None`` if
+            they were not counted.
+        first_failure: Simulations up to the first failure, itself included; ``None``: none found.
+        found: For each different failure, simulations up to it, ascending.
+        gene_coverage: Share of all combinations of two genes' levels that were tried.
+        simulation_s: Seconds that the runs took in their workers, all together.
+        own_s: Seconds that the method itself took: asking, telling, repairing, decoding, checking.
+        network_coverage: Share of the network's drivable lanes, by length, that actors were put on
+            or had their ways over; ``None``: not known (see ``campaigns.road_coverage``).
+        first_failure_s: Seconds of one worker up to the first failure, the method's own included;
+            ``None``: none found.
+        time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
+            ``None``: none were.
+        budget: Simulations that it could make; ``None``: those that it made.
+    """
+
+    campaign: str
+    group: str
+    scenario: str
+    seed: int
+    simulations: int
+    invalid_share: float
+    failed_share: float
+    failing: int
+    at_fault: int
+    avoidable: int
+    unavoidable: int
+    undetermined: int
+    kinds: int
+    rules: int
+    clusters: int | None
+    situations: int | None
+    first_failure: int | None
+    found: tuple[int, ...]
+    gene_coverage: float
+    simulation_s: float
+    own_s: float
+    network_coverage: float | None = None
+    first_failure_s: float | None = None
+    time_limit_s: float | None = None
+    budget: int | None = None
+
+    @property
+    def own_share(self) -> float:
+        """The method's own time over that of the runs."""
+        return self.own_s / self.simulation_s if self.simulation_s > 0.0 else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """Whose figures they are; see :class:`CampaignFigures`."""
+
+    campaign: str
+    group: str
+    scenario: str
+    seed: int
+
+
+def figures_of(
+    subject: Subject,
+    records: Sequence[EvaluationRecord],
+    space: GeneSpace,
+    *,
+    clusters: int | None = None,
+    situations: int | None = None,
+    network_coverage: float | None = None,
+    time_limit_s: float | None = None,
+    budget: int | None = None,
+) -> CampaignFigures:
+    """Counts what a campaign came to.
+
+    Args:
+        subject: The campaign.
+        records: Its evaluations in order.
+        space: Its genes.
+        clusters: Groups of similar failures, where they are known.
+        situations: Situations that they occurred in, where those are known.
+        network_coverage: See :class:`CampaignFigures`.
+        time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
+            ``None``: all count.
+        budget: Simulations that it could make.
+    """
+    if time_limit_s is not None:
+        records = within_time(records, time_limit_s)
+    simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
+    found: dict[str, int] = {}
+    rules: set[tuple[str, str]] = set()
+    failing = at_fault = 0
+    accountable = Counter[Accountability | None]()
+    first: int | None = None
+    first_s: float | None = None
+    count, elapsed_s = 0, 0.0
+    for record in records:
+        elapsed_s += cost_s(record)
+        count += record.status is not EvaluationStatus.INVALID
+        if not record.violations:
+            continue
+        failing += 1
+        at_fault += record.at_fault
+        accountable[record.accountability] += 1
+        if first is None:
+            first, first_s = count, elapsed_s
+        for key, verdict in zip(record.failure_keys, record.violations, strict=True):
+            found.setdefault(key, count)
+            # By its part: an actor of the seed scenario may be called anything.
+            rules.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
+    failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
+    values = np.array([r.proposal.values for r in simulated]).reshape(len(simulated), len(space))
+    return CampaignFigures(
+        campaign=subject.campaign,
+        group=subject.group,
+        scenario=subject.scenario,
+        seed=subject.seed,
+        simulations=len(simulated),
+        invalid_share=_share(len(records) - len(simulated), len(records)),
+        failed_share=_share(failed, len(simulated)),
+        failing=failing,
+        at_fault=at_fault,
+        avoidable=accountable[Accountability.AVOIDABLE],
+        unavoidable=accountable[Accountability.UNAVOIDABLE],
+        undetermined=accountable[Accountability.UNDETERMINED],
+        kinds=len(found),
+        rules=len(rules),
+        clusters=clusters,
+        situations=situations,
+        first_failure=first,
+        found=tuple(sorted(found.values())),
+        gene_coverage=pairwise_coverage(values, space),
+        simulation_s=sum(r.report.wall_time_s for r in simulated),
+        own_s=sum(r.search_s + r.prepare_s for r in records),
+        network_coverage=network_coverage,
+        first_failure_s=first_s,
+        time_limit_s=time_limit_s,
+        budget=budget,
+    )
+
+
+def cost_s(record: EvaluationRecord) -> float:
+    """Gives the seconds of one worker that an evaluation took, the method's own included."""
+    return record.report.wall_time_s + record.search_s + record.prepare_s
+
+
+def duration_s(records: Sequence[EvaluationRecord]) -> float:
+    """Gives the seconds that one worker would have taken for all evaluations."""
+    # Added up as `within_time` does: a limit that comes from here leaves nothing out.
+    return max(itertools.accumulate(map(cost_s, records)), default=0.0)
+
+
+def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[EvaluationRecord]:
+    """Gives the evaluations that one worker ends within some seconds of wall time.
+
+    The method's own time counts, so that methods can be compared at equal time.
+    """
+    ends = itertools.accumulate(map(cost_s, records))
+    return [record for record, end in zip(records, ends, strict=True) if end <= seconds]
+
+
+def pairwise_coverage(values: FloatArray, space: GeneSpace) -> float:
+    """Gives the share of two-way combinations that were tried.
+
+    Every range is cut into four equal levels (fewer where a whole gene has fewer values). Of all
+    pairs of genes that vary, and all combinations of their levels, it counts those that some
+    candidate has, as combinatorial testing does.
+
+    Args:
+        values: (n, d) candidates.
+        space: Their genes.
+    """
+    varying = np.flatnonzero(space.varies)
+    if len(varying) < 2 or not len(values):
+        return 0.0
+    unit = space.to_unit(values)[:, varying]
+    counts = np.where(space.is_whole, space.highs - space.lows + 1.0, float(_LEVELS))[varying]
+    levels = np.minimum(counts, _LEVELS).astype(np.int64)
+    cells = np.minimum((unit * levels).astype(np.int64), levels - 1)
+    # One column for each level of each gene: two columns that are both set in a row are a pair.
+    starts = np.concatenate(([0], np.cumsum(levels)))
+    marks = np.zeros((len(cells), int(starts[-1])), dtype=np.float32)
+    rows = np.arange(len(cells))[:, None]
+    marks[rows, cells + starts[:-1]] = 1.0
+    together = (marks.T @ marks) > 0.5
+    tried = int(np.triu(together, 1).sum())
+    possible = int((levels.sum() ** 2 - (levels**2).sum()) // 2)
+    return tried / possible
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else 0.0

@@ -1,0 +1,49 @@
+"""Pictures for the report of a campaign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.plotting.run_picture import draw_run
+from drivora_service.studies.campaign_report import CampaignReport
+
+
+def draw_examples(
+    report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
+) -> dict[int, Path]:
+    """Draws the example of each cluster whose trace is there, once an evaluation.
+
+    Args:
+        report: The campaign.
+        traces: Folder of its traces.
+        catalogues: Knows the road network.
+        folder: Where the pictures go; made if need be.
+
+    Returns:
+        Pictures by number of the evaluation.
+
+    Raises:
+        UnknownName: The road network is not here any more.
+        StoreError: A trace cannot be read.
+    """
+    pictures: dict[int, Path] = {}
+    drawn: set[tuple[str, int | None]] = set()
+    every = [failure for one in report.groups for failure in one.failures]
+    for one in report.groups:
+        example = one.example
+        source = traces / example.trace
+        cluster = (example.verdict.oracle, one.cluster)
+        if cluster in drawn or not example.trace or not source.is_file():
+            continue
+        drawn.add(cluster)
+        if example.number in pictures:
+            continue
+        trace = read_trace(source)
+        verdicts = [failure.verdict for failure in every if failure.number == example.number]
+        folder.mkdir(parents=True, exist_ok=True)
+        picture = folder / f"{example.number:06d}.png"
+        draw_run(trace, catalogues.networks.get(trace.network), verdicts, picture)
+        pictures[example.number] = picture
+    return pictures

@@ -1,0 +1,205 @@
+"""The report of one campaign as Markdown."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+
+from drivora_service.campaigns.campaign import FeedbackMode
+from drivora_service.oracles.accountability import IN_WORDS, accountability
+from drivora_service.store.campaign_records import Confirmation
+from drivora_service.studies.campaign_report import CampaignReport, FailureGroup
+from drivora_service.studies.figures import CampaignFigures
+
+_MOST_NUMBERS = 12
+
+
+def report_markdown(
+    report: CampaignReport, *, pictures: Mapping[int, str] | None = None, options: str = ""
+) -> str:
+    """Writes the report.
+
+    Args:
+        report: The campaign.
+        pictures: Address of a picture by number of the evaluation that it shows.
+        options: What the commands in the text need besides, such as ``--data-dir DIR``.
+    """
+    record = report.record
+    lines = [f"# Campaign {record.name}", ""]
+    lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
+    lines += ["", "## What was searched", "", *_table(("", ""), _searched(report))]
+    lines += ["", "## What came of it", "", *_table(("", ""), _outcome(report))]
+    if report.note:
+        lines += ["", f"Coverage and times are not known: {report.note}"]
+    lines += ["", "## Failures", "", *_failures(report)]
+    for group in report.groups:
+        lines += ["", *_group(report, group, pictures or {}, options)]
+    return "\n".join(lines) + "\n"
+
+
+def _searched(report: CampaignReport) -> list[tuple[str, str]]:
+    record, document = report.record, report.document
+    tester, scenario = document.tester, document.scenario
+    rows = [("method", tester.name)]
+    if tester.parameters:
+        rows.append(("its parameters", _plain(tester.parameters)))
+    if tester.mutation:
+        rows.append(("mutation in place of its own", tester.mutation))
+    if tester.selection:
+        rows.append(("selection in place of its own", tester.selection))
+    if tester.feedback is FeedbackMode.SHUFFLED:
+        rows.append(("feedback", "shuffled: it was told the results of others"))
+    space = {k: v for k, v in document.space.model_dump(mode="json").items() if v is not False}
+    rows.append(("ADS", record.agent))
+    if report.privileged:
+        rows.append(("egos that see everything", ", ".join(report.privileged)))
+    rows += [
+        ("road network", f"{record.town} ({record.network_sha256[:8]})"),
+        ("seed scenario", f"{len(scenario.ego_vehicles)} ego(s), seed {scenario.seed}"),
+        ("space", ", ".join(f"{name} {_plain(value)}" for name, value in space.items())),
+        ("failures are violations of", ", ".join(document.oracles)),
+        ("budget", f"{record.budget} simulations"),
+        ("seed of the search", str(document.seed)),
+        ("lookahead", str(document.lookahead)),
+        ("versions", ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items()))),
+    ]
+    return rows
+
+
+def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
+    counts, figures = report.record.counts, report.figures
+    candidates = max(counts.evaluations, 1)
+    rows = [
+        ("simulations", f"{counts.simulations} of {report.record.budget}"),
+        ("runs without a result", str(counts.failed)),
+        (
+            "invalid candidates",
+            f"{counts.invalid} of {counts.evaluations} ({counts.invalid / candidates:.1%})",
+        ),
+        ("simulations with a failure", str(counts.violating)),
+        ("of these with an ego at fault", str(counts.at_fault)),
+        ("of these avoidable", _count(counts.avoidable)),
+        ("of these not avoidable", _count(counts.unavoidable)),
+        ("simulations whose fault cannot be told", _count(counts.undetermined)),
+        ("time of work", f"{report.record.active_s:.1f} s"),
+    ]
+    return rows if figures is None else rows + _measured(figures)
+
+
+def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
+    first = figures.first_failure
+    covered = figures.network_coverage
+    return [
+        ("different failures, by key", str(figures.kinds)),
+        (
+            "different failures, by cluster",
+            "not grouped" if figures.clusters is None else str(figures.clusters),
+        ),
+        (
+            "different failures, by situation",
+            "not counted" if figures.situations is None else str(figures.situations),
+        ),
+        ("first failure", "none" if first is None else f"in simulation {first}"),
+        ("coverage of the gene space", f"{figures.gene_coverage:.1%} of all pairs of levels"),
+        (
+            "coverage of the road network",
+            "not known" if covered is None else f"{covered:.1%} of the drivable lanes",
+        ),
+        (
+            "time of the method",
+            f"{figures.own_s:.2f} s, {figures.own_share:.1%} of the {figures.simulation_s:.1f} s "
+            "of simulation",
+        ),
+    ]
+
+
+def _failures(report: CampaignReport) -> list[str]:
+    if not report.groups:
+        return ["None were found."]
+    return _table(
+        (
+            "kind",
+            "cluster",
+            "runs",
+            "violations",
+            "at fault",
+            "avoidable",
+            "confirmed",
+            "flaky",
+            "evaluations",
+        ),
+        [
+            (
+                _kind(group),
+                _cluster(group),
+                str(len({failure.number for failure in group.failures})),
+                str(len(group.failures)),
+                str(group.at_fault),
+                str(group.avoidable),
+                str(group.count(Confirmation.CONFIRMED)),
+                str(group.count(Confirmation.FLAKY)),
+                _numbers(group),
+            )
+            for group in report.groups
+        ],
+    )
+
+
+def _group(
+    report: CampaignReport, group: FailureGroup, pictures: Mapping[int, str], options: str
+) -> list[str]:
+    failure, verdict = group.example, group.example.verdict
+    number, campaign = failure.number, report.record.id
+    words = IN_WORDS[accountability(verdict)]
+    fault = f", {words}" if words else ""
+    when = "" if verdict.time is None else f" at {verdict.time:.1f} s"
+    heading = _kind(group) + ("" if group.cluster is None else f", cluster {group.cluster}")
+    file = f"{report.record.town}-{number}.json"
+    extra = f" {options}" if options else ""
+    lines = [
+        f"### {heading}",
+        "",
+        f"Evaluation {number} ({failure.confirmation}): {verdict.ego}{when}{fault}. "
+        f"{verdict.message}",
+        "",
+        "```sh",
+        f"drivora campaign scenario {campaign} {number} --out {file}{extra}",
+        f"drivora run {file}{extra}",
+        f"drivora campaign show {campaign} --evaluation {number}{extra}",
+        "```",
+    ]
+    if number in pictures:
+        lines += ["", f"![Evaluation {number}]({pictures[number]})"]
+    return lines
+
+
+def _count(number: int | None) -> str:
+    return "not told" if number is None else str(number)
+
+
+def _kind(group: FailureGroup) -> str:
+    return group.key.replace("|", ", ")
+
+
+def _cluster(group: FailureGroup) -> str:
+    return "-" if group.cluster is None else str(group.cluster)
+
+
+def _numbers(group: FailureGroup) -> str:
+    numbers = list(dict.fromkeys(failure.number for failure in group.failures))
+    rest = len(numbers) - _MOST_NUMBERS
+    shown = ", ".join(map(str, numbers[:_MOST_NUMBERS]))
+    return f"{shown} and {rest} more" if rest > 0 else shown
+
+
+def _plain(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _table(columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    cells = [tuple(cell.replace("|", "\\|").replace("\n", " ") for cell in row) for row in rows]
+    return [
+        f"| {' | '.join(columns)} |",
+        "|" + "---|" * len(columns),
+        *(f"| {' | '.join(row)} |" for row in cells),
+    ]

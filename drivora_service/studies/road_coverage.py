@@ -1,0 +1,168 @@
+"""Which share of a road network the scenarios of a campaign took place on.
+
+The drivable lanes, those inside junctions included, are cut into cells of at most five metres. A
+cell is covered once any scenario has an actor put there (its start, a place to pass, its end, where
+it stands), a vehicle's way leads over it, or a walker crosses it. The share is of the length of all
+cells. Coverage is of what was asked for: it does not matter how far an actor came in the run.
+
+The way between two places of a vehicle is the planner's between the two lanes. It is planned once
+for each pair of lanes, not from place to place, because a study has hundreds of thousands of pairs.
+Where it changes lanes on a road, each of them counts for its part of that road.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.errors import NoRoute
+from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.networks.projection import LaneProjections, project_points
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.scenario.model import NpcBehavior, Scenario, Waypoint
+
+CELL = 5.0
+"""Metres of lane that are covered or not, at most."""
+_STEP = 1.0
+"""Metres between places on a straight way."""
+
+Road = tuple[int, ...]
+"""Lanes of one road, or one lane in a junction, in the order in which a way uses them."""
+
+
+class RoadCoverage:
+    """Collects the places of scenarios on one road network."""
+
+    def __init__(self, network: RoadNetwork) -> None:
+        """Begins with nothing covered."""
+        self._network = network
+        lengths = [float(lane.arc[-1]) if lane.drivable else 0.0 for lane in network.lanes]
+        self._lengths = np.array(lengths)
+        self._counts = np.ceil(self._lengths / CELL).astype(np.int64)
+        self._firsts = np.concatenate(([0], np.cumsum(self._counts)))
+        self._begun = np.zeros(int(self._firsts[-1]) + 1, dtype=np.int64)
+        """How many ranges begin at each cell, less those that ended before it."""
+
+    @property
+    def share(self) -> float:
+        """The covered share of the drivable lanes' length; 0 where there are none."""
+        sizes = np.repeat(self._lengths / np.maximum(self._counts, 1), self._counts)
+        whole = float(sizes.sum())
+        return float(sizes[self.covered].sum()) / whole if whole else 0.0
+
+    @property
+    def covered(self) -> NDArray[np.bool_]:
+        """(n,) whether each cell is covered, lane by lane."""
+        covered: NDArray[np.bool_] = np.cumsum(self._begun)[:-1] > 0
+        return covered
+
+    def add(self, scenarios: Sequence[Scenario]) -> None:
+        """Covers what scenarios on this network use."""
+        joined = [way for scenario in scenarios for way in _joined_ways(scenario)]
+        single = [way for scenario in scenarios for way in _straight_ways(scenario)]
+        if joined:
+            self._add_joined(joined)
+        if single:
+            places = project_points(self._network, np.concatenate(single))
+            on = places.lane >= 0
+            self._cover(places.lane[on].astype(np.int64), places.s[on], places.s[on])
+
+    def _add_joined(self, ways: Sequence[FloatArray]) -> None:
+        """Covers (n, 3) places x, y, yaw (NaN where unknown) and the ways between them."""
+        points = np.concatenate(ways)
+        places = project_points(self._network, points[:, :2], points[:, 2])
+        lanes = places.lane.astype(np.int64)
+        on = lanes >= 0
+        self._cover(lanes[on], places.s[on], places.s[on])
+        follows = np.ones(len(points), dtype=bool)
+        follows[np.cumsum([0, *(len(way) for way in ways[:-1])])] = False
+        ends = np.flatnonzero(follows & on & np.roll(on, 1))
+        pairs = np.column_stack((lanes[ends - 1], lanes[ends]))
+        for pair in np.unique(pairs, axis=0):
+            chosen = ends[(pairs == pair).all(axis=1)]
+            self._cover_ways(_roads_between(self._network, *map(int, pair)), places, chosen)
+
+    def _cover_ways(self, roads: tuple[Road, ...], places: LaneProjections, ends: IntArray) -> None:
+        """Covers ways along the same roads that end at places ``ends`` and begin one before."""
+        for number, road in enumerate(roads):
+            for turn, lane in enumerate(road):
+                length = self._lengths[lane]
+                low = places.s[ends - 1] if number == 0 else np.zeros(len(ends))
+                high = places.s[ends] if number == len(roads) - 1 else np.full(len(ends), length)
+                part = (high - low) / len(road)
+                forward = part >= 0.0
+                begin = (low + turn * part)[forward]
+                self._cover(np.full(len(begin), lane), begin, begin + part[forward])
+
+    def _cover(self, lanes: IntArray, begin: FloatArray, end: FloatArray) -> None:
+        """Covers (n,) ranges of arc length, metres."""
+        scale = self._counts[lanes] / self._lengths[lanes]
+        last = self._counts[lanes] - 1
+        first_cells = np.clip((begin * scale).astype(np.int64), 0, last)
+        last_cells = np.clip((end * scale).astype(np.int64), first_cells, last)
+        np.add.at(self._begun, self._firsts[lanes] + first_cells, 1)
+        np.add.at(self._begun, self._firsts[lanes] + last_cells + 1, -1)
+
+
+def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
+    """Gives (n, 3) places of each vehicle that follows lanes between them."""
+    for ego in scenario.ego_vehicles:
+        yield _places(ego.route)
+    for npc in scenario.npc_vehicles:
+        if npc.behavior is not NpcBehavior.REPLAY:
+            yield _places(npc.route)
+
+
+def _straight_ways(scenario: Scenario) -> Iterator[FloatArray]:
+    """Gives (n, 2) places of each actor that moves in straight lines, or not at all."""
+    for npc in scenario.npc_vehicles:
+        if npc.behavior is NpcBehavior.REPLAY:
+            yield _walked(npc.route)
+    for walker in scenario.npc_walkers:
+        yield _walked(walker.route)
+    for obstacle in scenario.npc_obstacles:
+        yield _walked((obstacle.location,))
+
+
+def _places(route: Sequence[Waypoint]) -> FloatArray:
+    return np.array([(p.x, p.y, math.nan if p.yaw is None else p.yaw) for p in route])
+
+
+def _walked(route: Sequence[Waypoint]) -> FloatArray:
+    pieces = [np.array([(route[0].x, route[0].y)])]
+    for here, there in itertools.pairwise(route):
+        count = max(math.ceil(math.hypot(there.x - here.x, there.y - here.y) / _STEP), 1)
+        share = np.arange(1, count + 1)[:, None] / count
+        ends = np.array([(here.x, here.y), (there.x, there.y)])
+        pieces.append(ends[0] + share * (ends[1] - ends[0]))
+    return np.concatenate(pieces)
+
+
+@lru_cache(maxsize=65536)
+def _roads_between(network: RoadNetwork, start: int, end: int) -> tuple[Road, ...]:
+    """Gives the roads from one lane to another; none where no way leads there."""
+    lanes = network.lanes
+    if start == end:
+        return ((start,),)
+    if lanes[start].edge_id == lanes[end].edge_id:
+        return ((start, end),)
+    try:
+        route = plan_route(network, [_middle(network, start), _middle(network, end)])
+    except NoRoute:
+        return ()
+    used = route.point_lanes[np.flatnonzero(np.diff(route.point_lanes, prepend=-1))].tolist()
+    passed = [start, *(lane for lane in used if lane not in (start, end)), end]
+    return tuple(
+        tuple(road) for _, road in itertools.groupby(passed, key=lambda lane: lanes[lane].edge_id)
+    )
+
+
+def _middle(network: RoadNetwork, lane: int) -> RoutePoint:
+    x, y, yaw = network.lanes[lane].position_at(0.5 * float(network.lanes[lane].arc[-1]))
+    return RoutePoint(x=x, y=y, yaw=yaw)

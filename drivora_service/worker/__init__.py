@@ -1,0 +1,1 @@
+"""The worker's side of a run: simulate, judge, measure, and report, in a process of its own."""

@@ -1,0 +1,258 @@
+"""Whether the code that simulates and judges is still what it was when the process began.
+
+An agent in process can reach all of it. What it changes, by design or through a library that it
+loads, must not decide a verdict of its own run or of a later one without being noticed.
+"""
+
+from __future__ import annotations
+
+import builtins
+import decimal
+import locale
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+from operator import attrgetter, is_, itemgetter
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from drivora_service.worker.watched import Kernel, Names, Uses, Watched, collect
+
+_NAMED = 5
+"""Changes that a message names; the others are counted."""
+
+_ADDED_LATER = frozenset(
+    {
+        "__abstractmethods__", "__annotations__", "__doc__", "__hash__",
+        "__non_callable_proto_members__", "__protocol_attrs__", "__signature__",
+    }
+)  # fmt: skip
+"""Names that the interpreter puts into classes when they are first used for something."""
+
+_CODE = attrgetter("__code__")
+_DEFAULTS = attrgetter("__defaults__")
+_KEYWORD_DEFAULTS = attrgetter("__kwdefaults__")
+_CONTENTS = attrgetter("cell_contents")
+
+_SMALLEST_NORMAL = sys.float_info.min
+_MISSING = object()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _State:
+    """What the interpreter and the processor compute by, besides code."""
+
+    numpy_errors: tuple[object, ...]
+    recursion_limit: int
+    fatal_warnings: tuple[object, ...]
+    decimal_context: tuple[int, str]
+    numeric_locale: str
+    denormals: bool
+    rounding: tuple[float, float, float]
+
+
+_STATE_NAMES = {
+    "numpy_errors": "NumPy's handling of floating-point errors (np.seterr)",
+    "recursion_limit": "the recursion limit (sys.setrecursionlimit)",
+    "fatal_warnings": "the filters that turn warnings into errors (warnings.filters)",
+    "decimal_context": "the context of decimal arithmetic",
+    "numeric_locale": "the locale",
+    "denormals": "how the processor treats denormal numbers (flush to zero)",
+    "rounding": "how the processor rounds",
+}
+
+
+class Snapshot:
+    """What was loaded when it was taken, to compare with."""
+
+    def __init__(self) -> None:
+        self._builtins = tuple(vars(builtins).items())
+        self._tools = (all, map, is_, itemgetter, attrgetter, chain)
+        self._state = _state()
+        self._take(collect())
+
+    def _take(self, watched: Watched) -> None:
+        self._watched = watched
+        # Views show what a mapping holds when they are read.
+        self._views = tuple(names.space.values() for names in watched.names)
+        self._lengths = tuple(map(len, self._views))
+        self._values = tuple(chain.from_iterable(names.values for names in watched.names))
+        self._getters: tuple[tuple[Uses, Callable[[Any], Any]], ...] = tuple(
+            # With one key it would return the value itself: twice the same makes it a tuple.
+            (uses, itemgetter(*uses.keys, uses.keys[0]))
+            for uses in watched.uses
+        )
+
+    def changes(self) -> tuple[str, ...]:
+        """Returns what has been changed since, in words; empty if nothing was.
+
+        What is only new and changes nothing, such as modules that were loaded later, is compared
+        from the next time on.
+        """
+        # By statements of the language, since everything below is built of these functions.
+        space = vars(builtins)
+        for name, value in self._builtins:
+            if space.get(name, _MISSING) is not value:
+                return (f"builtins.{name}",)
+        if any(is_new for is_new in map(_is_not, self._tools, _tools())):
+            return ("the functions of the modules operator and itertools",)
+        found: list[str] = []
+        grown = self._watched.modules != len(sys.modules)
+        if self._lengths != tuple(map(len, self._views)) or not all(
+            map(is_, chain.from_iterable(self._views), self._values)
+        ):
+            grown = True
+            found += chain.from_iterable(map(_changed_names, self._watched.names))
+        for uses, get in self._getters:
+            try:
+                if all(map(is_, get(uses.space), uses.values)):
+                    continue
+            except KeyError:
+                pass
+            found += [
+                f"{uses.owner}.{key}"
+                for key, value in zip(uses.keys, uses.values, strict=True)
+                if uses.space.get(key, _MISSING) is not value
+            ]
+        found += _changed_functions(self._watched)
+        found += [
+            f"the kernel {_full_name(kernel.source)}"
+            for kernel in self._watched.kernels
+            if not _is_as_compiled(kernel)
+        ]
+        found += [
+            owner
+            for owner, table, items in self._watched.lists
+            if len(table) != len(items) or not all(map(is_, table, items))
+        ]
+        if (now := _state()) != self._state:
+            found += [
+                said
+                for name, said in _STATE_NAMES.items()
+                if getattr(now, name) != getattr(self._state, name)
+            ]
+        if grown and not found:
+            self._take(collect())
+        return tuple(found)
+
+
+@lru_cache(maxsize=1)
+def judging_code() -> Snapshot:
+    """Returns this process's snapshot; the first call takes it."""
+    return Snapshot()
+
+
+def sentence(changes: tuple[str, ...], by: str) -> str:
+    """Returns the message of a run whose agent or plug-in has changed what judges it.
+
+    Args:
+        changes: Never empty.
+        by: What took part in the run that did it.
+    """
+    named = ", ".join(changes[:_NAMED])
+    more = f" and {len(changes) - _NAMED} more" if len(changes) > _NAMED else ""
+    return (
+        f"{by} changed what simulates and judges runs: {named}{more}. Nothing of it may be "
+        "changed by code in the worker process: change copies, or run the agent in a process of "
+        "its own"
+    )
+
+
+def _tools() -> tuple[object, ...]:
+    return (all, map, is_, itemgetter, attrgetter, chain)
+
+
+def _is_not(one: object, other: object) -> bool:
+    return one is not other
+
+
+def _changed_names(names: Names) -> Iterator[str]:
+    for key, value in zip(names.keys, names.values, strict=True):
+        if names.space.get(key, _MISSING) is not value:
+            yield f"{names.owner}.{key}"
+    for key in names.space.keys() - set(names.keys):
+        if _counts(names, key):
+            yield f"{names.owner}.{key}"
+
+
+def _counts(names: Names, key: object) -> bool:
+    """Whether a new name may change what the others do."""
+    if not isinstance(key, str) or isinstance(names.space[key], ModuleType):
+        return not isinstance(names.space[key], ModuleType)
+    if names.is_closed:
+        return key not in _ADDED_LATER and not key.startswith(("__pydantic_", "_abc_"))
+    # Code that is loaded finds a new name only where it looked for a built-in one.
+    return names.owner != "builtins" and hasattr(builtins, key) and not key.startswith("__")
+
+
+def _changed_functions(watched: Watched) -> Iterator[str]:
+    for functions, read, then, what in (
+        (watched.functions, _CODE, watched.codes, "code"),
+        (watched.with_defaults, _DEFAULTS, watched.defaults, "defaults"),
+        (
+            watched.with_keyword_defaults,
+            _KEYWORD_DEFAULTS,
+            watched.keyword_defaults,
+            "keyword defaults",
+        ),
+    ):
+        if not all(map(is_, map(read, functions), then)):
+            yield from (
+                f"the {what} of {_full_name(function)}"
+                for function, value in zip(functions, then, strict=True)
+                if read(function) is not value
+            )
+    try:
+        if all(map(is_, map(_CONTENTS, watched.cells), watched.contents)):
+            return
+    except ValueError:
+        pass
+    for function, cell, content in zip(
+        watched.cell_owners, watched.cells, watched.contents, strict=True
+    ):
+        try:
+            same = cell.cell_contents is content
+        except ValueError:
+            same = False
+        if not same:
+            yield f"what {_full_name(function)} encloses"
+
+
+def _is_as_compiled(kernel: Kernel) -> bool:
+    # Looking up machine code by signature costs more than all else together.
+    dispatcher = kernel.kernel
+    return dispatcher.py_func is kernel.source and len(dispatcher.overloads) >= kernel.signatures
+
+
+def _full_name(function: Any) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
+def _state() -> _State:
+    context = decimal.getcontext()
+    denormal = _half(_SMALLEST_NORMAL)
+    return _State(
+        numpy_errors=tuple(np.geterr().items()),
+        recursion_limit=sys.getrecursionlimit(),
+        # Others decide what is printed, and packages set them while they are loaded.
+        fatal_warnings=tuple(item for item in warnings.filters if item[0] == "error"),
+        decimal_context=(context.prec, context.rounding),
+        numeric_locale=locale.setlocale(locale.LC_NUMERIC),
+        # Compared as a normal number: as a denormal one it may count as zero in comparisons too.
+        denormals=denormal + denormal == _SMALLEST_NORMAL,
+        rounding=(_sum(1.0, 1e-17), _sum(-1.0, -1e-17), _sum(1.0, 1.7e-16)),
+    )
+
+
+def _half(number: float) -> float:
+    return number * 0.5
+
+
+def _sum(one: float, other: float) -> float:
+    """Adds while the program runs; the compiler would add constants."""
+    return one + other

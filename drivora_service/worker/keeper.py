@@ -1,0 +1,234 @@
+"""The process between the fork server and a worker: it starts the worker, and tidies up after it.
+
+The keeper runs no code under test. It is the parent of the worker and adopts whatever the worker's
+processes leave behind (Linux), so it can tell how the worker ended, reaps everything, and kills all
+that is left, also what has gone into a session of its own. It ends when its worker has ended, when
+its slot says so, and when its slot is gone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import select
+import signal
+import socket
+import sys
+import time
+import traceback
+from multiprocessing.reduction import DupFd
+from typing import Any, NoReturn
+
+import psutil
+
+from drivora_service.agents.remote import guard
+from drivora_service.worker.channel import (
+    ChannelClosedError,
+    Kind,
+    ProtocolError,
+    receive,
+    send,
+)
+from drivora_service.worker.loop import WorkerTask, serve
+from drivora_service.worker.messages import Ended, Started, Strangers, frame_of
+from drivora_service.worker.parent_death import die_with_keeper
+from drivora_service.worker.processes import children_of, read_process
+
+_PR_SET_CHILD_SUBREAPER = 36
+_GRACE_S = 3.0
+"""Seconds in which the guards of ADSs, which have been told, end them and remove their files."""
+_KILL_S = 3.0
+"""Seconds after which a process that was killed and is still there is given up."""
+_PAUSE_S = 0.002
+_MOST_NAMES = 20
+
+
+class HandedFile:
+    """A descriptor that goes to another process when that is started."""
+
+    def __init__(self, file: int) -> None:
+        """Takes the descriptor; closing it is for its owner."""
+        self._file = file
+
+    def detach(self) -> int:
+        """Returns the descriptor, in the process in which it has arrived its own."""
+        return self._file
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Made while the process is being started: at any other time it would be offered by a thread
+        # of this process, to whichever process asks for it.
+        return _arrived, (DupFd(self._file),)
+
+
+def _arrived(handed: Any) -> HandedFile:
+    return HandedFile(handed.detach())
+
+
+def keep(
+    control: socket.socket,
+    channel: socket.socket,
+    log: HandedFile,
+    board: HandedFile,
+    task: WorkerTask,
+) -> None:
+    """Keeps one worker until it has ended and nothing of it is left.
+
+    Args:
+        control: The connection of the keeper with the slot.
+        channel: The connection of the worker with the slot.
+        log: Takes what the keeper and the worker print.
+        board: Where the worker shows its progress.
+        task: What the worker does.
+    """
+    _print_to(log.detach())
+    # An interrupt typed at a terminal is the server's to handle.
+    os.setsid()
+    _adopt_orphans()
+    woken, waker = os.pipe()
+    os.set_blocking(woken, False)
+    os.set_blocking(waker, False)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    signal.set_wakeup_fd(waker, warn_on_full_buffer=False)
+    keeper, cells = os.getpid(), board.detach()
+    lifeline, held = os.pipe()
+    worker = os.fork()
+    if worker == 0:
+        for file in (woken, waker, held, control.detach()):
+            os.close(file)
+        _be_worker(keeper, lifeline, channel, cells, task)
+    for file in (lifeline, cells, channel.detach()):
+        os.close(file)
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        send(control, frame_of(Started(pid=worker)))
+    exit_code = _Keeper(control, woken, worker).serve()
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        send(control, frame_of(Ended(exit_code=exit_code)))
+    _end_all(worker)
+    # Nothing is left to do, and nothing that was inherited from the fork server to be ended.
+    os._exit(0)
+
+
+def _print_to(log: int) -> None:
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    os.close(log)
+
+
+def _be_worker(
+    keeper: int, lifeline: int, channel: socket.socket, board: int, task: WorkerTask
+) -> NoReturn:
+    """Becomes the worker; never returns into the code of the keeper."""
+    code = 1
+    try:
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        die_with_keeper(keeper, lifeline)
+        # A session of its own: what an agent sends to its group of processes is not the keeper's.
+        os.setsid()
+        serve(channel, board, task)
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+class _Keeper:
+    """Waits for the end of the worker and does what the slot says meanwhile."""
+
+    def __init__(self, control: socket.socket, woken: int, worker: int) -> None:
+        self._control, self._woken, self._worker = control, woken, worker
+        self._slot_is_there = True
+        self._exit_code: int | None = None
+
+    def serve(self) -> int:
+        """Returns the exit code of the worker."""
+        poll = select.poll()
+        poll.register(self._woken, select.POLLIN)
+        poll.register(self._control, select.POLLIN)
+        while True:
+            self._reap()
+            if self._exit_code is not None:
+                return self._exit_code
+            for file, _ in poll.poll():
+                if file == self._woken:
+                    with contextlib.suppress(BlockingIOError):
+                        os.read(self._woken, 65536)
+                elif not self._obey():
+                    poll.unregister(self._control)
+                    # Not reaped yet, so the id is the worker's own.
+                    os.kill(self._worker, signal.SIGKILL)
+
+    def _reap(self) -> None:
+        with contextlib.suppress(ChildProcessError):
+            while True:
+                pid, status = os.waitpid(-1, os.WNOHANG)
+                if pid == 0:
+                    return
+                if pid == self._worker:
+                    self._exit_code = os.waitstatus_to_exitcode(status)
+
+    def _obey(self) -> bool:
+        """Does what the slot says; false where the worker is to end."""
+        try:
+            frame = receive(self._control)
+            if frame.kind is not Kind.LOOK:
+                return False
+            send(self._control, frame_of(Strangers(names=tuple(self._strangers()))))
+        except (ChannelClosedError, ProtocolError, OSError):
+            return False
+        return True
+
+    def _strangers(self) -> list[str]:
+        """Names what lives beside the worker and the ADSs that stay for its next runs."""
+        found: list[str] = []
+        coming = [*children_of(self._worker), *children_of(os.getpid())]
+        while coming and len(found) < _MOST_NAMES:
+            pid = coming.pop()
+            reading = read_process(pid)
+            if pid == self._worker or reading is None or reading.state == "Z" or is_guard(pid):
+                continue
+            found.append(f"{reading.name} ({pid})")
+        return found
+
+
+def _adopt_orphans() -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def is_guard(pid: int) -> bool:
+    """Tells whether a process is the guard of an ADS, which ends with its worker."""
+    try:
+        return guard.__file__ in psutil.Process(pid).cmdline()[:5]
+    except psutil.Error:
+        return False
+
+
+def _end_all(worker: int) -> None:
+    """Kills and reaps what the worker has left; guards may end their ADSs themselves first."""
+    if sys.platform != "linux":
+        # What has left the worker's group of processes is not known here.
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(worker, signal.SIGKILL)
+        return
+    begun = time.monotonic()
+    own = os.getpid()
+    while children := children_of(own):
+        passed = time.monotonic() - begun
+        if passed > _GRACE_S + _KILL_S:
+            return
+        for pid in children:
+            # Children that have not been reaped: the ids are their own.
+            if passed > _GRACE_S or not is_guard(pid):
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.kill(pid, signal.SIGKILL)
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        if children_of(own):
+            time.sleep(_PAUSE_S)

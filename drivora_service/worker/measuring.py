@@ -1,0 +1,99 @@
+"""Measuring a run for a tester, by a feedback that may be a package's."""
+
+from __future__ import annotations
+
+import math
+import traceback
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+from drivora_service.errors import DrivoraError, PluginError, SearchError
+from drivora_service.feedback.catalogue import FeedbackCatalogue
+from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
+from drivora_service.observations.run_view import RunView
+
+_LOG = 4000
+"""Characters of a traceback that are kept."""
+
+
+@lru_cache(maxsize=1)
+def _catalogue() -> FeedbackCatalogue:
+    return FeedbackCatalogue()
+
+
+def make_feedback(choice: FeedbackChoice) -> Feedback:
+    """Makes the feedback of a choice.
+
+    Raises:
+        UnknownName: If there is none of that name.
+        SearchError: If it does not take these parameters.
+        PluginError: If a package's cannot be loaded, or raises anything else.
+    """
+    try:
+        plugin = _catalogue().plugin(choice.name)
+    except SearchError as error:
+        raise PluginError(str(error), cause="feedback_plugin", log=_log(error)) from error
+    try:
+        return plugin.create(choice.parameters)
+    except DrivoraError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise _raised(choice.name, "when it was made", error) from error
+
+
+def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
+    """Measures a run.
+
+    Args:
+        name: The feedback's in its catalogue.
+        feedback: What measures.
+        run: The run.
+
+    Raises:
+        PluginError: The feedback raised, or its answer is no measurement.
+    """
+    try:
+        answer: Any = feedback.measure(run)
+        expected = tuple(feedback.objectives)
+    except (Exception, SystemExit) as error:
+        raise _raised(name, "when it measured a run", error) from error
+    problem = next(_problems(answer, expected), "")
+    if problem:
+        raise PluginError(
+            f"feedback {name!r} answered {problem}", cause="feedback_invalid_measurement"
+        )
+    measured: Measurement = answer
+    return measured
+
+
+def _problems(answer: Any, expected: tuple[str, ...]) -> Iterator[str]:
+    """Finds what is wrong with an answer, as ends of a sentence that begins with "answered"."""
+    if not isinstance(answer, Measurement):
+        yield f"a {type(answer).__name__}; allowed: a Measurement"
+        return
+    if tuple(answer.objectives) != expected:
+        yield f"the objectives {', '.join(answer.objectives)}; it promised: {', '.join(expected)}"
+    for objective, value in answer.objectives.items():
+        if not _is_number(value) and value is not None:
+            yield f"{value!r} for {objective!r}; allowed: a finite number, or None"
+    for table, rows in answer.features.items():
+        lengths = {len(row) for row in rows}
+        if len(lengths) > 1 or not all(_is_number(value) for row in rows for value in row):
+            yield f"the table {table!r} with rows that are not of one length and finite"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
+
+
+def _raised(name: str, when: str, error: BaseException) -> PluginError:
+    return PluginError(
+        f"feedback {name!r} raised {type(error).__name__} {when}: {error}",
+        cause="feedback_raised",
+        log=_log(error),
+    )
+
+
+def _log(error: BaseException) -> str:
+    return "".join(traceback.format_exception(error))[-_LOG:]

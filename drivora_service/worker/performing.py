@@ -1,0 +1,288 @@
+"""Performing a run in the worker process: simulate, judge, measure, report.
+
+Whatever an agent or a document does, the answer is a report.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.errors import (
+    AgentError,
+    InvalidDocument,
+    NetworkError,
+    PluginError,
+    SearchError,
+    SimulatorError,
+    StoreError,
+    UnknownName,
+)
+from drivora_service.feedback.objectives import score
+from drivora_service.metrics.built_in import measure
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace_file import write_trace
+from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.oracles.built_in import default_oracles, judge_all
+from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.scenario.model import AgentChoice, Scenario
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.sumo import SUMO_ERRORS
+from drivora_service.worker.integrity import judging_code, sentence
+from drivora_service.worker.measuring import make_feedback, measure_run
+from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
+from drivora_service.worker.setup import WorkerSetup
+
+_LOG_LINES = 12
+"""Entries of a traceback that are kept."""
+
+
+@lru_cache(maxsize=4)
+def _networks(setup: WorkerSetup) -> NetworkCatalogue:
+    """Gives the catalogue, one a process, so that its networks are parsed once."""
+    return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
+
+
+@lru_cache(maxsize=1)
+def _agents(setup: WorkerSetup) -> AgentCatalogue:
+    """Gives the catalogue, one a process, so that the ADSs which it starts stay for later runs."""
+    return AgentCatalogue(
+        folder=setup.agents,
+        longest_call_s=setup.agent_deadline_s,
+        confinement=setup.confinement,
+    )
+
+
+@lru_cache(maxsize=1)
+def _oracles() -> OracleCatalogue:
+    return OracleCatalogue()
+
+
+@lru_cache(maxsize=1)
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("drivora", "libsumo", "numpy", "numba")}
+
+
+@dataclass(slots=True)
+class _Course:
+    """What is known of a run before its report.
+
+    Attributes:
+        started: Wall time at its begin, seconds.
+        stepping: Wall time that its steps took, seconds.
+        versions: Of what takes part, by name.
+        agents: As in the report.
+    """
+
+    started: float
+    versions: Mapping[str, str]
+    agents: Mapping[str, AgentChoice] = field(default_factory=dict)
+    stepping: float = 0.0
+
+
+def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = None) -> RunReport:
+    """Performs one run.
+
+    Args:
+        spec: What to run; its document is the canonical JSON of a validated scenario.
+        setup: Where the networks are.
+        board: Where to show progress.
+
+    Returns:
+        The report: finished, agent failed, plug-in failed, or invalid.
+
+    Raises:
+        SimulatorError: If SUMO itself fails; the slot records it as a crash.
+    """
+    cells = np.zeros(BOARD_CELLS, dtype=np.int64) if board is None else board.cells
+    cells[3] += 1
+    cells[1] = cells[2] = cells[4] = 0
+    cells[0] = RunPhase.PREPARING
+    course = _Course(started=time.perf_counter(), versions=_versions())
+    try:
+        return _perform(spec, setup, cells, course)
+    except AgentError as error:
+        failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
+        # The ADS has done nothing wrong that is known, and may drive well when it is tried again.
+        killed = error.cause == "agent_killed"
+        status = RunStatus.INFRASTRUCTURE_FAILED if killed else RunStatus.AGENT_FAILED
+        return _failed(spec, status, failure, course)
+    except PluginError as error:
+        return _failed(spec, RunStatus.PLUGIN_FAILED, _plugin_failure(error), course)
+    except SUMO_ERRORS as error:
+        raise SimulatorError(f"SUMO refused a call: {error}") from error
+    except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
+        failure = RunFailure(cause="invalid_document", message=str(error))
+        return _failed(spec, RunStatus.INVALID, failure, course)
+    except Exception as error:
+        # Of our own code, which an agent may have made fail.
+        if not (changes := judging_code().changes()):
+            raise
+        log = "".join(traceback.format_exception(error)[-_LOG_LINES:])
+        changed = _changed_by_agent(changes, course, log)
+        failure = RunFailure(cause=changed.cause, message=str(changed), log=log)
+        return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
+    finally:
+        cells[0] = RunPhase.IDLE
+
+
+def _perform(
+    spec: RunSpec,
+    setup: WorkerSetup,
+    cells: np.ndarray[tuple[int], np.dtype[np.int64]],
+    course: _Course,
+) -> RunReport:
+    code = judging_code()
+    # An oracle that cannot be loaded is known before a simulation is spent on it.
+    installed = _oracles().installed() if setup.installed_oracles else ()
+    scenario = _with_overrides(from_canonical(spec.document), spec)
+    network = _networks(setup).get(scenario.map_region.town)
+    plan = plan_episode(scenario, network)
+    catalogue = _agents(setup)
+    catalogue.begin_run()
+    egos = (ego.agent.name for ego in scenario.ego_vehicles)
+    course.versions = {**course.versions, **_versions_of(catalogue, egos)}
+    if installed:
+        rules = (oracle.name for oracle in installed)
+        course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
+    course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
+    cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
+    agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
+    feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    episode = Episode(
+        plan,
+        agents,
+        privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
+        cells=cells,
+    )
+    cells[0] = RunPhase.SIMULATING
+    begun = time.perf_counter()
+    while not episode.done:
+        episode.step()
+    course.stepping = time.perf_counter() - begun
+    cells[0] = RunPhase.JUDGING
+    trace = episode.finish()
+    if changes := code.changes():
+        raise _changed_by_agent(changes, course)
+    trace.meta["versions"] = course.versions
+    trace.meta["agents"] = {
+        ego: {"name": agent.name, "parameters": dict(agent.parameters)}
+        for ego, agent in course.agents.items()
+    }
+    if spec.trace_path:
+        try:
+            write_trace(trace, Path(spec.trace_path))
+        except (OSError, StoreError) as error:
+            failure = RunFailure(cause="trace_not_written", message=str(error))
+            return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
+    steps = max(trace.step_count - 1, 1)
+    view = RunView(trace, network)
+    verdicts = judge_all(trace, network, default_oracles(), view=view)
+    report = RunReport(
+        run_id=spec.run_id,
+        status=RunStatus.FINISHED,
+        verdicts=verdicts,
+        metrics=measure(trace, network, verdicts, view=view),
+        scores=score(trace, network, view=view),
+        trace_sha256=trace_sha256(trace),
+        steps=trace.step_count,
+        sim_time_s=float(trace.times[-1]),
+        wall_time_s=time.perf_counter() - course.started,
+        step_cost_us=1e6 * course.stepping / steps,
+        agent_cost_us={ego: 1e6 * spent / steps for ego, spent in episode.agent_seconds().items()},
+        privileged=tuple(
+            ego.id
+            for ego, sees_all in zip(scenario.ego_vehicles, trace.privileged, strict=True)
+            if sees_all
+        ),
+        agents=course.agents,
+        versions=course.versions,
+    )
+    if changes := code.changes():
+        raise _changed_by_agent(changes, course)
+    if feedback is None and not installed:
+        return report
+    try:
+        # Last, so that code of packages cannot change what the others have seen.
+        if feedback is not None and spec.feedback is not None:
+            measured = measure_run(spec.feedback.name, feedback, view)
+            report = replace(report, measurement=measured)
+        own = judge_all(trace, network, installed, view=view)
+        if changes := code.changes():
+            raise PluginError(
+                sentence(changes, "an oracle or a feedback"), cause="plugin_changed_service"
+            )
+    except PluginError as error:
+        return _not_judged(report, error)
+    return replace(
+        report,
+        verdicts=(*verdicts, *own),
+        wall_time_s=time.perf_counter() - course.started,
+    )
+
+
+def _versions_of(
+    catalogue: AgentCatalogue | OracleCatalogue, names: Iterable[str]
+) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name in names:
+        found |= catalogue.versions(name)
+    return found
+
+
+def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
+    if spec.agent:
+        choice = AgentChoice(name=spec.agent)
+        egos = tuple(
+            ego if ego.agent.name == spec.agent else replace(ego, agent=choice)
+            for ego in scenario.ego_vehicles
+        )
+        scenario = replace(scenario, ego_vehicles=egos)
+    return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
+
+
+def _changed_by_agent(changes: tuple[str, ...], course: _Course, log: str = "") -> AgentError:
+    names = sorted({choice.name for choice in course.agents.values()})
+    by = f"the {'agent' if len(names) == 1 else 'agents'} {', '.join(map(repr, names))}"
+    return AgentError(sentence(changes, by), cause="agent_changed_service", log=log)
+
+
+def _not_judged(report: RunReport, error: PluginError) -> RunReport:
+    """Takes the judgement out of a report; what was recorded stays, to be looked into."""
+    return replace(
+        report,
+        status=RunStatus.PLUGIN_FAILED,
+        verdicts=(),
+        metrics={},
+        scores={},
+        measurement=None,
+        failure=_plugin_failure(error),
+    )
+
+
+def _plugin_failure(error: PluginError) -> RunFailure:
+    return RunFailure(cause=error.cause, message=str(error), log=error.log)
+
+
+def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, course: _Course) -> RunReport:
+    return RunReport(
+        run_id=spec.run_id,
+        status=status,
+        failure=failure,
+        wall_time_s=time.perf_counter() - course.started,
+        agents=course.agents,
+        versions=course.versions,
+    )

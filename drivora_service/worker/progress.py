@@ -1,0 +1,141 @@
+"""Where a worker is in its run, readable from outside while the worker is busy or hung.
+
+The worker writes a few integers into memory that it shares with its slot's supervisor, which reads
+them. So a worker that spins in an ADS, even in C code that never lets go of the interpreter, can be
+told from one that hangs elsewhere.
+
+Code under test can write there too, and worse. So the supervisor reads the memory as a file and
+does not map it: whatever becomes of its size, a read is short at most. It has no name in any
+folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import mmap
+import os
+import struct
+import sys
+import tempfile
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.simulation.phase import SETTING_UP, RunPhase
+
+_CELLS = struct.Struct("=5q")
+_LARGEST = 2**31 - 1
+"""Largest number that an INTEGER column of the database holds."""
+_PHASES = frozenset(int(phase) for phase in RunPhase)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """A reading.
+
+    Attributes:
+        phase: What the worker is doing.
+        step: Row of the trace.
+        ego: Index of the ego whose agent is called.
+        run_counter: Runs that the worker has begun.
+        in_process: Whether an agent of the run lives in the worker process.
+    """
+
+    phase: RunPhase
+    step: int
+    ego: int
+    run_counter: int
+    in_process: bool = False
+
+    @property
+    def call(self) -> str:
+        """Names the call of an agent that goes on, in the phase ``IN_AGENT``."""
+        return "setup_env" if self.step == SETTING_UP else f"step {self.step}"
+
+
+NO_PROGRESS = Progress(phase=RunPhase.IDLE, step=0, ego=0, run_counter=0)
+"""The reading of a board on which nothing stands."""
+
+
+BOARD_CELLS = 5
+"""Integers on a board."""
+
+
+class ProgressBoard:
+    """The worker's side of the shared integers.
+
+    Attributes:
+        cells: (5,) int64: phase, step, ego, number of the run on this worker, and 1 if an agent of
+            the run lives in this process. Written directly by the step loop, where a method call
+            would cost more than the write.
+    """
+
+    def __init__(self, file: int) -> None:
+        """Maps the file that a :class:`BoardReader` has made.
+
+        Args:
+            file: Its descriptor, which may be closed afterwards.
+        """
+        self._map = mmap.mmap(file, _CELLS.size)
+        self.cells: NDArray[np.int64] = np.frombuffer(self._map, dtype=np.int64)
+
+
+class BoardReader:
+    """The supervisor's side. Safe to use from several threads."""
+
+    def __init__(self) -> None:
+        """Makes the shared memory, in which nothing stands."""
+        self._file = _shared_file()
+        self._lock = threading.Lock()
+
+    def fileno(self) -> int:
+        """Returns the descriptor for the worker."""
+        return self._file
+
+    def read(self) -> Progress:
+        """Returns the current reading: an unknown phase as ``IDLE``, numbers within 31 bits."""
+        with self._lock:
+            data = b"" if self._file < 0 else os.pread(self._file, _CELLS.size, 0)
+        if len(data) < _CELLS.size:
+            return NO_PROGRESS
+        phase, step, ego, counter, in_process = _CELLS.unpack(data)
+        return Progress(
+            phase=RunPhase(phase) if phase in _PHASES else RunPhase.IDLE,
+            step=_bounded(step),
+            ego=_bounded(ego),
+            run_counter=_bounded(counter),
+            in_process=bool(in_process),
+        )
+
+    def close(self) -> None:
+        """Lets go of the memory; from now on nothing stands on the board."""
+        with self._lock:
+            file, self._file = self._file, -1
+        if file >= 0:
+            os.close(file)
+
+
+def _bounded(value: int) -> int:
+    return min(max(value, -_LARGEST), _LARGEST)
+
+
+def _shared_file() -> int:
+    """Makes a file for the cells, filled with zeros, that has no name."""
+    if sys.platform != "linux":
+        with tempfile.TemporaryFile() as file:
+            file.truncate(_CELLS.size)
+            return os.dup(file.fileno())
+    memory = os.memfd_create("drivora-board", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    try:
+        os.ftruncate(memory, _CELLS.size)
+        # Not needed by the reader, but a worker that cuts its own board would die of it.
+        with contextlib.suppress(OSError):
+            seals = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+            fcntl.fcntl(memory, fcntl.F_ADD_SEALS, seals)
+    except BaseException:
+        os.close(memory)
+        raise
+    return memory

@@ -1,0 +1,56 @@
+"""Getting a worker process ready before its first run.
+
+The first run of a fresh installation would else compile the kernels within the first call of an
+agent, which then looks as if it hung.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.runs.report import RunSpec
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.model import NpcObstacle, Scenario
+from drivora_service.scenario.warm_up import warm_up_checks
+from drivora_service.worker.performing import perform
+from drivora_service.worker.setup import WorkerSetup
+
+_SIM_TIME_S = 1.0
+_COMPILED = ("idm", "idm-mobil", "pdm-closed")
+"""Agents with kernels of their own."""
+
+
+_AHEAD_M = 8.0
+_SPEED = 15.0
+_OBSTACLE = "static.prop.container"
+
+
+def warm_up(setup: WorkerSetup) -> None:
+    """Performs runs of a second of simulation on a shipped network and forgets them."""
+    scenario = warm_up_checks(NetworkCatalogue(setup.shipped_networks))
+    short = replace(scenario, max_sim_time=_SIM_TIME_S)
+    for agent in _COMPILED:
+        perform(RunSpec(run_id="warm-up", document=canonical_json(short), agent=agent), setup)
+    crash = canonical_json(_into_an_obstacle(short))
+    perform(RunSpec(run_id="warm-up", document=crash, agent=_COMPILED[0]), setup)
+
+
+def _into_an_obstacle(scenario: Scenario) -> Scenario:
+    """Returns the scenario with an obstacle that its first ego cannot but run into.
+
+    Judging a collision takes kernels of its own.
+    """
+    ego, *others = scenario.ego_vehicles
+    start = ego.route[0]
+    yaw = 0.0 if start.yaw is None else start.yaw
+    ahead = replace(
+        start, x=start.x + _AHEAD_M * math.cos(yaw), y=start.y + _AHEAD_M * math.sin(yaw)
+    )
+    obstacle = NpcObstacle(id="obstacle", model=_OBSTACLE, location=ahead)
+    return replace(
+        scenario,
+        ego_vehicles=(replace(ego, initial_speed=_SPEED), *others),
+        npc_obstacles=(*scenario.npc_obstacles, obstacle),
+    )

@@ -1,0 +1,187 @@
+"""Stored campaigns against one another."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.clustering import Clustering
+from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.errors import CampaignError, UnknownName
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.store.campaign_records import CampaignRecord, Confirmation
+from drivora_service.studies.choosing import choose_campaigns
+from drivora_service.studies.comparing import compare_stored
+from drivora_service.studies.comparison import MEASURES, measure
+from drivora_service.studies.comparison_files import write_comparison
+from drivora_service.studies.comparison_text import comparison_markdown
+from tests.studies.computed_study import Study, campaign_content, opened
+
+METHODS: dict[str, dict[str, Any]] = {
+    "random": {"name": "random"},
+    "avfuzzer": {"name": "avfuzzer"},
+    "twin": {"name": "avfuzzer", "feedback": "shuffled"},
+}
+
+
+@pytest.fixture(scope="module")
+def finished(catalogues: Catalogues, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data folder with three repetitions of each method; to be copied, not to be changed."""
+    folder = tmp_path_factory.mktemp("study")
+    content = campaign_content() | {"budget": {"simulations": 14}}
+    with opened(folder, catalogues) as study:
+        for method, tester in METHODS.items():
+            for seed in (1, 2, 3):
+                study.run(content, name=f"study-{method}-{seed}", tester=tester, seed=seed)
+    return folder
+
+
+@pytest.fixture
+def study(finished: Path, catalogues: Catalogues, tmp_path: Path) -> Iterator[Study]:
+    shutil.copytree(finished, tmp_path / "data")
+    with opened(tmp_path / "data", catalogues) as study:
+        yield study
+
+
+@pytest.fixture
+def records(study: Study) -> tuple[CampaignRecord, ...]:
+    return choose_campaigns(study.database, ["study-*"])
+
+
+def test_campaigns_are_counted_and_compared(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    comparison = compare_stored(study.database, records, study.catalogues)
+    assert [f.campaign for f in comparison.figures] == [record.id for record in records]
+    assert {f.group for f in comparison.figures} == {
+        "random",
+        "avfuzzer",
+        "avfuzzer without feedback",
+    }
+    for record, figures in zip(records, comparison.figures, strict=True):
+        assert figures.simulations == 14
+        assert figures.failing == record.counts.violating > 0
+        assert figures.clusters is not None
+        assert 0 < figures.clusters <= figures.failing
+        assert figures.network_coverage is not None
+        assert 0.0 < figures.network_coverage < 1.0
+        assert 0.0 < figures.gene_coverage < 1.0
+    # Two groups against the baseline; seconds to the first failure as well: all found one.
+    assert len(comparison.rows) == 2 * len(MEASURES)
+    assert comparison.budgets == {"tee-town": 14}
+    assert {figures.budget for figures in comparison.figures} == {14}
+    assert comparison.time_limits == {}
+    assert comparison.notes == ()
+
+
+def test_failures_that_did_not_happen_again_do_not_count(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    before = compare_stored(study.database, records, study.catalogues).figures[0]
+    journal = StoreJournal(study.database, records[0].id)
+    first = journal.failures()[0].number
+    journal.confirm(first, Confirmation.FLAKY, "")
+    after = compare_stored(study.database, records, study.catalogues).figures[0]
+    assert after.failing == before.failing - 1
+    assert after.first_failure is not None
+    assert before.first_failure is not None
+    assert after.first_failure > before.first_failure
+
+
+def test_at_equal_time_the_shortest_campaign_says_how_long(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    comparison = compare_stored(study.database, records, study.catalogues, equal_time=True)
+    limit = comparison.time_limits["tee-town"]
+    made = [f.simulations for f in comparison.figures]
+    assert max(made) == 14
+    assert min(made) < 14
+    assert all(f.simulation_s + f.own_s <= limit * (1.0 + 1e-9) for f in comparison.figures)
+    names = {row.measure.name for row in comparison.rows}
+    assert "first_failure_s" in names
+    assert "first_failure" not in names
+
+
+def test_groups_of_failures_are_made_of_all_campaigns_together() -> None:
+    def at(*places: float) -> list[Verdict]:
+        return [
+            Verdict(
+                oracle="collision",
+                ego="ego",
+                outcome=Outcome.VIOLATED,
+                message="",
+                location=(place, 0.0),
+            )
+            for place in places
+        ]
+
+    clustering = Clustering()
+    assert clustering.count_each([at(0.0, 1.0)]) == (2,)
+    # On the scale of both samples a metre is little.
+    assert clustering.count_each([at(0.0, 1.0), [], at(0.0, 100.0)]) == (1, 0, 2)
+
+
+def test_campaigns_of_another_version_are_refused(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    journal = StoreJournal(study.database, records[0].id)
+    first = next(journal.evaluations())
+    values = first.proposal.values.tolist()
+    with study.database.write() as transaction:
+        connection = transaction.session.connection()
+        connection.exec_driver_sql(
+            "UPDATE evaluations SET genes = ? WHERE number = 0 AND campaign_seq = ?",
+            (json.dumps(values[:-1]), records[0].seq),
+        )
+    with pytest.raises(CampaignError, match="other genes"):
+        compare_stored(study.database, records, study.catalogues)
+
+
+def test_files_say_what_the_comparison_says(
+    study: Study, records: tuple[CampaignRecord, ...], tmp_path: Path
+) -> None:
+    chosen = [measure("at_fault"), measure("kinds")]
+    comparison = compare_stored(study.database, records, study.catalogues, measures=chosen)
+    files = write_comparison(comparison, tmp_path / "out")
+    assert all(path.stat().st_size > 0 for path in files)
+    assert {path.suffix for path in files} == {".md", ".csv", ".svg", ".png"}
+    with (tmp_path / "out" / "comparison.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["a12"]) for row in rows] == [row.effect.a12 for row in comparison.rows]
+    with (tmp_path / "out" / "figures.csv").open() as file:
+        figures = list(csv.DictReader(file))
+    assert [row["campaign"] for row in figures] == [record.id for record in records]
+    assert figures[0]["found"].split() == [str(n) for n in comparison.figures[0].found]
+    text = comparison_markdown(comparison)
+    assert text in (tmp_path / "out" / "comparison.md").read_text()
+    assert text.count("| tee-town |") == len(comparison.rows) == 4
+    again = write_comparison(comparison, tmp_path / "again")
+    assert [p.read_bytes() for p in again] == [p.read_bytes() for p in files]
+
+
+def test_campaigns_are_chosen_by_id_name_and_pattern(
+    catalogues: Catalogues, content: dict[str, Any], tmp_path: Path
+) -> None:
+    names = ("study-a", "study-b", "other", "study-a")
+    with opened(tmp_path, catalogues) as study:
+        ids = [study.create(content, name=name, seed=n) for n, name in enumerate(names)]
+        _check_choice(study, ids)
+
+
+def _check_choice(study: Study, ids: list[str]) -> None:
+
+    def chosen(*wanted: str) -> list[str]:
+        return [record.id for record in choose_campaigns(study.database, wanted)]
+
+    assert chosen(ids[2], ids[0]) == [ids[0], ids[2]]
+    assert chosen("study-a") == [ids[0], ids[3]]
+    assert chosen("study-*", ids[1]) == [ids[0], ids[1], ids[3]]
+    with pytest.raises(UnknownName, match=r"'stud-\*'; known: study-a, other, study-b"):
+        chosen("study-*", "stud-*")

@@ -1,0 +1,168 @@
+"""Methods against a baseline."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivora_service.errors import CampaignError, UnknownName
+from drivora_service.studies.comparison import MEASURES, compare_campaigns, measure
+from drivora_service.studies.figures import CampaignFigures
+
+
+def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> CampaignFigures:
+    return CampaignFigures(
+        campaign=f"{scenario}-{group}-{seed}",
+        group=group,
+        scenario=scenario,
+        seed=seed,
+        simulations=100,
+        invalid_share=0.0,
+        failed_share=0.0,
+        failing=at_fault,
+        at_fault=at_fault,
+        avoidable=at_fault // 2,
+        unavoidable=at_fault - at_fault // 2,
+        undetermined=0,
+        kinds=min(at_fault, 3),
+        rules=1,
+        clusters=None,
+        situations=None,
+        first_failure=10 if at_fault else None,
+        found=(),
+        gene_coverage=0.5,
+        simulation_s=10.0,
+        own_s=1.0,
+    )
+
+
+def study(shift: int, scenarios: tuple[str, ...] = ("s",)) -> list[CampaignFigures]:
+    random = np.random.default_rng(0)
+    return [
+        figures(group, seed, int(random.poisson(5 + more)), scenario)
+        for scenario in scenarios
+        for group, more in (("random", 0), ("avfuzzer", shift))
+        for seed in range(20)
+    ]
+
+
+def test_a_method_that_finds_more_is_better() -> None:
+    rows = compare_campaigns(study(6), "random", [measure("at_fault")])
+    assert len(rows) == 1
+    row = rows[0]
+    assert row.effect.a12 > 0.9
+    assert row.is_better
+    assert row.median > row.baseline_median
+    assert (row.repetitions, row.baseline_repetitions) == (20, 20)
+
+
+def test_chance_is_not_called_better() -> None:
+    (row,) = compare_campaigns(study(0), "random", [measure("at_fault")])
+    assert not row.is_better
+
+
+def test_fewer_simulations_to_the_first_failure_are_better() -> None:
+    found = [replace(f, first_failure=5 + f.seed) for f in study(6) if f.group == "avfuzzer"]
+    late = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    (row,) = compare_campaigns(found + late, "random", [measure("first_failure")])
+    assert row.effect.a12 == 1.0
+    # A campaign that found nothing counts as later than all of its simulations.
+    never = [replace(f, first_failure=None) for f in late]
+    (row,) = compare_campaigns(found + never, "random", [measure("first_failure")])
+    assert row.baseline_median == 101.0
+
+
+def test_who_ends_early_without_a_failure_was_not_early_to_find_one() -> None:
+    found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    ended = [
+        replace(f, simulations=30, budget=100, first_failure=None)
+        for f in study(6)
+        if f.group == "avfuzzer"
+    ]
+    (row,) = compare_campaigns(found + ended, "random", [measure("first_failure")])
+    assert row.median == 101.0
+    assert row.judgement == "worse, large"
+
+
+def test_p_is_corrected_for_all_rows_of_a_measure() -> None:
+    one = compare_campaigns(study(2), "random", [measure("at_fault")])
+    three = compare_campaigns(study(2, ("s", "t", "u")), "random", [measure("at_fault")])
+    assert one[0].p_holm == one[0].effect.p
+    assert len(three) == 3
+    smallest = min(three, key=lambda row: row.effect.p)
+    assert smallest.p_holm == pytest.approx(min(1.0, 3 * smallest.effect.p))
+
+
+def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
+    assert compare_campaigns(study(2), "random", [measure("clusters")]) == ()
+
+
+def test_every_measure_can_be_compared() -> None:
+    known = [
+        replace(
+            f, clusters=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
+        )
+        for f in study(2)
+    ]
+    assert len(compare_campaigns(known, "random")) == len(MEASURES)
+
+
+def test_at_equal_time_seconds_to_the_first_failure_count_in_place_of_simulations() -> None:
+    early = [
+        replace(f, first_failure=2, first_failure_s=2.0, time_limit_s=9.0)
+        for f in study(0)
+        if f.group == "avfuzzer"
+    ]
+    # Few simulations were made in this time, so that one more than all of them would seem early.
+    never = [
+        replace(f, simulations=1, first_failure=None, time_limit_s=9.0)
+        for f in study(0)
+        if f.group == "random"
+    ]
+    wanted = [measure("first_failure"), measure("first_failure_s")]
+    (row,) = compare_campaigns(early + never, "random", wanted)
+    assert row.measure.name == "first_failure_s"
+    assert (row.median, row.baseline_median) == (2.0, 9.0)
+    assert row.effect.a12 == 1.0
+
+
+@pytest.mark.parametrize(
+    ("a12", "p", "judgement"),
+    [
+        (0.71, 0.01, "better, large"),
+        (0.29, 0.01, "worse, large"),
+        (0.65, 0.01, "better, medium"),
+        (0.4, 0.01, "worse, small"),
+        (0.51, 0.01, "better, negligible"),
+        (0.99, 0.05, "undecided"),
+    ],
+)
+def test_the_judgement_says_who_is_better_and_how_much(
+    a12: float, p: float, judgement: str
+) -> None:
+    (row,) = compare_campaigns(study(1), "random", [measure("at_fault")])
+    assert replace(row, effect=replace(row.effect, a12=a12), p_holm=p).judgement == judgement
+
+
+@pytest.mark.parametrize(
+    ("campaigns", "baseline", "message"),
+    [
+        (study(1), "samota", "no campaign of 'samota'"),
+        ([f for f in study(1) if f.group == "random"], "random", "nothing to compare"),
+        ([*study(1), figures("avfuzzer", 0, 1, "t")], "random", "on 't' there is no"),
+        ([*study(1), replace(study(1)[0], campaign="twin")], "random", "the same search"),
+        ([*study(1), figures("samota", 0, 1)], "random", "one campaign of 'samota' only"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(
+    campaigns: list[CampaignFigures], baseline: str, message: str
+) -> None:
+    with pytest.raises(CampaignError, match=message):
+        compare_campaigns(campaigns, baseline)
+
+
+def test_an_unknown_measure_is_named_with_those_there_are() -> None:
+    with pytest.raises(UnknownName, match="at_fault"):
+        measure("beauty")

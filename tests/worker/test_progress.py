@@ -1,0 +1,52 @@
+"""The board is read as a file: whatever is done to it, the reader goes on."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+
+from drivora_service.simulation.phase import RunPhase
+from drivora_service.worker.progress import NO_PROGRESS, BoardReader, Progress, ProgressBoard
+
+
+def test_what_is_written_is_read() -> None:
+    reader = BoardReader()
+    board = ProgressBoard(reader.fileno())
+    assert reader.read() == NO_PROGRESS
+    board.cells[:] = [RunPhase.IN_AGENT, 17, 2, 5, 1]
+    assert reader.read() == Progress(
+        phase=RunPhase.IN_AGENT, step=17, ego=2, run_counter=5, in_process=True
+    )
+    reader.close()
+    assert reader.read() == NO_PROGRESS
+
+
+def test_values_are_checked() -> None:
+    reader = BoardReader()
+    ProgressBoard(reader.fileno()).cells[:] = [99, 2**62, -(2**62), 2**31, 0]
+    largest = 2**31 - 1
+    assert reader.read() == Progress(
+        phase=RunPhase.IDLE, step=largest, ego=-largest, run_counter=largest
+    )
+    reader.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="files are sealed on Linux only")
+def test_its_size_cannot_be_changed() -> None:
+    reader = BoardReader()
+    for size in (0, 1 << 20):
+        with pytest.raises(PermissionError):
+            os.ftruncate(reader.fileno(), size)
+    reader.close()
+
+
+def test_where_its_size_can_be_changed_the_reader_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "other")
+    reader = BoardReader()
+    ProgressBoard(reader.fileno()).cells[:] = [RunPhase.SIMULATING, 1, 1, 1, 1]
+    assert reader.read().phase is RunPhase.SIMULATING
+    os.ftruncate(reader.fileno(), 3)
+    assert reader.read() == NO_PROGRESS
+    reader.close()
