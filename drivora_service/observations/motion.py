@@ -3,6 +3,10 @@
 Savitzky-Golay filters of order 2 as in nuPlan's and Bench2Drive's comfort metrics: about 8 samples
 for accelerations and 15 for derivatives at 20 Hz, kept as durations for other step lengths. Unlike
 in Bench2Drive's public code, yaw acceleration is the derivative of the yaw rate.
+
+``scipy.signal`` takes about a second of processor time to import, which only processes that judge
+runs need: `run_view` imports this module where it filters. Imported as a module, so that the
+comparison of what judges runs (`worker/watched.py`) follows it.
 """
 
 from __future__ import annotations
@@ -10,9 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.observations.savitzky_golay import savitzky_golay
 from drivora_service.observations.trace import Col
 
 SMOOTHING_TIME = 0.4
@@ -62,9 +66,9 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     cos, sin = np.cos(states[:, Col.YAW]), np.sin(states[:, Col.YAW])
     ax, ay = states[:, Col.AX], states[:, Col.AY]
     own = np.stack((ax * cos + ay * sin, ay * cos - ax * sin, states[:, Col.YAW_RATE]))
-    smooth = savitzky_golay(own, smoothing, _ORDER)
+    smooth = signal.savgol_filter(own, smoothing, _ORDER)
     rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
-    slopes = savitzky_golay(rising, derivative, _ORDER, derivative=1, spacing=step_length)
+    slopes = signal.savgol_filter(rising, derivative, _ORDER, deriv=1, delta=step_length)
     return FilteredMotion(
         longitudinal_acceleration=smooth[0],
         lateral_acceleration=smooth[1],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +13,11 @@ from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.lane_bends import tangent_gap
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
 from drivora_service.observations.trace import Actor, Col, EgoCol, EgoRoute, TerminalEvent, Trace
+
+if TYPE_CHECKING:
+    from drivora_service.observations.motion import FilteredMotion
 
 _BEND_SHARE = 2.0
 """Times that the border of a road may leave its tangents further than the centre of a lane."""
@@ -198,6 +201,9 @@ class EgoView:
     @cached_property
     def motion(self) -> FilteredMotion | None:
         """Its filtered motion; None where its part is too short to filter."""
+        # Here, not above: what only lists rules and testers shall not load scipy.signal.
+        from drivora_service.observations.motion import filter_motion
+
         return filter_motion(self.states, self.step_length)
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drivora_service.geometry.arrays import BoolArray
-from drivora_service.observations.motion import FilteredMotion
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.oracles.verdict import (
     Severity,
@@ -17,6 +17,9 @@ from drivora_service.oracles.verdict import (
     passed,
     violated,
 )
+
+if TYPE_CHECKING:
+    from drivora_service.observations.motion import FilteredMotion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -37,6 +37,14 @@ def test_help_loads_neither_simulator_nor_compiler() -> None:
     assert ended.stdout.strip() == "set()"
 
 
+def test_lists_and_runs_load_the_filters_of_motion_in_no_command() -> None:
+    modules = ("cli.local_runs", "oracles.built_in", "metrics.built_in", "feedback.catalogue")
+    imports = "; ".join(f"import drivora_service.{module}" for module in modules)
+    code = f"import sys; {imports}; print('scipy.signal' in sys.modules)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stdout.strip() == "False"
+
+
 def test_every_command_is_in_the_reference(repository: Path) -> None:
     reference = (repository / "docs" / "reference" / "cli.md").read_text()
     names = [*COMMANDS, *(f"{group} {name}" for group, names in GROUPS.items() for name in names)]
