@@ -7,9 +7,7 @@ what was installed: a half-made installation is never taken for one.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
-import os
 import shutil
 import subprocess
 import sys
@@ -143,18 +141,19 @@ def _remove(folder: Path) -> None:
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Keeps others from installing into a folder at the same time."""
+    # Here, not above: workers, which import this module, shall not have its hooks of every fork.
+    from filelock import Timeout, UnixFileLock
+
+    # A file that exists, instead of a lock on it, would outlive a process that is killed.
+    lock = UnixFileLock(folder / "lock", fallback_to_soft=False)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+        held = lock.acquire(blocking=False)
+    except Timeout:
+        raise _failed(f"another process is installing into {folder}: wait for its end") from None
     except OSError as error:
         raise _failed(f"{folder} cannot be written: {error.strerror}") from error
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    with held:
         yield
-    except BlockingIOError:
-        raise _failed(f"another process is installing into {folder}: wait for its end") from None
-    finally:
-        os.close(lock)
 
 
 def _run(command: list[str]) -> None:

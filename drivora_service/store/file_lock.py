@@ -4,43 +4,55 @@ from __future__ import annotations
 
 import fcntl
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
 
+from filelock import Timeout, UnixFileLock
+
 from drivora_service.errors import Conflict
 
-_ATTEMPTS, _PAUSE_S = 20, 0.01
+_WAIT_S, _PAUSE_S = 0.2, 0.01
+"""Seconds for which a lock is waited for, and between two attempts."""
 
 
 class FileLock:
     """Holds a file for this process.
 
-    The operating system lets go of it when the process dies, however it dies.
+    The operating system lets go of it when the process dies, however it dies. The file stays, with
+    the id of the process that had it last.
     """
 
     def __init__(self, path: Path, *, refusal: Callable[[str], str]) -> None:
-        """Takes the lock.
+        """Takes the lock; processes that only look have let go of it a moment later.
 
         Args:
             path: Of the file, which is made, with its folder, if it does not exist.
-            refusal: Gives the message of the error, from the id of the process that has it.
+            refusal: Returns the message of the error, from the id of the process that has it.
 
         Raises:
             Conflict: Another process has it.
         """
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-        if not _take(self._file):
-            holder = os.read(self._file, 32).decode(errors="replace").strip()
-            os.close(self._file)
-            raise Conflict(refusal(holder or "(unknown)"))
-        os.ftruncate(self._file, 0)
-        os.write(self._file, str(os.getpid()).encode())
+        self._lock = UnixFileLock(
+            path,
+            timeout=_WAIT_S,
+            poll_interval=_PAUSE_S,
+            mode=0o600,
+            # It may be released by another thread than the one that took it.
+            thread_local=False,
+            # A file that exists, instead of a lock on it, would outlive a process that is killed.
+            fallback_to_soft=False,
+            preserve_lock_file=True,
+            on_acquired=_write_process_id,
+        )
+        try:
+            self._lock.acquire()
+        except Timeout:
+            holder = path.read_text(errors="replace").strip()
+            raise Conflict(refusal(holder or "(unknown)")) from None
 
     def release(self) -> None:
         """Lets go of the file."""
-        os.close(self._file)
+        self._lock.release()
 
 
 def is_locked(path: Path) -> bool:
@@ -56,13 +68,6 @@ def is_locked(path: Path) -> bool:
     return False
 
 
-def _take(file: int) -> bool:
-    """Takes a lock; processes that only look have let go of it a moment later."""
-    for attempt in range(_ATTEMPTS):
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            time.sleep(_PAUSE_S if attempt < _ATTEMPTS - 1 else 0.0)
-        else:
-            return True
-    return False
+def _write_process_id(file: int) -> None:
+    os.ftruncate(file, 0)
+    os.write(file, str(os.getpid()).encode())
