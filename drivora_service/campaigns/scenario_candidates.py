@@ -9,14 +9,14 @@ from drivora_service.campaigns.candidates import Candidate
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.space.validity import find_problems
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScenarioCandidates:
-    """Decodes values and has the scenario checked as every document is.
+    """Decodes values, and checks the scenario as documents are checked.
 
     Attributes:
         networks: Where its town is looked up.
@@ -36,7 +36,7 @@ class ScenarioCandidates:
         """Repairs values (d,), decodes them, and checks the scenario."""
         repaired = self.space.repair(values)
         scenario = self.space.scenario(repaired)
-        problems = find_problems(scenario, self.networks, self.agents)
+        problems = scenario_problems(scenario, self.networks, self.agents)
         if problems:
             found = "; ".join(f"{problem.pointer}: {problem.message}" for problem in problems)
             return Candidate(values=repaired, problem=found)

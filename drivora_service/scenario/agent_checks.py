@@ -1,16 +1,17 @@
-"""Checks the agents that a document names, against whoever knows them."""
+"""Checks the agents that a document or a scenario names against the directory of agents."""
 
 from __future__ import annotations
 
 import difflib
 from abc import abstractmethod
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from drivora_service.errors import Problem
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import EgoDocument
+from drivora_service.scenario.model import EgoVehicle, Scenario
 from drivora_service.scenario.plain_data import pointer
 
 
@@ -34,32 +35,38 @@ class AgentDirectory(Mapping[str, str]):
 
 
 def check_agents(
-    document: ScenarioDocument, agents: Collection[str] | None, driven_by: str
+    content: ScenarioDocument | Scenario, agents: Collection[str] | None, driven_by: str
 ) -> list[Problem]:
     """Checks the agents of all egos.
 
     Args:
-        document: Names them.
+        content: Names them.
         agents: Those that exist; in a mapping, with the reason why one cannot be used, or ""; in a
             directory, with their parameters. ``None``: any will do.
-        driven_by: Drives every ego in place of whom the document names, with the parameters of the
-            egos that name it; "": as documented.
+        driven_by: Drives every ego in place of the agent that the content names, with the
+            parameters of the egos that name it; "": as named.
     """
     if agents is None:
         return []
+    egos: Sequence[EgoDocument | EgoVehicle] = content.ego_vehicles
     problems = [
         problem
-        for index, ego in enumerate(document.ego_vehicles)
-        if ego.agent_name is not None and driven_by in ("", ego.agent_name)
-        for problem in _check_ego(index, ego, ego.agent_name, agents)
+        for index, ego in enumerate(egos)
+        if (name := _agent_name(ego)) is not None and driven_by in ("", name)
+        for problem in _check_ego(index, ego, name, agents)
     ]
     if not problems and isinstance(agents, AgentDirectory):
-        problems.extend(_check_team(document, agents, driven_by))
+        problems.extend(_check_team(egos, agents, driven_by))
     return problems
 
 
+def _agent_name(ego: EgoDocument | EgoVehicle) -> str | None:
+    """Returns the name of an ego's agent; ``None`` where a document names none."""
+    return ego.agent_name if isinstance(ego, EgoDocument) else ego.agent.name
+
+
 def _check_ego(
-    index: int, ego: EgoDocument, name: str, agents: Collection[str]
+    index: int, ego: EgoDocument | EgoVehicle, name: str, agents: Collection[str]
 ) -> Iterator[Problem]:
     key: tuple[str, ...] = ("config_path",) if ego.agent is None else ("agent", "name")
     place = pointer(("ego_vehicles", index, *key))
@@ -86,15 +93,16 @@ def _check_ego(
 
 
 def _check_team(
-    document: ScenarioDocument, agents: AgentDirectory, driven_by: str
+    egos: Sequence[EgoDocument | EgoVehicle], agents: AgentDirectory, driven_by: str
 ) -> Iterator[Problem]:
     """Finds egos whose drivers cannot drive in one run."""
     first: tuple[int, str] | None = None
-    for index, ego in enumerate(document.ego_vehicles):
-        name = driven_by or ego.agent_name
+    for index, ego in enumerate(egos):
+        named = _agent_name(ego)
+        name = driven_by or named
         if name is None or name not in agents:
             continue
-        own = ego.agent.parameters if ego.agent is not None and name == ego.agent_name else {}
+        own = ego.agent.parameters if ego.agent is not None and name == named else {}
         wanted = agents.lane_change_model(name, own)
         if not wanted:
             continue

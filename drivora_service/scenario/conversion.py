@@ -14,9 +14,12 @@ from drivora_service.scenario.frames import FrameTransform
 DEFAULT_AGENT = "idm"
 
 
-def frame_of(document: ScenarioDocument, network: RoadNetwork) -> FrameTransform:
-    """Gives the transform from the document's frame to the network's plane."""
-    if document.frame is Frame.SUMO:
+def frame_of(content: ScenarioDocument | model.Scenario, network: RoadNetwork) -> FrameTransform:
+    """Returns the transform from a document's frame to the network's plane.
+
+    A scenario is in that plane already.
+    """
+    if isinstance(content, model.Scenario) or content.frame is Frame.SUMO:
         return FrameTransform()
     offset_x, offset_y = network.net_offset
     return FrameTransform(offset_x=offset_x, offset_y=offset_y, mirrored=True)
@@ -106,7 +109,9 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
     )
 
 
-def region(segment: entities.RegionDocument | None, frame: FrameTransform) -> model.Region | None:
+def region(
+    segment: entities.RegionDocument | model.Region | None, frame: FrameTransform
+) -> model.Region | None:
     """Converts a rectangle; in a mirrored frame its southern edge becomes the northern one."""
     if segment is None:
         return None

@@ -8,7 +8,7 @@ from typing import Any
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import (
-    AgentChoice,
+    EgoVehicle,
     LightTimes,
     NpcObstacle,
     NpcVehicle,
@@ -22,63 +22,57 @@ _NEIGHBOURS = 64
 
 
 def to_document(scenario: Scenario) -> ScenarioDocument:
-    """Gives the document, in the network's plane, that a scenario stands for."""
-    background = scenario.background_traffic
-    return ScenarioDocument.model_validate(
-        {
-            "frame": "sumo",
-            "ego_vehicles": [
-                {
-                    "id": ego.id,
-                    "model": ego.model,
-                    "route": _route(ego.route),
-                    "agent": _agent(ego.agent),
-                    "start_time": ego.start_time,
-                    "initial_speed": ego.initial_speed,
-                    "dynamics": ego.dynamics,
-                }
-                for ego in scenario.ego_vehicles
-            ],
-            "npc_vehicles": [_npc(npc) for npc in scenario.npc_vehicles],
-            "npc_walkers": [
-                {
-                    "id": walker.id,
-                    "model": walker.model,
-                    "route": _route(walker.route),
-                    "start_time": walker.start_time,
-                }
-                for walker in scenario.npc_walkers
-            ],
-            "npc_obstacles": [_obstacle(obstacle) for obstacle in scenario.npc_obstacles],
-            "map_region": {
-                "town": scenario.map_region.town,
-                "region_segment": _region(scenario.map_region.region_segment),
-            },
-            "weather": {
-                name: getattr(scenario.weather, name)
-                for name in scenario.weather.__dataclass_fields__
-            },
-            "traffic_lights": {
-                **_light_times(scenario.traffic_lights.times),
-                "junctions": {
-                    light: _light_times(times)
-                    for light, times in scenario.traffic_lights.junctions.items()
-                },
-            },
-            "background_traffic": None
-            if background is None
-            else {"count": background.count, "start_time": background.start_time},
-            "seed": scenario.seed,
-            "step_length": scenario.step_length,
-            "max_sim_time": scenario.max_sim_time,
-            "stuck_after": scenario.stuck_after,
-            "extensions": dict(scenario.extensions),
-        }
-    )
+    """Returns the document, in the network's plane, that a scenario stands for."""
+    return ScenarioDocument.model_validate(document_content(scenario))
+
+
+def document_content(scenario: Scenario) -> dict[str, Any]:
+    """Returns the plain data of the document that a scenario stands for.
+
+    The keys are in the order of the document's fields. The values are not checked: a number that
+    no document may have stays as it is.
+    """
+    background, lights = scenario.background_traffic, scenario.traffic_lights
+    return {
+        "frame": "sumo",
+        "ego_vehicles": [_ego(ego) for ego in scenario.ego_vehicles],
+        "npc_vehicles": [_npc(npc) for npc in scenario.npc_vehicles],
+        "npc_walkers": [
+            {
+                "id": walker.id,
+                "model": walker.model,
+                "route": _route(walker.route),
+                "start_time": walker.start_time,
+            }
+            for walker in scenario.npc_walkers
+        ],
+        "npc_obstacles": [_obstacle(obstacle) for obstacle in scenario.npc_obstacles],
+        "map_region": {
+            "town": scenario.map_region.town,
+            "region_segment": _region(scenario.map_region.region_segment),
+        },
+        "weather": {
+            name: getattr(scenario.weather, name) for name in scenario.weather.__dataclass_fields__
+        },
+        "traffic_lights": {
+            **_light_times(lights.times),
+            "junctions": {light: _light_times(times) for light, times in lights.junctions.items()},
+        },
+        "background_traffic": None
+        if background is None
+        else {"count": background.count, "start_time": background.start_time},
+        "seed": scenario.seed,
+        "step_length": scenario.step_length,
+        "max_sim_time": scenario.max_sim_time,
+        "stuck_after": scenario.stuck_after,
+        "extensions": dict(scenario.extensions),
+    }
 
 
 def _yaw(angle: float) -> float:
-    """Gives the degrees that are read back as exactly ``angle``, where there are any."""
+    """Returns the degrees that are read back as exactly ``angle``, where there are any."""
+    if not math.isfinite(angle):
+        return angle
     frame = FrameTransform()
     value = frame.yaw_from_network(angle)
     for limit in (-math.inf, math.inf):
@@ -105,8 +99,16 @@ def _place(waypoint: Waypoint) -> dict[str, float]:
     return place
 
 
-def _agent(agent: AgentChoice) -> dict[str, Any]:
-    return {"name": agent.name, "parameters": dict(agent.parameters)}
+def _ego(ego: EgoVehicle) -> dict[str, Any]:
+    return {
+        "id": ego.id,
+        "model": ego.model,
+        "route": _route(ego.route),
+        "start_time": ego.start_time,
+        "initial_speed": ego.initial_speed,
+        "dynamics": ego.dynamics,
+        "agent": {"name": ego.agent.name, "parameters": dict(ego.agent.parameters)},
+    }
 
 
 def _npc(npc: NpcVehicle) -> dict[str, Any]:
@@ -144,7 +146,7 @@ def _region(region: Region | None) -> dict[str, float] | None:
 def _light_times(times: LightTimes) -> dict[str, float | None]:
     return {
         "green_time": times.green,
-        "yellow_time": times.yellow,
         "red_time": times.red,
+        "yellow_time": times.yellow,
         "offset": times.offset,
     }

@@ -1,4 +1,4 @@
-"""The actors of a document, placed in the network's plane, for the checks of validation."""
+"""The actors of a document or a scenario, in the network's plane, for the checks of validation."""
 
 from __future__ import annotations
 
@@ -9,20 +9,34 @@ from drivora_service.errors import Problem, UnknownName
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model, resized
 from drivora_service.scenario.conversion import waypoint
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.scenario.entities import PlaceDocument
+from drivora_service.scenario.entities import (
+    EgoDocument,
+    NpcObstacleDocument,
+    NpcVehicleDocument,
+    NpcWalkerDocument,
+    PlaceDocument,
+)
 from drivora_service.scenario.frames import FrameTransform
-from drivora_service.scenario.model import NpcBehavior, Waypoint
+from drivora_service.scenario.model import (
+    EgoVehicle,
+    NpcBehavior,
+    NpcObstacle,
+    NpcVehicle,
+    NpcWalker,
+    Scenario,
+    Waypoint,
+)
 from drivora_service.scenario.plain_data import pointer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlacedActor:
-    """An actor of a document.
+    """An actor of a document or a scenario.
 
     Attributes:
-        list_name: The document's list that it stands in, such as ``npc_vehicles``.
+        list_name: The list that it stands in, such as ``npc_vehicles``.
         index: Its place in that list.
-        model: ``None`` where the document names a model that does not exist.
+        model: ``None`` where it names a model that does not exist.
         places: Its waypoints, or its one location, in the network's plane.
         start_time: Seconds.
         behavior: ``None`` where it is no NPC vehicle.
@@ -56,63 +70,98 @@ class PlacedActor:
 
 
 def place_actors(
-    document: ScenarioDocument, frame: FrameTransform
+    content: ScenarioDocument | Scenario, frame: FrameTransform
 ) -> tuple[tuple[PlacedActor, ...], list[Problem]]:
-    """Gives all actors in document order, and a problem for each model that does not exist."""
+    """Returns all actors in document order, and a problem for each model that does not exist.
+
+    Args:
+        content: Holds the actors.
+        frame: From a document's frame to the network's plane. A scenario is in that plane.
+    """
     problems: list[Problem] = []
-    actors: list[PlacedActor] = []
-    for index, ego in enumerate(document.ego_vehicles):
-        actors.append(
-            PlacedActor(
-                list_name="ego_vehicles",
-                index=index,
-                id=ego.id,
-                model=_model(ActorKind.VEHICLE, ego.model, "ego_vehicles", index, problems),
-                places=_places(ego.route, frame),
-                start_time=ego.start_time,
-                is_ego=True,
-            )
-        )
-    for index, npc in enumerate(document.npc_vehicles):
-        actors.append(
-            PlacedActor(
-                list_name="npc_vehicles",
-                index=index,
-                id=npc.id,
-                model=_model(ActorKind.VEHICLE, npc.model, "npc_vehicles", index, problems),
-                places=_places(npc.route, frame),
-                start_time=npc.start_time,
-                behavior=npc.behavior,
-            )
-        )
-    for index, walker in enumerate(document.npc_walkers):
-        actors.append(
-            PlacedActor(
-                list_name="npc_walkers",
-                index=index,
-                id=walker.id,
-                model=_model(ActorKind.WALKER, walker.model, "npc_walkers", index, problems),
-                places=_places(walker.route, frame),
-                start_time=walker.start_time,
-            )
-        )
-    for index, obstacle in enumerate(document.npc_obstacles):
-        found = _model(ActorKind.OBSTACLE, obstacle.model, "npc_obstacles", index, problems)
-        actors.append(
-            PlacedActor(
-                list_name="npc_obstacles",
-                index=index,
-                id=obstacle.id,
-                model=found and resized(found, obstacle.length, obstacle.width),
-                places=_places((obstacle.location,), frame),
-                start_time=obstacle.start_time,
-            )
-        )
+    egos: Sequence[EgoDocument | EgoVehicle] = content.ego_vehicles
+    vehicles: Sequence[NpcVehicleDocument | NpcVehicle] = content.npc_vehicles
+    walkers: Sequence[NpcWalkerDocument | NpcWalker] = content.npc_walkers
+    obstacles: Sequence[NpcObstacleDocument | NpcObstacle] = content.npc_obstacles
+    actors = [
+        *(_ego(index, ego, frame, problems) for index, ego in enumerate(egos)),
+        *(_vehicle(index, npc, frame, problems) for index, npc in enumerate(vehicles)),
+        *(_walker(index, walker, frame, problems) for index, walker in enumerate(walkers)),
+        *(_obstacle(index, one, frame, problems) for index, one in enumerate(obstacles)),
+    ]
     return tuple(actors), problems
 
 
-def _places(places: Sequence[PlaceDocument], frame: FrameTransform) -> tuple[Waypoint, ...]:
-    return tuple(waypoint(place, frame) for place in places)
+def _ego(
+    index: int, ego: EgoDocument | EgoVehicle, frame: FrameTransform, problems: list[Problem]
+) -> PlacedActor:
+    return PlacedActor(
+        list_name="ego_vehicles",
+        index=index,
+        id=ego.id,
+        model=_model(ActorKind.VEHICLE, ego.model, "ego_vehicles", index, problems),
+        places=_places(ego.route, frame),
+        start_time=ego.start_time,
+        is_ego=True,
+    )
+
+
+def _vehicle(
+    index: int,
+    npc: NpcVehicleDocument | NpcVehicle,
+    frame: FrameTransform,
+    problems: list[Problem],
+) -> PlacedActor:
+    return PlacedActor(
+        list_name="npc_vehicles",
+        index=index,
+        id=npc.id,
+        model=_model(ActorKind.VEHICLE, npc.model, "npc_vehicles", index, problems),
+        places=_places(npc.route, frame),
+        start_time=npc.start_time,
+        behavior=npc.behavior,
+    )
+
+
+def _walker(
+    index: int,
+    walker: NpcWalkerDocument | NpcWalker,
+    frame: FrameTransform,
+    problems: list[Problem],
+) -> PlacedActor:
+    return PlacedActor(
+        list_name="npc_walkers",
+        index=index,
+        id=walker.id,
+        model=_model(ActorKind.WALKER, walker.model, "npc_walkers", index, problems),
+        places=_places(walker.route, frame),
+        start_time=walker.start_time,
+    )
+
+
+def _obstacle(
+    index: int,
+    obstacle: NpcObstacleDocument | NpcObstacle,
+    frame: FrameTransform,
+    problems: list[Problem],
+) -> PlacedActor:
+    found = _model(ActorKind.OBSTACLE, obstacle.model, "npc_obstacles", index, problems)
+    return PlacedActor(
+        list_name="npc_obstacles",
+        index=index,
+        id=obstacle.id,
+        model=found and resized(found, obstacle.length, obstacle.width),
+        places=_places((obstacle.location,), frame),
+        start_time=obstacle.start_time,
+    )
+
+
+def _places(
+    places: Sequence[PlaceDocument | Waypoint], frame: FrameTransform
+) -> tuple[Waypoint, ...]:
+    return tuple(
+        place if isinstance(place, Waypoint) else waypoint(place, frame) for place in places
+    )
 
 
 def _model(

@@ -46,21 +46,28 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
 
 def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
     """Finds actors whose id another actor before them has; skips what is no actor at all."""
+    return repeated_ids(
+        (pointer((name, index, "id")), actor["id"])
+        for name in ACTOR_LISTS
+        if isinstance(content.get(name), list | tuple)
+        for index, actor in enumerate(content[name])
+        if isinstance(actor, Mapping) and isinstance(actor.get("id"), str)
+    )
+
+
+def repeated_ids(ids: Iterable[tuple[str, str]]) -> list[Problem]:
+    """Finds ids that were there before.
+
+    Args:
+        ids: Pointer to each id, and the id.
+    """
     problems: list[Problem] = []
     first: dict[str, str] = {}
-    for name in ACTOR_LISTS:
-        actors = content.get(name)
-        if not isinstance(actors, list | tuple):
-            continue
-        for index, actor in enumerate(actors):
-            actor_id = actor.get("id") if isinstance(actor, Mapping) else None
-            if not isinstance(actor_id, str):
-                continue
-            place = pointer((name, index, "id"))
-            earlier = first.setdefault(actor_id, place)
-            if earlier != place:
-                message = f"found {actor_id[:80]!r} again (first at {earlier}); ids must be unique"
-                problems.append(Problem(pointer=place, code="duplicate_id", message=message))
+    for place, actor_id in ids:
+        earlier = first.setdefault(actor_id, place)
+        if earlier != place:
+            message = f"found {actor_id[:80]!r} again (first at {earlier}); ids must be unique"
+            problems.append(Problem(pointer=place, code="duplicate_id", message=message))
     return problems
 
 

@@ -94,7 +94,7 @@ class ScenarioSpace:
 
         Returns:
             (d,) genes. Repaired once more they stay the same. What has no free place stays where
-            it is: :func:`find_problems` tells whether the scenario is valid all the same.
+            it is: :func:`scenario_problems` tells whether the scenario is valid all the same.
         """
         repaired = self.genes.clip(values)
         taken = [*self._seed_starts, *(ego.place().start for ego in self._fixed_egos)]

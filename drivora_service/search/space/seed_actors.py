@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.placed_actors import place_actors
@@ -15,8 +14,8 @@ from drivora_service.search.space.starts import Start
 
 
 def seed_starts(seed: Scenario, network: RoadNetwork) -> tuple[Start, ...]:
-    """Gives where the seed's vehicles, walkers and obstacles appear; egos are left out."""
-    actors, _ = place_actors(to_document(seed), FrameTransform())
+    """Returns where the seed's vehicles, walkers and obstacles appear; egos are left out."""
+    actors, _ = place_actors(seed, FrameTransform())
     starts = []
     for actor in actors:
         if actor.is_ego or actor.model is None:

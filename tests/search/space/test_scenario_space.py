@@ -22,10 +22,9 @@ from drivora_service.scenario.model import (
     NpcVehicle,
     Scenario,
 )
-from drivora_service.scenario.validation import validate_document
+from drivora_service.scenario.validation import scenario_problems, validate_document
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.space.validity import find_problems
 from drivora_service.simulation.plan import plan_episode
 from tests.search.space.seeds import (
     NETWORKS,
@@ -43,7 +42,7 @@ ONE_EGO = SpaceOptions(vehicles=3, walkers=1, obstacles=1, lights=True)
 def invalid(space: ScenarioSpace, networks: NetworkCatalogue, count: int) -> int:
     samples = space.genes.sample(np.random.default_rng(3), count)
     scenarios = (space.scenario(space.repair(values)) for values in samples)
-    return sum(bool(find_problems(scenario, networks, ["idm"])) for scenario in scenarios)
+    return sum(bool(scenario_problems(scenario, networks, ["idm"])) for scenario in scenarios)
 
 
 @pytest.mark.parametrize("options", [ONE_EGO, FULL])
@@ -189,7 +188,7 @@ def test_the_seeds_own_actors_stay() -> None:
             "vehicle_0.1", "vehicle_1.1", "vehicle_2.1",
         ]  # fmt: skip
         assert (scenario.seed, scenario.step_length) == (77, 0.1)
-        assert not find_problems(scenario, NETWORKS, ["idm"])
+        assert not scenario_problems(scenario, NETWORKS, ["idm"])
 
 
 def test_a_parked_vehicle_of_the_seed_is_driven_around() -> None:
@@ -205,7 +204,7 @@ def test_a_parked_vehicle_of_the_seed_is_driven_around() -> None:
     repaired = space.repair(values)
     assert repaired[block.index("start")] != 0.5
     assert repaired[block.index("path")] == 0.0
-    assert not find_problems(space.scenario(repaired), NETWORKS, ["idm"])
+    assert not scenario_problems(space.scenario(repaired), NETWORKS, ["idm"])
 
 
 def test_what_is_wrong_with_a_scenario_is_told() -> None:
@@ -216,5 +215,7 @@ def test_what_is_wrong_with_a_scenario_is_told() -> None:
         {"ego_vehicles": (*seed.ego_vehicles, replace(seed.ego_vehicles[0], id="twin"))},
     ):
         broken = replace(seed, **actors)
-        assert [p.code for p in find_problems(broken, NETWORKS, ["idm"])] == ["overlapping_start"]
-    assert not find_problems(seed, NETWORKS, ["idm"])
+        assert [p.code for p in scenario_problems(broken, NETWORKS, ["idm"])] == [
+            "overlapping_start"
+        ]
+    assert not scenario_problems(seed, NETWORKS, ["idm"])
