@@ -10,7 +10,7 @@ from typing import Any
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.agent_checks import AgentDirectory
 from drivora_service.scenario.model import AgentChoice, Scenario
-from drivora_service.scenario.plain_data import pointer
+from drivora_service.scenario.plain_data import plain_data, pointer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +31,7 @@ def read_agent_parameter(text: str) -> AgentParameter:
     """Reads ``NAME=VALUE`` or ``EGO:NAME=VALUE``; a value that is no JSON is text.
 
     Raises:
-        InvalidDocument: It has another form, or its value cannot be read.
+        InvalidDocument: It has another form, or its value cannot be read or is nested too deeply.
     """
     place, equals, value = text.partition("=")
     ego, _, name = place.rpartition(":")
@@ -50,6 +50,8 @@ def read_agent_parameter(text: str) -> AgentParameter:
         raise InvalidDocument(
             (Problem(pointer="", code="agent_parameter", message=message),)
         ) from None
+    # It becomes part of the scenario, and may be no deeper than what stands in a document.
+    plain_data({name: read})
     return AgentParameter(ego=ego, name=name, value=read)
 
 

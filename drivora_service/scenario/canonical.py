@@ -3,6 +3,9 @@
 Keys are sorted, there is no white space, floats are written with the fewest digits that read back
 to the same value. The text of equal scenarios is equal, and ``from_canonical`` gives back the
 identical scenario.
+
+The text is Python's own JSON, not pydantic's, which writes 1e-07 as 1e-7 and 1e-05 as 0.00001: the
+identities of all scenarios would change. Either is read to the same value.
 """
 
 from __future__ import annotations
@@ -12,8 +15,10 @@ import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
+
+from pydantic import TypeAdapter
 
 from drivora_service.scenario import model
 
@@ -46,63 +51,12 @@ def scenario_sha256(scenario: model.Scenario) -> str:
 
 def from_canonical(text: str) -> model.Scenario:
     """Reads canonical JSON; trusts it, as it was made from a validated scenario."""
-    data = json.loads(text)
-    map_region, background = data["map_region"], data["background_traffic"]
-    lights = data["traffic_lights"]
-    segment = map_region["region_segment"]
-    return model.Scenario(
-        ego_vehicles=tuple(
-            model.EgoVehicle(
-                **{
-                    **ego,
-                    "route": _route(ego["route"]),
-                    "agent": model.AgentChoice(**ego["agent"]),
-                    "dynamics": model.VehicleDynamics(ego["dynamics"]),
-                }
-            )
-            for ego in data["ego_vehicles"]
-        ),
-        npc_vehicles=tuple(
-            model.NpcVehicle(
-                **{
-                    **npc,
-                    "route": _route(npc["route"]),
-                    "behavior": model.NpcBehavior(npc["behavior"]),
-                }
-            )
-            for npc in data["npc_vehicles"]
-        ),
-        npc_walkers=tuple(
-            model.NpcWalker(**{**walker, "route": _route(walker["route"])})
-            for walker in data["npc_walkers"]
-        ),
-        npc_obstacles=tuple(
-            model.NpcObstacle(**{**obstacle, "location": model.Waypoint(**obstacle["location"])})
-            for obstacle in data["npc_obstacles"]
-        ),
-        map_region=model.MapRegion(
-            town=map_region["town"],
-            region_segment=None if segment is None else model.Region(**segment),
-        ),
-        weather=model.Weather(**data["weather"]),
-        traffic_lights=model.TrafficLights(
-            times=model.LightTimes(**lights["times"]),
-            junctions={
-                junction: model.LightTimes(**times)
-                for junction, times in lights["junctions"].items()
-            },
-        ),
-        background_traffic=None if background is None else model.BackgroundTraffic(**background),
-        seed=data["seed"],
-        step_length=data["step_length"],
-        max_sim_time=data["max_sim_time"],
-        stuck_after=data.get("stuck_after"),
-        extensions=data["extensions"],
-    )
+    return _reader().validate_json(text)
 
 
-def _route(places: list[dict[str, float | None]]) -> tuple[model.Waypoint, ...]:
-    return tuple(model.Waypoint(**place) for place in places)  # type: ignore[arg-type]  # x and y are never null
+@cache
+def _reader() -> TypeAdapter[model.Scenario]:
+    return TypeAdapter(model.Scenario)
 
 
 @lru_cache(maxsize=64)

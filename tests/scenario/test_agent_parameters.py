@@ -46,6 +46,14 @@ def test_other_forms_are_refused(text: str) -> None:
         read_agent_parameter(text)
 
 
+def test_a_value_is_nested_no_deeper_than_a_document() -> None:
+    deep = "[" * 31 + "]" * 31
+    assert read_agent_parameter(f"list={deep}").name == "list"
+    for levels in (40, 300, 100_000):
+        with pytest.raises(InvalidDocument, match="nest"):
+            read_agent_parameter(f"list={'[' * levels}{']' * levels}")
+
+
 def given(*texts: str) -> list[AgentParameter]:
     return [read_agent_parameter(text) for text in texts]
 
