@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from statistics import fmean
 
 
 class Combine(Enum):
@@ -42,5 +43,5 @@ def combined(values: Sequence[float | None], combine: Combine) -> float | None:
     if not known:
         return None
     if combine is Combine.MEAN:
-        return math.fsum(known) / len(known)
+        return fmean(known)
     return min(known) if combine is Combine.LEAST else max(known)
