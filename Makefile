@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow test-faults fuzz lint types contracts schema protocol networks docs-numbers pictures lock audit clean
+.PHONY: help install install-dev demo test test-slow test-faults fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -75,6 +75,9 @@ networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML 
 
 docs-numbers: $(DEV_STAMP) ## Write what commands print into README and tutorial again
 	$(BIN)/python -m tests.docs.rewrite
+
+api-examples: $(DEV_STAMP) ## Record what the API's documentation shows as answers again
+	$(BIN)/python -m tests.api.record_examples
 
 pictures: $(DEV_STAMP) ## Draw the pictures of the documentation again
 	$(BIN)/python -m tests.docs.pictures

@@ -8,10 +8,10 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from pydantic import BaseModel
 
 from drivora_service.api import problems
 from drivora_service.api.conditional import JSON
+from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
 from drivora_service.api.observations import NDJSON, PARQUET
 from drivora_service.campaigns.documents import CampaignDocument
@@ -28,11 +28,11 @@ carry an `ETag`; a request with `If-None-Match` is answered with 304 where nothi
 """
 
 
-def answers(example: BaseModel, *errors: int, status: int = 200) -> dict[int | str, dict[str, Any]]:
-    """Documents an operation: its answer with an example, and the errors it can end in."""
+def answers(example: str, *errors: int, status: int = 200) -> dict[int | str, dict[str, Any]]:
+    """Documents an operation: its answer with a recorded example, and the errors it can end in."""
     answer = {
         "description": "Done" if status < 202 else "Accepted",
-        "content": {JSON: {"example": _packed(example)}},
+        "content": {JSON: {"example": example}},
     }
     return _with_errors(answer, errors, status=status)
 
@@ -52,7 +52,7 @@ def problem_answer(status: int) -> dict[str, Any]:
     }
 
 
-def scenario_answers(example: Mapping[str, Any], *errors: int) -> dict[int | str, dict[str, Any]]:
+def scenario_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
     """Documents an answer that is one scenario, and the errors."""
     content = {JSON: {"schema": _SCENARIO_REF, "example": example}}
     return _with_errors({"description": "The scenario", "content": content}, errors)
@@ -143,7 +143,7 @@ def _with_errors(
     return {status: answer, **{error: problem_answer(error) for error in errors}}
 
 
-def _packed(example: BaseModel) -> str:
+def _packed(example: problems.ProblemDetails) -> str:
     """Writes an example as text, for FastAPI would drop what is null in it."""
     return _PACKED + example.model_dump_json()
 
@@ -183,7 +183,7 @@ def _say_that_text_has_no_nul(schema: dict[str, Any]) -> None:
 
 
 def _unpack_examples(part: Any) -> None:
-    """Turns packed examples back into values, everywhere in a part of the document."""
+    """Replaces packed and recorded examples by their values, everywhere in a part."""
     if isinstance(part, list):
         for item in part:
             _unpack_examples(item)
@@ -191,6 +191,8 @@ def _unpack_examples(part: Any) -> None:
         for key, value in part.items():
             if key == "example" and isinstance(value, str) and value.startswith(_PACKED):
                 part[key] = json.loads(value.removeprefix(_PACKED))
+            elif key == "example" and isinstance(value, str) and value.startswith(RECORDED):
+                part[key] = read_recorded(value)
             else:
                 _unpack_examples(value)
 

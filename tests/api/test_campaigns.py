@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.campaign_examples import DOCUMENT
+from drivora_service.api.examples import CAMPAIGN
 from drivora_service.api.tokens import Scope, TokenFile
 from drivora_service.store.campaign_records import CampaignState
 from tests.api.conftest import MakeOffline, Offline
@@ -27,7 +27,7 @@ def document() -> dict[str, Any]:
 
 def small_campaign(tester: str) -> dict[str, Any]:
     return {
-        **copy.deepcopy(DOCUMENT),
+        **copy.deepcopy(CAMPAIGN),
         "name": f"tee, {tester}",
         "tester": {"name": tester},
         "space": {"vehicles": 2, "walkers": 1},

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivora_service.api.campaign_examples import DOCUMENT
+from drivora_service.api.examples import CAMPAIGN
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
@@ -51,7 +51,7 @@ def found_by(share: int) -> Computed:
 def campaign(offline: Offline, tester: str, seed: int, *, share: int) -> str:
     """A finished campaign whose runs were made up."""
     document: dict[str, Any] = {
-        **copy.deepcopy(DOCUMENT),
+        **copy.deepcopy(CAMPAIGN),
         "name": f"study-{tester}-{seed}",
         "tester": {"name": tester},
         "budget": {"simulations": 20},
@@ -130,6 +130,6 @@ def test_what_cannot_be_compared_is_refused_with_the_reason(
     assert "unknown campaign 'nobody'" in refused(404, campaign="nobody")
     assert "unknown measure 'luck'" in refused(404, campaign="study-*", measure="luck")
     refused(422)
-    document = {**copy.deepcopy(DOCUMENT), "name": "study-unfinished"}
+    document = {**copy.deepcopy(CAMPAIGN), "name": "study-unfinished"}
     assert offline.client.post("/api/v1/campaigns", json=document).status_code == 202
     assert "only finished campaigns" in refused(422, campaign="study-*")

@@ -16,8 +16,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.api.campaign_examples import DOCUMENT
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.examples import CAMPAIGN, SCENARIO
 from drivora_service.api.tokens import Scope, TokenFile
 from drivora_service.cli.service_process import running_service
 
@@ -71,7 +70,7 @@ def judge_a_run(client: httpx.Client) -> None:
 def fill(client: httpx.Client) -> None:
     """Posts what the operations that only look need, and waits for it."""
     judge_a_run(client)
-    campaign = {**DOCUMENT, "budget": {"simulations": 8}, "oracles": ["collision", "discomfort"]}
+    campaign = {**CAMPAIGN, "budget": {"simulations": 8}, "oracles": ["collision", "discomfort"]}
     posted = client.post(f"{PREFIX}/campaigns", json=campaign).raise_for_status()
     wait_for(client, posted.headers["Location"], "state")
 

@@ -127,7 +127,7 @@ def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     "/batches/{batch_id:id}:cancel",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.BATCH, 401, 403, 404, status=202),
+    responses=answers(examples.CANCELLED_BATCH, 401, 403, 404, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_batch(context: Context, batch_id: str) -> Batch:
@@ -142,7 +142,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
     "/batches/{batch_id:id}:pause",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),
+    responses=answers(examples.PAUSED_BATCH, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def pause_batch(context: Context, batch_id: str) -> Batch:
@@ -155,7 +155,7 @@ def pause_batch(context: Context, batch_id: str) -> Batch:
     "/batches/{batch_id:id}:resume",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.BATCH, 401, 403, 404, 409, status=202),
+    responses=answers(examples.RESUMED_BATCH, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def resume_batch(context: Context, batch_id: str) -> Batch:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from drivora_service.api import bodies, campaign_examples
+from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import PREFIX, ApiContext, Context
 from drivora_service.api.documentation import answers, campaign_body
@@ -38,8 +38,8 @@ _POLL_AFTER_S = "2"
     "/campaigns",
     status_code=202,
     response_model=Campaign,
-    responses=answers(campaign_examples.QUEUED, 401, 403, 409, 413, 415, 422, status=202),
-    openapi_extra=campaign_body(campaign_examples.DOCUMENT),
+    responses=answers(examples.QUEUED_CAMPAIGN, 401, 403, 409, 413, 415, 422, status=202),
+    openapi_extra=campaign_body(examples.CAMPAIGN),
     dependencies=[Depends(submitter)],
 )
 def post_campaign(
@@ -76,8 +76,8 @@ def post_campaign(
 @router.post(
     "/campaigns:validate",
     response_model=CampaignValidation,
-    responses=answers(campaign_examples.VALIDATION, 401, 403, 413, 415, 422),
-    openapi_extra=campaign_body(campaign_examples.DOCUMENT),
+    responses=answers(examples.CAMPAIGN_VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=campaign_body(examples.CAMPAIGN),
     dependencies=[Depends(submitter)],
 )
 def validate_campaign(
@@ -99,7 +99,7 @@ def validate_campaign(
 @router.get(
     "/campaigns",
     response_model=PageOf[CampaignSummary],
-    responses=answers(campaign_examples.CAMPAIGNS, 401, 403, 422),
+    responses=answers(examples.CAMPAIGNS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_campaigns(
@@ -124,7 +124,7 @@ def list_campaigns(
 @router.get(
     "/campaigns/{campaign_id:id}",
     response_model=Campaign,
-    responses=answers(campaign_examples.RUNNING, 401, 403, 404),
+    responses=answers(examples.FINISHED_CAMPAIGN, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_campaign(request: Request, context: Context, campaign_id: str) -> Response:
@@ -141,7 +141,7 @@ def get_campaign(request: Request, context: Context, campaign_id: str) -> Respon
     "/campaigns/{campaign_id:id}:pause",
     status_code=202,
     response_model=Campaign,
-    responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
+    responses=answers(examples.PAUSED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def pause_campaign(context: Context, campaign_id: str) -> Campaign:
@@ -153,7 +153,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     "/campaigns/{campaign_id:id}:cancel",
     status_code=202,
     response_model=Campaign,
-    responses=answers(campaign_examples.RUNNING, 401, 403, 404, 409, status=202),
+    responses=answers(examples.CANCELLED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
@@ -165,7 +165,7 @@ def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
     "/campaigns/{campaign_id:id}:resume",
     status_code=202,
     response_model=Campaign,
-    responses=answers(campaign_examples.QUEUED, 401, 403, 404, 409, status=202),
+    responses=answers(examples.RESUMED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def resume_campaign(context: Context, campaign_id: str) -> Campaign:

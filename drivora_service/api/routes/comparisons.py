@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from drivora_service.api import campaign_examples
+from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
@@ -28,7 +28,7 @@ router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 @router.get(
     "/campaigns:compare",
     response_model=ComparisonView,
-    responses=answers(campaign_examples.COMPARISON, 401, 403, 404, 422),
+    responses=answers(examples.COMPARISON, 401, 403, 404, 422),
 )
 def compare_campaigns(
     request: Request,
@@ -69,7 +69,7 @@ def compare_campaigns(
 @router.get(
     "/campaigns/{campaign_id:id}/figures",
     response_model=CampaignFiguresView,
-    responses=answers(campaign_examples.FIGURES, 401, 403, 404),
+    responses=answers(examples.FIGURES, 401, 403, 404),
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
     """Gives what a campaign came to so far, in the figures by which campaigns are compared."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 
-from drivora_service.api import campaign_examples, examples
+from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.context import PREFIX, Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
@@ -54,7 +54,7 @@ class Order(StrEnum):
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations",
     response_model=PageOf[Evaluation],
-    responses=answers(campaign_examples.EVALUATIONS, 401, 403, 404, 422),
+    responses=answers(examples.EVALUATIONS, 401, 403, 404, 422),
 )
 def list_evaluations(
     request: Request,
@@ -86,7 +86,7 @@ def list_evaluations(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}",
     response_model=EvaluationDetail,
-    responses=answers(campaign_examples.EVALUATION, 401, 403, 404),
+    responses=answers(examples.EVALUATION, 401, 403, 404),
 )
 def get_evaluation(
     request: Request, context: Context, campaign_id: str, number: Number
@@ -114,7 +114,7 @@ def get_evaluation(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/scenario",
     response_class=Response,
-    responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
+    responses=scenario_answers(examples.EVALUATION_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, campaign_id: str, number: Number) -> Response:
     """Gives the scenario of a candidate as a document that can be posted."""
@@ -127,7 +127,7 @@ def get_scenario(request: Request, context: Context, campaign_id: str, number: N
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/observations",
     response_class=Response,
-    responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
+    responses=observations_answers(examples.EVALUATION_FRAME, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,
@@ -151,7 +151,7 @@ def get_observations(
 @router.get(
     "/campaigns/{campaign_id:id}/failures",
     response_model=PageOf[FailureView],
-    responses=answers(campaign_examples.FAILURES, 401, 403, 404, 422),
+    responses=answers(examples.FAILURES, 401, 403, 404, 422),
 )
 def list_failures(
     request: Request,

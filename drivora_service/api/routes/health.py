@@ -51,9 +51,7 @@ async def readyz(context: Context, response: Response) -> Readiness:
     responses={
         200: {
             "description": "Prometheus text",
-            "content": {
-                "text/plain": {"schema": {"type": "string"}, "example": examples.METRICS_TEXT}
-            },
+            "content": {"text/plain": {"schema": {"type": "string"}, "example": examples.METRICS}},
         },
         401: problem_answer(401),
         403: problem_answer(403),

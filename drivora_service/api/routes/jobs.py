@@ -25,7 +25,7 @@ _POLL_AFTER_S = "1"
     "/jobs",
     status_code=202,
     response_model=Job,
-    responses=answers(examples.JOB, 401, 403, 409, 413, 415, 422, 429, status=202),
+    responses=answers(examples.QUEUED_JOB, 401, 403, 409, 413, 415, 422, 429, status=202),
     openapi_extra=scenario_body(examples.SCENARIO),
     dependencies=[Depends(submitter)],
 )

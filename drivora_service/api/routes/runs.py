@@ -25,7 +25,7 @@ router = APIRouter(tags=["runs"], dependencies=[Depends(reader)])
 @router.get(
     "/runs",
     response_model=PageOf[JobSummary],
-    responses=answers(examples.JOBS, 401, 403, 422),
+    responses=answers(examples.RUNS, 401, 403, 422),
 )
 def list_runs(
     request: Request,
@@ -56,7 +56,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/scenario",
     response_class=Response,
-    responses=scenario_answers(examples.SCENARIO, 401, 403, 404),
+    responses=scenario_answers(examples.RUN_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
     """Gives the scenario of a run as a document that can be posted again."""
@@ -69,7 +69,7 @@ def get_scenario(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/observations",
     response_class=Response,
-    responses=observations_answers(examples.FRAME_LINE, 401, 403, 404, 406, 422),
+    responses=observations_answers(examples.FRAME, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,

@@ -1,0 +1,336 @@
+"""Records the answers that the API's documentation shows: ``make api-examples``.
+
+Usage: ``python -m tests.api.record_examples``. A real service is asked for everything. What differs
+from one recording to the next, ids, times, durations and the folder of the service, is replaced by
+values that stay; long lists are cut.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import httpx
+import yaml
+
+from drivora_service.api import examples
+from drivora_service.api.context import PREFIX
+from drivora_service.cli.service_process import running_service
+
+FOLDER = Path(examples.__file__).with_name("recorded")
+_CAMPAIGN_FILE = (
+    Path(__file__).parents[2] / "openscenario_schemas/examples/campaigns/late-braking.yaml"
+)
+"""A campaign that finds failures."""
+
+_ID = re.compile(r"(?<![0-9a-f])[0-9a-f]{24}(?![0-9a-f])")
+_DATA_FOLDER = "/var/lib/drivora"
+_PAGE_TOKEN = "WyI1ZmVjZWI2NmZmYzgiLCAxXQ"
+_TIMES = {
+    "created_at": "2026-03-02T09:30:00Z",
+    "started_at": "2026-03-02T09:30:01Z",
+    "ended_at": "2026-03-02T09:30:21Z",
+    "updated_at": "2026-03-02T09:30:21Z",
+    "told_at": "2026-03-02T09:30:04Z",
+}
+_DURATIONS = {
+    "wall_time_s": 0.11,
+    "step_cost_us": 58.0,
+    "agent_cost_us": 9.0,
+    "search_s": 0.0012,
+    "prepare_s": 0.0041,
+    "rate": 2.0,
+    "active_s": 20.0,
+    "simulation_s": 4.4,
+    "own_s": 0.2,
+    "own_share": 0.043,
+    "first_failure_s": 0.2,
+}
+_UNSTEADY_METRICS = {
+    "drivora_traces_free_bytes": 5e10,
+    "drivora_database_bytes": 1e6,
+    "drivora_slot_memory_bytes": 2e8,
+    "drivora_queue_oldest_age_seconds": 0.0,
+}
+_MOST_ITEMS, _MOST_NUMBERS = 3, 8
+"""Of a list: objects or lists, and values."""
+_ALL = 1000
+_PATIENCE_S = 300.0
+
+_CONTAINER = {
+    "id": "container",
+    "model": "static.prop.container",
+    "location": {"x": 3.4, "y": 50.0, "yaw": 91.51},
+}
+_CRASH: dict[str, Any] = {
+    **examples.SCENARIO,
+    "ego_vehicles": [{**examples.SCENARIO["ego_vehicles"][0], "agent": {"name": "scripted"}}],
+    "npc_obstacles": [_CONTAINER],
+}
+_LONG: dict[str, Any] = {
+    **examples.SCENARIO,
+    "npc_obstacles": [_CONTAINER],
+    "step_length": 0.01,
+    "max_sim_time": 3600.0,
+    "stuck_after": 3600.0,
+}
+"""Keeps a worker busy for as long as the queue is looked at."""
+
+
+def main() -> None:
+    """Writes all files anew, and names those that changed."""
+    recorded = record_examples()
+    for path in FOLDER.iterdir():
+        if path.name not in recorded:
+            path.unlink()
+            print(f"{path.name}: removed")
+    for name, text in recorded.items():
+        path = FOLDER / name
+        before = path.read_text() if path.is_file() else ""
+        path.write_text(text)
+        print(f"{name}: {'as it was' if text == before else 'written anew'}", flush=True)
+
+
+def record_examples() -> dict[str, str]:
+    """Returns the texts of the files by their names."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        mock.patch.dict(os.environ, DRIVORA_CAMPAIGNS_AT_ONCE="1"),
+    ):
+        data = Path(folder) / "data"
+        with (
+            running_service(data, workers=1) as url,
+            httpx.Client(base_url=url, timeout=60.0) as client,
+        ):
+            recording = _Recording(client, data)
+            recording.catalogues()
+            recording.queue()
+            recording.campaigns()
+            recording.state()
+        return recording.files
+
+
+class _Recording:
+    """Asks a service for everything, and keeps the answers.
+
+    Attributes:
+        files: Texts by the names of their files.
+    """
+
+    def __init__(self, client: httpx.Client, data: Path) -> None:
+        self._client, self._data = client, data
+        self._ids: dict[str, str] = {}
+        self.files: dict[str, str] = {}
+
+    def catalogues(self) -> None:
+        """Records what there is to choose from."""
+        self._keep(examples.HEALTH, self._get("/healthz"))
+        self._keep(examples.READINESS, self._get("/readyz"), most=_ALL)
+        self._keep(examples.NETWORKS, self._get("/networks"), most=_ALL)
+        self._keep(examples.NETWORK, self._get("/networks/tee-town"))
+        geometry = self._get("/networks/tee-town/geometry")
+        geometry["junctions"] = dict(list(geometry["junctions"].items())[:1])
+        # The lanes of junctions come first.
+        geometry["lanes"].sort(key=lambda lane: lane["internal"])
+        self._keep(examples.GEOMETRY, geometry)
+        self._keep(examples.AGENTS, _named(self._get("/agents"), "idm", "idm-mobil"))
+        self._keep(examples.TESTERS, _named(self._get("/testers"), "avfuzzer"))
+        self._keep(examples.ORACLES, self._get("/oracles"))
+
+    def queue(self) -> None:
+        """Records jobs, batches and runs, while they wait and when they have ended."""
+        validation = self._post("/scenarios:validate", examples.SCENARIO)
+        self._keep(examples.VALIDATION, validation)
+        with self._busy_worker():
+            job = self._post("/jobs?label=crossing-17", _CRASH)
+            self._keep(examples.QUEUED_JOB, job)
+            unknown = {**examples.SCENARIO, "map_region": {"town": "Town99"}}
+            submission = self._post("/batches?name=nightly", [examples.SCENARIO, unknown])
+            self._keep(examples.SUBMISSION, submission)
+            batch = f"/batches/{submission['batch']['id']}"
+            self._keep(examples.PAUSED_BATCH, self._post(f"{batch}:pause"))
+            self._keep(examples.RESUMED_BATCH, self._post(f"{batch}:resume"))
+            self._keep(examples.CANCELLED_BATCH, self._post(f"{batch}:cancel"))
+            other = self._post("/jobs?label=crossing-18", examples.SCENARIO)
+            self._keep(examples.CANCELLED_JOB, self._post(f"/jobs/{other['id']}:cancel"))
+        batch = (
+            f"/batches/{self._post('/batches?name=nightly', [examples.SCENARIO])['batch']['id']}"
+        )
+        self._keep(examples.BATCH, self._wait(batch, lambda found: found["done"]))
+        self._keep(examples.BATCHES, self._get("/batches?limit=1"))
+        self._keep(examples.JOB, self._get(f"/jobs/{job['id']}"))
+        self._keep(examples.JOBS, self._get("/jobs?limit=1&status=cancelled"))
+        run = f"/runs/{job['id']}"
+        self._keep(examples.RUN, self._get(run))
+        self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
+        self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
+        self._keep(examples.FRAME, self._lines(f"{run}/observations", 1))
+
+    def campaigns(self) -> None:
+        """Records a campaign, what may befall one that waits, and a comparison of methods."""
+        self._keep(
+            examples.CAMPAIGN_VALIDATION, self._post("/campaigns:validate", examples.CAMPAIGN)
+        )
+        posted = self._post("/campaigns", _searching(name="braking too late", simulations=40))
+        self._keep(examples.QUEUED_CAMPAIGN, posted)
+        other = f"/campaigns/{self._post('/campaigns', examples.CAMPAIGN)['id']}"
+        self._keep(examples.PAUSED_CAMPAIGN, self._post(f"{other}:pause"))
+        self._keep(examples.RESUMED_CAMPAIGN, self._post(f"{other}:resume"))
+        self._keep(examples.CANCELLED_CAMPAIGN, self._post(f"{other}:cancel"))
+        one = f"/campaigns/{posted['id']}"
+        self._keep(examples.FINISHED_CAMPAIGN, self._finished(one))
+        self._keep(examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
+        self._keep(examples.FIGURES, self._get(f"{one}/figures"))
+        self._keep(examples.FAILURES, self._get(f"{one}/failures?limit=1"))
+        failing = self._get(f"{one}/evaluations?violating=true&order=-number&limit=1")
+        self._keep(examples.EVALUATIONS, failing)
+        evaluation = f"{one}/evaluations/{failing['items'][0]['number']}"
+        self._keep(examples.EVALUATION, self._get(evaluation))
+        self._keep(examples.EVALUATION_SCENARIO, self._get(f"{evaluation}/scenario"))
+        self._keep(examples.EVALUATION_FRAME, self._lines(f"{evaluation}/observations", 1))
+        studied = [
+            self._post(
+                "/campaigns",
+                _searching(name=f"study-{tester}-{seed}", tester=tester, seed=seed, simulations=20),
+            )["id"]
+            for tester in ("random", "avfuzzer")
+            for seed in (4, 5)
+        ]
+        for campaign in studied:
+            self._finished(f"/campaigns/{campaign}")
+        wanted = "campaign=study-*&measure=at_fault&measure=kinds"
+        self._keep(examples.COMPARISON, self._get(f"/campaigns:compare?{wanted}"))
+
+    def state(self) -> None:
+        """Records the figures of the service, and what it says when its traces have gone."""
+        self._keep(examples.METRICS, _steady_metrics(self._client.get("/metrics").text))
+        traces = self._data / "traces"
+        traces.rename(self._data / "gone")
+        traces.touch()
+        until = time.monotonic() + _PATIENCE_S
+        while (answer := self._client.get("/readyz")).is_success:
+            assert time.monotonic() < until
+            time.sleep(0.2)
+        self._keep(examples.NOT_READY, answer.json(), most=_ALL)
+
+    @contextmanager
+    def _busy_worker(self) -> Iterator[None]:
+        job = self._post("/jobs", _LONG)["id"]
+        self._wait(f"/jobs/{job}", lambda found: found["status"] == "running")
+        yield
+        assert self._get(f"/jobs/{job}")["status"] == "running"
+        self._post(f"/jobs/{job}:cancel")
+
+    def _finished(self, campaign: str) -> Any:
+        found = self._wait(campaign, lambda found: found["state"] not in ("queued", "running"))
+        assert found["state"] == "finished", found
+        return found
+
+    def _wait(self, path: str, until: Callable[[Any], bool]) -> Any:
+        deadline = time.monotonic() + _PATIENCE_S
+        while not until(found := self._get(path)):
+            assert time.monotonic() < deadline, found
+            time.sleep(0.1)
+        return found
+
+    def _get(self, path: str) -> Any:
+        answer = self._client.get(f"{PREFIX}{path}")
+        answer.raise_for_status()
+        return answer.json()
+
+    def _post(self, path: str, body: object = None) -> Any:
+        answer = self._client.post(f"{PREFIX}{path}", json=body)
+        assert answer.is_success, answer.text
+        return answer.json()
+
+    def _lines(self, path: str, count: int) -> str:
+        answer = self._client.get(f"{PREFIX}{path}", headers={"Accept": "application/x-ndjson"})
+        answer.raise_for_status()
+        return "".join(answer.text.splitlines(keepends=True)[:count])
+
+    def _keep(self, example: str, answer: object, *, most: int = _MOST_ITEMS) -> None:
+        name = example.removeprefix(examples.RECORDED)
+        assert name not in self.files
+        if isinstance(answer, str):
+            self.files[name] = self._steady_text(answer)
+        else:
+            steady = _cut(self._steady(answer), most)
+            self.files[name] = json.dumps(steady, indent=1, ensure_ascii=False) + "\n"
+
+    def _steady(self, value: Any, key: str = "") -> Any:
+        """Returns an answer without what differs from one recording to the next."""
+        if isinstance(value, dict):
+            costs = key == "agent_cost_us"
+            return {
+                self._steady_text(name): self._steady(inner, key if costs else name)
+                for name, inner in value.items()
+            }
+        if isinstance(value, list):
+            return [self._steady(inner, key) for inner in value]
+        if isinstance(value, str):
+            if key == "next_page_token":
+                return value and _PAGE_TOKEN
+            return _TIMES.get(key, self._steady_text(value))
+        if isinstance(value, float) and value:
+            return _DURATIONS.get(key, value)
+        return value
+
+    def _steady_text(self, text: str) -> str:
+        text = text.replace(str(self._data), _DATA_FOLDER)
+        return _ID.sub(
+            lambda found: self._ids.setdefault(found[0], f"0193a5b0c4d2{len(self._ids) + 1:012x}"),
+            text,
+        )
+
+
+def _searching(
+    *, name: str, simulations: int, tester: str = "avfuzzer", seed: int = 4
+) -> dict[str, Any]:
+    content = yaml.safe_load(_CAMPAIGN_FILE.read_text())
+    scenario = json.loads(_CAMPAIGN_FILE.with_name(content["scenario"]["file"]).read_text())
+    return {
+        **content,
+        "name": name,
+        "tester": {"name": tester},
+        "scenario": scenario,
+        "budget": {"simulations": simulations},
+        "seed": seed,
+    }
+
+
+def _named(answer: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {**answer, "items": [item for item in answer["items"] if item["name"] in names]}
+
+
+def _cut(value: Any, most: int) -> Any:
+    """Returns an answer whose lists have at most so many items, or some more plain values."""
+    if isinstance(value, dict):
+        return {key: _cut(inner, most) for key, inner in value.items()}
+    if not isinstance(value, list):
+        return value
+    is_plain = not any(isinstance(inner, dict | list) for inner in value)
+    return [_cut(inner, most) for inner in value[: _MOST_NUMBERS if is_plain else most]]
+
+
+def _steady_metrics(text: str) -> str:
+    lines = []
+    for line in text.splitlines():
+        name = line.split()[2] if line.startswith("#") else re.split(r"[ {]", line)[0]
+        if name.startswith("drivora_request_seconds"):
+            continue
+        if name in _UNSTEADY_METRICS and not line.startswith("#"):
+            line = f"{line.rpartition(' ')[0]} {_UNSTEADY_METRICS[name]}"
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()
