@@ -2,42 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from functools import lru_cache
 
 from drivora_service.campaigns.candidates import Candidate
+from drivora_service.errors import Problem
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.networks.catalogue import NetworkLookup
+from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.placed_actors import PlacedActor, place_actors
+from drivora_service.scenario.route_checks import RouteCheck, check_route
+from drivora_service.scenario.start_overlaps import StartPose
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.scenario_space import ScenarioSpace
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ScenarioCandidates:
-    """Decodes values, and checks the scenario as documents are checked.
+    """Decodes values, and checks the scenario as documents are checked."""
 
-    Attributes:
-        networks: Where its town is looked up.
-        agents: Names of the agents that exist.
-    """
+    def __init__(
+        self, space: ScenarioSpace, networks: NetworkLookup, agents: Collection[str]
+    ) -> None:
+        """Takes what decides about a candidate.
 
-    space: ScenarioSpace
-    networks: NetworkCatalogue
-    agents: Collection[str]
+        Args:
+            space: Decodes values.
+            networks: Where the town of a scenario is looked up.
+            agents: Names of the agents that exist.
+        """
+        self._space, self._networks, self._agents = space, networks, agents
+        self._check_route = remembering_routes(space.seed)
 
     @property
     def genes(self) -> GeneSpace:
         """What can be varied."""
-        return self.space.genes
+        return self._space.genes
 
     def prepare(self, values: FloatArray) -> Candidate:
         """Repairs values (d,), decodes them, and checks the scenario."""
-        repaired = self.space.repair(values)
-        scenario = self.space.scenario(repaired)
-        problems = scenario_problems(scenario, self.networks, self.agents)
+        repaired = self._space.repair(values)
+        scenario = self._space.scenario(repaired)
+        problems = scenario_problems(scenario, self._networks, self._agents, self._check_route)
         if problems:
             found = "; ".join(f"{problem.pointer}: {problem.message}" for problem in problems)
             return Candidate(values=repaired, problem=found)
         return Candidate(values=repaired, document=canonical_json(scenario))
+
+
+def remembering_routes(seed: Scenario) -> RouteCheck:
+    """Returns a check of routes that checks those of a seed scenario once.
+
+    They are in every candidate. The routes that genes decide are hardly ever the same again.
+    """
+    shared = frozenset(place_actors(seed, FrameTransform())[0])
+    remembered = lru_cache(maxsize=len(shared))(check_route)
+
+    def check(
+        actor: PlacedActor, network: RoadNetwork
+    ) -> tuple[Sequence[Problem], StartPose | None]:
+        return (remembered if actor in shared else check_route)(actor, network)
+
+    return check

@@ -8,7 +8,11 @@ from drivora_service.geometry.arrays import FloatArray
 
 
 def box_corners(
-    x: FloatArray, y: FloatArray, yaw: FloatArray, length: float, width: float
+    x: FloatArray,
+    y: FloatArray,
+    yaw: FloatArray,
+    length: float | FloatArray,
+    width: float | FloatArray,
 ) -> FloatArray:
     """Returns the (n, 4, 2) corners of boxes, front left first, counter-clockwise.
 
@@ -16,11 +20,12 @@ def box_corners(
         x: (n,) centres, metres.
         y: (n,) centres, metres.
         yaw: (n,) headings, radians.
-        length: Of all boxes, metres.
-        width: Of all boxes, metres.
+        length: Of all boxes, or (n,) of each, metres.
+        width: Of all boxes, or (n,) of each, metres.
     """
-    ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * (0.5 * length)
-    left = np.stack((-np.sin(yaw), np.cos(yaw)), axis=-1)[:, None, :] * (0.5 * width)
+    half_length, half_width = (0.5 * np.reshape(size, (-1, 1, 1)) for size in (length, width))
+    ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * half_length
+    left = np.stack((-np.sin(yaw), np.cos(yaw)), axis=-1)[:, None, :] * half_width
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     centres = np.stack((x, y), axis=-1)[:, None, :]
     return centres + signs[None, :, :1] * ahead + signs[None, :, 1:] * left

@@ -20,7 +20,7 @@ from drivora_service.scenario.model import EgoVehicle, Region, Scenario
 from drivora_service.scenario.place_checks import OffLanePlace, check_places
 from drivora_service.scenario.placed_actors import PlacedActor, place_actors
 from drivora_service.scenario.plain_data import pointer
-from drivora_service.scenario.route_checks import check_route
+from drivora_service.scenario.route_checks import RouteCheck, check_route
 from drivora_service.scenario.start_overlaps import StartPose, check_overlaps
 
 
@@ -46,6 +46,7 @@ def check(
     agents: Collection[str] | None,
     driven_by: str,
     doubts: Doubts,
+    routes: RouteCheck = check_route,
 ) -> Checked:
     """Checks a well-formed document, or a scenario within the bounds of one.
 
@@ -55,6 +56,7 @@ def check(
         agents: As for :func:`~drivora_service.scenario.validation.validate_data`.
         driven_by: The same.
         doubts: Places about which no problem is told, as they are not known.
+        routes: Checks the way of an actor.
 
     Raises:
         NetworkError: The town's network file cannot be read.
@@ -74,7 +76,7 @@ def check(
     if network is not None:
         if not doubts.cover("/frame"):
             segment = region(content.map_region.region_segment, frame)
-            place_problems, snapped = _check_on_network(actors, network, segment, doubts)
+            place_problems, snapped = _check_on_network(actors, network, segment, doubts, routes)
             problems += place_problems
         problems += _check_lights(content, network)
         problems += _check_background(content, network)
@@ -87,7 +89,11 @@ def check(
 
 
 def _check_on_network(
-    actors: Sequence[PlacedActor], network: RoadNetwork, segment: Region | None, doubts: Doubts
+    actors: Sequence[PlacedActor],
+    network: RoadNetwork,
+    segment: Region | None,
+    doubts: Doubts,
+    routes: RouteCheck,
 ) -> tuple[list[Problem], list[OffLanePlace]]:
     problems, snapped = check_places(actors, network, segment)
     lost = {problem.pointer for problem in problems if problem.code == "off_network"}
@@ -96,7 +102,7 @@ def _check_on_network(
         places = range(len(actor.places))
         if lost and any(actor.place_pointer(index) in lost for index in places):
             continue
-        route_problems, pose = check_route(snap_start(actor, snapped, network), network)
+        route_problems, pose = routes(snap_start(actor, snapped, network), network)
         problems += route_problems
         if pose is not None and not doubts.touch(actor.pointer):
             poses.append(pose)

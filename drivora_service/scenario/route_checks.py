@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +29,10 @@ JOIN_DISTANCE = 10.0
 """Metres between waypoints of a reactive NPC beyond which they are joined along the lanes."""
 MIN_ROUTE_LENGTH = 2.0
 """Metres that an ego has to drive at least."""
+
+
+RouteCheck = Callable[[PlacedActor, RoadNetwork], tuple[Sequence[Problem], StartPose | None]]
+""":func:`check_route`, or what remembers its answers."""
 
 
 def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem], StartPose | None]:

@@ -16,7 +16,6 @@ import numpy as np
 import shapely
 
 from drivora_service.errors import Problem
-from drivora_service.geometry.arrays import FloatArray
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.scenario.placed_actors import PlacedActor
 
@@ -41,23 +40,19 @@ def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
     """Names each actor that overlaps one before it in the document, with the first of those."""
     boxes = [(pose, pose.actor.model) for pose in poses]
     known = [(pose, model) for pose, model in boxes if model is not None]
-    corners = [_corners(pose, model.length - TOUCH, model.width - TOUCH) for pose, model in known]
-    polygons = np.array([shapely.Polygon(box) for box in corners], dtype=object)
-    tree = shapely.STRtree(polygons)
-    later, earlier = tree.query(polygons, predicate="intersects")
+    columns = np.array([(p.x, p.y, p.yaw, m.length, m.width) for p, m in known]).reshape(-1, 5)
+    x, y, yaw, length, width = columns.T
+    corners = box_corners(x, y, yaw, length - TOUCH, width - TOUCH)
+    polygons = np.asarray(shapely.polygons(corners))
+    later, earlier = shapely.STRtree(polygons).query(polygons, predicate="intersects")
     first: dict[int, int] = {}
     for a, b in zip(later.tolist(), earlier.tolist(), strict=True):
         if b < a and b < first.get(a, a) and _meet(known[a][0], known[b][0]):
             first[a] = b
     return [
-        _problem(known[a][0], known[b][0], corners[a], corners[b]) for a, b in sorted(first.items())
+        _problem(known[a][0], known[b][0], polygons[a].intersection(polygons[b]).area)
+        for a, b in sorted(first.items())
     ]
-
-
-def _corners(pose: StartPose, length: float, width: float) -> FloatArray:
-    x, y, yaw = np.array([pose.x]), np.array([pose.y]), np.array([pose.yaw])
-    corners: FloatArray = box_corners(x, y, yaw, length, width)[0]
-    return corners
 
 
 def _still(actor: PlacedActor) -> tuple[float, float]:
@@ -75,10 +70,7 @@ def _meet(one: StartPose, other: StartPose) -> bool:
     return same_level and start <= other_end and other_start <= end
 
 
-def _problem(
-    pose: StartPose, other: StartPose, corners: FloatArray, other_corners: FloatArray
-) -> Problem:
-    shared = shapely.Polygon(corners).intersection(shapely.Polygon(other_corners)).area
+def _problem(pose: StartPose, other: StartPose, shared: float) -> Problem:
     gap = math.hypot(pose.x - other.x, pose.y - other.y)
     return Problem(
         pointer=pose.actor.place_pointer(0),

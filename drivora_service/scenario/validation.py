@@ -19,6 +19,7 @@ from drivora_service.scenario.drafts import Doubts, make_whole
 from drivora_service.scenario.exporting import document_content
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.problems import duplicate_ids, in_document_order, repeated_ids
+from drivora_service.scenario.route_checks import RouteCheck, check_route
 from drivora_service.scenario.route_notes import route_notes, snap_notes
 from drivora_service.scenario.value_bounds import is_within_bounds
 
@@ -97,7 +98,10 @@ def validate_document(
 
 
 def scenario_problems(
-    scenario: Scenario, networks: NetworkLookup, agents: Collection[str] | None
+    scenario: Scenario,
+    networks: NetworkLookup,
+    agents: Collection[str] | None,
+    routes: RouteCheck = check_route,
 ) -> tuple[Problem, ...]:
     """Returns what is wrong with a scenario; nothing where it may be run.
 
@@ -108,6 +112,8 @@ def scenario_problems(
         scenario: As it would be run, valid or not.
         networks: Where its town is looked up.
         agents: As for :func:`validate_data`.
+        routes: Checks the way of an actor. A caller that has scenarios which share actors may give
+            one that remembers its answers.
 
     Raises:
         NetworkError: The town's network file cannot be read.
@@ -118,7 +124,7 @@ def scenario_problems(
         except InvalidDocument as error:
             return error.problems
         return ()
-    checked = check(scenario, networks, agents, "", Doubts())
+    checked = check(scenario, networks, agents, "", Doubts(), routes)
     duplicates = repeated_ids((f"{actor.pointer}/id", actor.id) for actor in checked.actors)
     problems = (*duplicates, *checked.problems)
     return in_document_order(problems, document_content(scenario)) if problems else ()

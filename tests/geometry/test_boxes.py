@@ -90,3 +90,10 @@ def test_time_to_contact_of_a_car_behind_another_is_gap_over_closing_speed() -> 
 
 def test_boxes_side_by_side_never_touch() -> None:
     assert time_to_contact(20.0, 3.5, -8.0, 0.0, 0.0, 4.5, 1.8, 0.0, 4.5, 1.8) == math.inf
+
+
+@given(st.lists(st.tuples(places, places, angles, sizes, sizes), min_size=1, max_size=9))
+def test_boxes_of_different_sizes_are_those_of_each_alone(boxes: list[tuple[float, ...]]) -> None:
+    corners = box_corners(*np.array(boxes).T)
+    alone = [np.array(polygon(*box).exterior.coords)[:4] for box in boxes]
+    assert np.array_equal(corners, alone)
