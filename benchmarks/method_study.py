@@ -186,7 +186,7 @@ def run_campaign(
         "costs_s": [round(cost_s(record), 4) for record in journal.evaluations()],
         "failures": [
             {
-                "evaluation": failure.number,
+                "evaluation": failure.evaluation,
                 "key": failure.key,
                 "oracle": failure.verdict.oracle,
                 "at_fault": failure.verdict.at_fault,
@@ -383,12 +383,12 @@ def print_rows(found: Sequence[CampaignFigures], baseline: str, measures: Sequen
     if len({one.group for one in found}) < 2:
         return
     for row in compare_campaigns(found, baseline, [measure(name) for name in measures]):
-        a12 = f"{row.effect.a12:.2f} ({row.effect.low:.2f} to {row.effect.high:.2f})"
+        a12 = f"{row.a12:.2f} ({row.low:.2f} to {row.high:.2f})"
         mark = " *" if row.is_better else ""
         print(
-            f"| {row.scenario} | {row.measure.title} | {row.group} | "
+            f"| {row.scenario} | {row.title} | {row.group} | "
             f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
-            f"{row.baseline_median:g} | {a12} | {row.effect.p:.2g} | {row.p_holm:.2g}{mark} |"
+            f"{row.baseline_median:g} | {a12} | {row.p:.2g} | {row.p_holm:.2g}{mark} |"
         )
 
 

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import hashlib
+from typing import Any
 
 from fastapi import Request, Response
-from pydantic import BaseModel
+
+from drivora_service.shapes import to_json
 
 JSON = "application/json"
 
 
-def json_answer(request: Request, body: BaseModel, *, etag: str = "") -> Response:
+def json_answer(request: Request, kind: Any, body: object, *, etag: str = "") -> Response:
     """Answers with JSON, or 304 if the client has the same already.
 
     Args:
         request: What was asked.
+        kind: Type of the answer, as which it is written.
         body: The answer.
         etag: Stands for the content; "": its hash.
     """
-    content = body.model_dump_json().encode()
+    content = to_json(kind, body)
     return bytes_answer(request, content, media_type=JSON, etag=etag or digest(content))
 
 

@@ -42,7 +42,7 @@ def confirm_failures(
     Raises:
         CampaignError: A run was lost.
     """
-    open_numbers = {f.number for f in journal.failures() if f.confirmation is Confirmation.OPEN}
+    open_numbers = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.OPEN}
     expected: dict[int, str] = {}
     for record in journal.evaluations():
         if record.number in open_numbers:
@@ -78,7 +78,9 @@ def group_failures(
     """Groups the failures of a campaign, those that did not happen again left out."""
     failures = [f for f in journal.failures() if f.confirmation is not Confirmation.FLAKY]
     labels = clustering.label([failure.verdict for failure in failures])
-    journal.group({(f.number, f.place): label for f, label in zip(failures, labels, strict=True)})
+    journal.group(
+        {(f.evaluation, f.place): label for f, label in zip(failures, labels, strict=True)}
+    )
 
 
 def trace_name(number: int) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from drivora_service.errors import UnknownName
-from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
+from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, Failure
 
 
 class Journal(Protocol):
@@ -34,7 +34,7 @@ class Journal(Protocol):
         """
         ...
 
-    def failures(self) -> tuple[FailureRecord, ...]:
+    def failures(self) -> tuple[Failure, ...]:
         """Gives every violation of every evaluation, in order."""
         ...
 
@@ -47,10 +47,10 @@ class Journal(Protocol):
         ...
 
 
-def failures_of(record: EvaluationRecord) -> tuple[FailureRecord, ...]:
+def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
     """Gives the failures that an evaluation found."""
     return tuple(
-        FailureRecord(number=record.number, place=place, key=key, verdict=verdict)
+        Failure(evaluation=record.number, place=place, key=key, verdict=verdict)
         for place, (verdict, key) in enumerate(
             zip(record.violations, record.failure_keys, strict=True)
         )
@@ -89,7 +89,7 @@ class MemoryJournal:
             raise UnknownName("scenario of evaluation", str(number), ())
         return self._documents[number]
 
-    def failures(self) -> tuple[FailureRecord, ...]:
+    def failures(self) -> tuple[Failure, ...]:
         """Gives every violation of every evaluation, in order."""
         return tuple(self._failures)
 
@@ -97,7 +97,7 @@ class MemoryJournal:
         """Keeps whether the failures of an evaluation happened again."""
         self._failures = [
             replace(failure, confirmation=confirmation, trace=trace)
-            if failure.number == number
+            if failure.evaluation == number
             else failure
             for failure in self._failures
         ]
@@ -105,6 +105,6 @@ class MemoryJournal:
     def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
         """Keeps the groups of failures."""
         self._failures = [
-            replace(failure, cluster=clusters.get((failure.number, failure.place)))
+            replace(failure, cluster=clusters.get((failure.evaluation, failure.place)))
             for failure in self._failures
         ]

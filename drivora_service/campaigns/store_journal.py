@@ -9,7 +9,7 @@ from drivora_service.store.campaign_records import (
     CampaignRequest,
     Confirmation,
     EvaluationRecord,
-    FailureRecord,
+    Failure,
 )
 from drivora_service.store.database import Database
 
@@ -49,7 +49,7 @@ class StoreJournal:
         with self._database.read() as transaction:
             return transaction.evaluations.document(self._campaign_id, number)
 
-    def failures(self) -> tuple[FailureRecord, ...]:
+    def failures(self) -> tuple[Failure, ...]:
         """Gives every violation of every evaluation, in order."""
         with self._database.read() as transaction:
             return transaction.evaluations.failures(self._campaign_id)

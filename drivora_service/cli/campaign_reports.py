@@ -71,7 +71,7 @@ def report_of_service(
         figures, why_not = service.figures(campaign_id)
         report = CampaignReport(
             record=found.record,
-            document=CampaignDocument.model_validate_json(found.record.document),
+            document=CampaignDocument.model_validate(found.record.document),
             figures=figures,
             groups=group(found.failures),
             note=why_not,
@@ -105,14 +105,14 @@ def _has_network(catalogues: Catalogues, record: CampaignRecord) -> bool:
 def _with_traces(report: CampaignReport, service: ServiceCampaigns, folder: Path) -> CampaignReport:
     """Fetches the traces of the examples, and names them as a folder of traces does."""
     for one in report.groups:
-        target = folder / trace_name(one.example.number)
+        target = folder / trace_name(one.example.evaluation)
         if not target.exists():
             service.save_trace(report.record.id, one.example, target)
     groups = tuple(
         replace(
             one,
             failures=tuple(
-                replace(failure, trace=trace_name(failure.number) if failure.trace else "")
+                replace(failure, trace=trace_name(failure.evaluation) if failure.trace else "")
                 for failure in one.failures
             ),
         )

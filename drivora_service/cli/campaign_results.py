@@ -14,9 +14,10 @@ from drivora_service.runs.encoding import report_to_json
 from drivora_service.store.campaign_records import (
     CampaignCounts,
     CampaignRecord,
+    CampaignSummary,
     EvaluationRecord,
+    Failure,
     FailureKind,
-    FailureRecord,
 )
 
 _SHOWN = 40
@@ -34,7 +35,7 @@ class CampaignFindings:
     record: CampaignRecord
     is_running: bool
     kinds: tuple[FailureKind, ...]
-    failures: tuple[FailureRecord, ...]
+    failures: tuple[Failure, ...]
 
 
 def campaign_result(found: CampaignFindings) -> dict[str, Any]:
@@ -46,7 +47,7 @@ def campaign_result(found: CampaignFindings) -> dict[str, Any]:
     }
 
 
-def summary(record: CampaignRecord, *, running: bool) -> dict[str, Any]:
+def summary(record: CampaignSummary, *, running: bool) -> dict[str, Any]:
     """Gives the printed form of a campaign in a list."""
     return {
         "id": record.id,
@@ -67,16 +68,16 @@ def summary(record: CampaignRecord, *, running: bool) -> dict[str, Any]:
     }
 
 
-def state_of(record: CampaignRecord, *, running: bool) -> str:
+def state_of(record: CampaignSummary, *, running: bool) -> str:
     """Names the state of a campaign; one whose process was killed is interrupted."""
     state = str(record.state)
     return "interrupted" if state == "running" and not running else state
 
 
-def failure_result(failure: FailureRecord) -> dict[str, Any]:
+def failure_result(failure: Failure) -> dict[str, Any]:
     """Gives the printed form of a failure."""
     return {
-        "evaluation": failure.number,
+        "evaluation": failure.evaluation,
         "key": failure.key,
         "at_fault": failure.verdict.at_fault,
         "accountability": str(accountability(failure.verdict)),
@@ -104,7 +105,7 @@ def evaluation_result(record: EvaluationRecord) -> dict[str, Any]:
     }
 
 
-def print_campaigns(records: Sequence[tuple[CampaignRecord, bool]]) -> None:
+def print_campaigns(records: Sequence[tuple[CampaignSummary, bool]]) -> None:
     """Prints a row a campaign, each with whether a process works on it."""
     print_table(
         "",

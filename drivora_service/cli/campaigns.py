@@ -10,8 +10,9 @@ from drivora_service.cli.campaign_results import CampaignFindings, campaign_resu
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
+    CampaignSummary,
     EvaluationRecord,
-    FailureRecord,
+    Failure,
 )
 
 
@@ -30,11 +31,11 @@ class Campaigns(Protocol):
         """Gives a campaign with what it has found."""
         ...
 
-    def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
+    def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
         """Gives the newest campaigns first."""
         ...
 
-    def is_running(self, record: CampaignRecord) -> bool:
+    def is_running(self, record: CampaignSummary) -> bool:
         """Whether a process works on a campaign."""
         ...
 
@@ -46,7 +47,7 @@ class Campaigns(Protocol):
         """Gives the scenario of an evaluation as the text of a document."""
         ...
 
-    def save_trace(self, campaign_id: str, failure: FailureRecord, target: Path) -> None:
+    def save_trace(self, campaign_id: str, failure: Failure, target: Path) -> None:
         """Writes the trace of a failure, if it has one."""
         ...
 
@@ -72,7 +73,7 @@ def export_campaign(campaigns: Campaigns, campaign_id: str, target: Path) -> Non
     target.mkdir(parents=True, exist_ok=True)
     text = json.dumps(campaign_result(found), indent=2, ensure_ascii=False)
     (target / "campaign.json").write_text(text + "\n")
-    for failure in {failure.number: failure for failure in found.failures}.values():
-        name = f"{failure.number:06d}"
-        (target / f"{name}.json").write_text(campaigns.scenario(campaign_id, failure.number))
+    for failure in {failure.evaluation: failure for failure in found.failures}.values():
+        name = f"{failure.evaluation:06d}"
+        (target / f"{name}.json").write_text(campaigns.scenario(campaign_id, failure.evaluation))
         campaigns.save_trace(campaign_id, failure, target / f"{name}.trace.parquet")

@@ -74,7 +74,7 @@ def _draw(found: CampaignFindings, folder: Path, data_dir: Path) -> tuple[Path, 
         trace = folder / f"{number:06d}.trace.parquet"
         if trace.is_file():
             picture = folder / f"{number:06d}.png"
-            rules = {f.verdict.oracle for f in found.failures if f.number == number}
+            rules = {f.verdict.oracle for f in found.failures if f.evaluation == number}
             draw_trace(trace, settings, picture, rules=rules)
             pictures.append(picture)
     return tuple(pictures)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Self
 
@@ -16,22 +15,20 @@ from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_files import read_campaign_file
 from drivora_service.cli.campaign_results import CampaignFindings
 from drivora_service.cli.client import ServiceClient
-from drivora_service.cli.service_comparison import figures_from
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.tester import EvaluationStatus, Proposal
+from drivora_service.shapes import adapter
 from drivora_service.store.campaign_records import (
-    BestScore,
-    CampaignCounts,
     CampaignRecord,
     CampaignRequest,
     CampaignState,
-    Confirmation,
+    CampaignSummary,
     EvaluationRecord,
+    Failure,
     FailureKind,
-    FailureRecord,
 )
 from drivora_service.studies.figures import CampaignFigures
 
@@ -107,18 +104,19 @@ class ServiceCampaigns:
         """Gives the figures of a campaign, or ``None`` and why they are not known."""
         answer = self._client.get(f"/campaigns/{campaign_id}/figures")
         figures = answer["figures"]
-        return None if figures is None else figures_from(figures), answer["note"]
+        found = None if figures is None else adapter(CampaignFigures).validate_python(figures)
+        return found, answer["note"]
 
-    def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
+    def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
         """Gives the newest campaigns first."""
-        records: list[CampaignRecord] = []
+        records: list[CampaignSummary] = []
         for item in self._client.items("/campaigns"):
             if len(records) == limit:
                 break
-            records.append(_record(item))
+            records.append(adapter(CampaignSummary).validate_python(item))
         return tuple(records)
 
-    def is_running(self, record: CampaignRecord) -> bool:
+    def is_running(self, record: CampaignSummary) -> bool:
         """Whether a process works on a campaign, which a service sees to."""
         return record.state is CampaignState.RUNNING
 
@@ -134,10 +132,10 @@ class ServiceCampaigns:
         url = f"/campaigns/{campaign_id}/evaluations/{number}/scenario"
         return self._client.download(url, accept="application/json").decode()
 
-    def save_trace(self, campaign_id: str, failure: FailureRecord, target: Path) -> None:
+    def save_trace(self, campaign_id: str, failure: Failure, target: Path) -> None:
         """Fetches the trace of a failure, if it has one."""
         if failure.trace:
-            url = f"/campaigns/{campaign_id}/evaluations/{failure.number}/observations"
+            url = f"/campaigns/{campaign_id}/evaluations/{failure.evaluation}/observations"
             target.write_bytes(self._client.download(url, accept=_PARQUET))
 
     def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
@@ -150,38 +148,8 @@ class ServiceCampaigns:
 
 
 def _record(item: dict[str, Any]) -> CampaignRecord:
-    """Reads a campaign, or one in a list, which has less."""
-    counts = item["counts"]
-    return CampaignRecord(
-        seq=0,
-        id=item["id"],
-        name=item["name"],
-        document=json.dumps(item.get("document", {})),
-        tester=item["tester"],
-        agent=item["agent"],
-        town=item["town"],
-        network_sha256=item.get("network_sha256", ""),
-        budget=item["budget"],
-        versions=item.get("versions", {}),
-        state=CampaignState(item["state"]),
-        message=item["message"],
-        request=CampaignRequest(item["request"]),
-        created_at=datetime.fromisoformat(item["created_at"]),
-        started_at=_time(item["started_at"]),
-        ended_at=_time(item["ended_at"]),
-        updated_at=datetime.fromisoformat(item["updated_at"]),
-        active_s=item["active_s"],
-        counts=CampaignCounts(**counts),
-        batch_id=item.get("batch_id", ""),
-        best={
-            name: BestScore(value=best["value"], number=best["evaluation"])
-            for name, best in item.get("best", {}).items()
-        },
-    )
-
-
-def _time(text: str | None) -> datetime | None:
-    return None if text is None else datetime.fromisoformat(text)
+    campaign: CampaignRecord = adapter(CampaignRecord).validate_python(item)
+    return campaign
 
 
 def _progress(record: CampaignRecord, answer: dict[str, Any]) -> Progress:
@@ -198,17 +166,9 @@ def _progress(record: CampaignRecord, answer: dict[str, Any]) -> Progress:
     )
 
 
-def _failure(item: dict[str, Any]) -> FailureRecord:
-    return FailureRecord(
-        number=item["evaluation"],
-        place=item["place"],
-        key=item["key"],
-        verdict=_VERDICT.validate_python(item["verdict"]),
-        confirmation=Confirmation(item["confirmation"]),
-        cluster=item["cluster"],
-        # Where the trace lies is the service's to know; the address says that there is one.
-        trace=item["observations_url"],
-    )
+def _failure(item: dict[str, Any]) -> Failure:
+    failure: Failure = adapter(Failure).validate_python(item)
+    return failure
 
 
 def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
@@ -249,5 +209,4 @@ def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
     )
 
 
-_VERDICT = TypeAdapter(Verdict)
 _VERDICTS = TypeAdapter(tuple[Verdict, ...])

@@ -12,8 +12,9 @@ from drivora_service.settings import Settings
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
+    CampaignSummary,
     EvaluationRecord,
-    FailureRecord,
+    Failure,
 )
 from drivora_service.store.database import Database, open_database
 
@@ -63,7 +64,7 @@ class StoredCampaigns:
                 failures=transaction.evaluations.failures(campaign_id),
             )
 
-    def newest(self, limit: int) -> tuple[CampaignRecord, ...]:
+    def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
         """Gives the newest campaigns first."""
         with self.database.read() as transaction:
             return transaction.campaigns.page(limit=limit).items
@@ -91,7 +92,7 @@ class StoredCampaigns:
             canonical = transaction.evaluations.document(campaign_id, number)
         return document_text(to_document(from_canonical(canonical)))
 
-    def save_trace(self, campaign_id: str, failure: FailureRecord, target: Path) -> None:
+    def save_trace(self, campaign_id: str, failure: Failure, target: Path) -> None:
         """Copies the trace of a failure, if it has one."""
         trace = self.folder(campaign_id).traces / failure.trace
         if trace.is_file():
@@ -110,6 +111,6 @@ class StoredCampaigns:
         """Gives the folder of a campaign."""
         return CampaignFolder(self.settings.campaigns_dir, campaign_id)
 
-    def is_running(self, record: CampaignRecord) -> bool:
+    def is_running(self, record: CampaignSummary) -> bool:
         """Whether a process works on a campaign."""
         return self.folder(record.id).is_running

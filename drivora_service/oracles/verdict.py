@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Protocol
 
+from drivora_service.shapes import Shape
+
 if TYPE_CHECKING:
     # Whoever only handles verdicts and reports is spared the loading of what judges need.
     from drivora_service.observations.run_view import EgoView, RunView
@@ -42,7 +44,7 @@ class Answer(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(Shape):
     """One oracle's answer for one ego.
 
     Attributes:

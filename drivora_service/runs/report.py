@@ -10,6 +10,7 @@ from typing import Any
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.model import AgentChoice
+from drivora_service.shapes import Shape
 
 
 class RunStatus(StrEnum):
@@ -54,7 +55,7 @@ class RunSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RunFailure:
+class RunFailure(Shape):
     """Why a run was not judged.
 
     Attributes:
@@ -72,7 +73,7 @@ class RunFailure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RunReport:
+class RunReport(Shape):
     """The end of a run; exists for every run that was started.
 
     Attributes:

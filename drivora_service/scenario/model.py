@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from drivora_service.shapes import Shape
+
 
 class NpcBehavior(StrEnum):
     """How an NPC vehicle moves along its waypoints."""
@@ -54,7 +56,7 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AgentChoice:
+class AgentChoice(Shape):
     """The ADS that drives an ego: a name in the agent catalogue and its parameters."""
 
     name: str

@@ -11,11 +11,12 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.runs.report import RunStatus
+from drivora_service.shapes import combine
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.ids import new_id
 from drivora_service.store.paging import make_token, read_token
-from drivora_service.store.records import BatchRecord, BatchState, Page, Priority
+from drivora_service.store.records import Batch, BatchState, Page, Priority
 from drivora_service.store.tables import BatchRow, RunRow
 
 SINGLE_JOBS = "jobs"
@@ -28,12 +29,12 @@ class BatchRepository:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def create(self, *, name: str, priority: Priority) -> BatchRecord:
+    def create(self, *, name: str, priority: Priority) -> Batch:
         """Makes an empty batch; runs are added with :meth:`JobRepository.submit`."""
         row = BatchRow(
             id=new_id(),
             name=name,
-            priority=int(priority),
+            priority=priority.rank,
             state=BatchState.OPEN,
             created_at=datetime.now(UTC),
             size=0,
@@ -44,7 +45,7 @@ class BatchRepository:
         self._session.flush()
         return self._records([row])[0]
 
-    def get(self, batch_id: str) -> BatchRecord:
+    def get(self, batch_id: str) -> Batch:
         """Gives a batch.
 
         Raises:
@@ -52,7 +53,7 @@ class BatchRepository:
         """
         return self._records([self._row(batch_id)])[0]
 
-    def page(self, *, limit: int = 50, page_token: str = "") -> Page[BatchRecord]:
+    def page(self, *, limit: int = 50, page_token: str = "") -> Page[Batch]:
         """Gives batches, newest first.
 
         Raises:
@@ -64,9 +65,9 @@ class BatchRepository:
         rows = self._session.scalars(query.limit(limit + 1)).all()
         shown = rows[:limit]
         more = make_token("batches", shown[-1].seq) if len(rows) > limit else ""
-        return Page(items=tuple(self._records(shown)), next_token=more)
+        return Page(items=tuple(self._records(shown)), next_page_token=more)
 
-    def pause(self, batch_id: str) -> BatchRecord:
+    def pause(self, batch_id: str) -> Batch:
         """Hands out no further run of a batch; those that run go on.
 
         Raises:
@@ -75,7 +76,7 @@ class BatchRepository:
         """
         return self._set_state(batch_id, BatchState.PAUSED)
 
-    def resume(self, batch_id: str) -> BatchRecord:
+    def resume(self, batch_id: str) -> Batch:
         """Hands out the runs of a paused batch again.
 
         Raises:
@@ -84,10 +85,10 @@ class BatchRepository:
         """
         row = self._row(batch_id)
         if row.state == BatchState.PAUSED:
-            row.served = max(row.served, self._fair_start(Priority(row.priority)))
+            row.served = max(row.served, self._fair_start(Priority.of_rank(row.priority)))
         return self._set_state(batch_id, BatchState.OPEN)
 
-    def cancel(self, batch_id: str) -> BatchRecord:
+    def cancel(self, batch_id: str) -> Batch:
         """Gives up all runs of a batch that have not ended; cancelling again changes nothing.
 
         Raises:
@@ -110,7 +111,7 @@ class BatchRepository:
         cancel_runs(self._session, rows)
         return self.get(batch_id)
 
-    def _set_state(self, batch_id: str, state: BatchState) -> BatchRecord:
+    def _set_state(self, batch_id: str, state: BatchState) -> Batch:
         row = self._row(batch_id)
         if row.state == BatchState.CANCELLED:
             raise Conflict(f"batch {batch_id} was cancelled; post its scenarios again")
@@ -130,14 +131,14 @@ class BatchRepository:
         """A batch that comes later shall neither catch up what others have had, nor wait."""
         least = self._session.scalar(
             select(func.min(BatchRow.served)).where(
-                BatchRow.priority == int(priority),
+                BatchRow.priority == priority.rank,
                 BatchRow.queued > 0,
                 BatchRow.state == BatchState.OPEN,
             )
         )
         return least or 0
 
-    def _records(self, rows: Iterable[BatchRow]) -> list[BatchRecord]:
+    def _records(self, rows: Iterable[BatchRow]) -> list[Batch]:
         rows = list(rows)
         keys = [row.seq for row in rows]
         counts: dict[int, Counter[RunStatus]] = defaultdict(Counter)
@@ -150,13 +151,11 @@ class BatchRepository:
             counts[seq][RunStatus(status)] += number
             violated[seq] += number if broken else 0
         return [
-            BatchRecord(
-                id=row.id,
-                name=row.name,
-                priority=Priority(row.priority),
+            combine(
+                Batch,
+                row,
+                priority=Priority.of_rank(row.priority),
                 state=BatchState(row.state),
-                created_at=row.created_at,
-                size=row.size,
                 counts=counts[row.seq],
                 violated_runs=violated[row.seq],
             )

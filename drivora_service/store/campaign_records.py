@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from typing import Any
+
+from pydantic import computed_field
 
 from drivora_service.oracles.accountability import Accountability, strongest
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunReport
 from drivora_service.search.tester import EvaluationStatus, Proposal
+from drivora_service.shapes import Shape
 
 
 class CampaignState(StrEnum):
@@ -74,20 +78,20 @@ class NewCampaign:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CampaignCounts:
-    """What has been told so far.
+class CampaignCounts(Shape):
+    """What a campaign has evaluated so far.
 
     Attributes:
         evaluations: Candidates, simulated or not.
         judged: Candidates that were simulated and judged.
-        invalid: Candidates that were no valid scenario.
+        invalid: Candidates that were no valid scenario; not simulated.
         failed: Candidates whose run had no result.
-        violating: Candidates with at least one violation.
-        at_fault: Candidates with at least one violation for which an ego is known to be at fault.
-        avoidable: Candidates whose violations come to that at most, see
-            ``oracles.accountability``; ``None`` where the campaign was judged before it was told.
-        unavoidable: See ``avoidable``.
-        undetermined: See ``avoidable``.
+        violating: Candidates with at least one failure.
+        at_fault: Candidates with a failure for which an ego is known to be responsible.
+        avoidable: Candidates with a failure that a careful and competent driver avoids; null where
+            the campaign was judged before this was recorded.
+        unavoidable: Candidates at fault with no failure that this driver avoids.
+        undetermined: Candidates whose fault cannot be determined.
     """
 
     evaluations: int = 0
@@ -115,58 +119,81 @@ class CampaignToRun:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BestScore:
-    """The least value of an objective so far, and the number of the first evaluation with it."""
+class BestScore(Shape):
+    """The least value of an objective so far.
+
+    Attributes:
+        evaluation: Number of the first evaluation with it.
+    """
 
     value: float
-    number: int
+    evaluation: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CampaignRecord:
-    """A campaign and how far it is.
+class CampaignSummary(Shape):
+    """A campaign in a list, and how far it is.
 
     Attributes:
-        seq: Its place among all campaigns, for page tokens.
-        message: Why it failed, or "".
-        request: What somebody wants of it while it runs.
-        batch_id: The batch of its runs, where the service runs it; "": some command does.
-        active_s: Seconds for which it has searched, pauses left out.
-        updated_at: When it last told its tester something, or changed its state.
-        best: The best scores by the objectives of its tester's feedback.
+        message: Why it failed; empty otherwise.
+        request: Pending request to a campaign that runs.
+        budget: Simulations that it may make.
+        active_s: Seconds of work, pauses left out.
+        updated_at: When its tester was last told something, or its state changed.
     """
 
-    seq: int
     id: str
     name: str
-    document: str
-    tester: str
-    agent: str
-    town: str
-    network_sha256: str
-    budget: int
-    versions: Mapping[str, str]
     state: CampaignState
     message: str
     request: CampaignRequest
+    tester: str
+    agent: str
+    town: str
+    budget: int
+    counts: CampaignCounts
+    active_s: float
     created_at: datetime
     started_at: datetime | None
     ended_at: datetime | None
     updated_at: datetime
-    active_s: float
-    counts: CampaignCounts
-    batch_id: str = ""
-    best: Mapping[str, BestScore] = field(default_factory=dict)
 
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
+    @property
+    def simulations(self) -> int:
+        """Simulations so far."""
+        return self.counts.simulations
+
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def rate(self) -> float | None:
-        """Simulations a second of work; ``None`` before there is one."""
+        """Simulations a second of work; null before there is one."""
         return self.counts.simulations / self.active_s if self.active_s > 0.0 else None
 
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def left_s(self) -> float | None:
         """Seconds until the budget is spent, at that rate."""
         return (self.budget - self.counts.simulations) / self.rate if self.rate else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignRecord(CampaignSummary):
+    """A campaign with what defines it.
+
+    Attributes:
+        best: Best scores by the objectives of its tester's feedback.
+        document: As it was posted, defaults filled in.
+        network_sha256: Hash of the road network's file.
+        versions: Versions of what takes part in the search, by name.
+        batch_id: Batch of its runs; empty if no service runs it.
+    """
+
+    best: Mapping[str, BestScore] = field(default_factory=dict)
+    document: Mapping[str, Any]
+    network_sha256: str
+    versions: Mapping[str, str]
+    batch_id: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -207,15 +234,21 @@ class EvaluationRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EvaluationSummary:
-    """An evaluation in a list.
+class EvaluationSummary(Shape):
+    """A candidate in a list, and what came of it.
 
     Attributes:
-        accountability: The strongest of its violations; ``None`` without one, or where it was not
-            judged yet.
-        failure_keys: One a violation.
-        objectives: What the tester's feedback measured, by name; ``None`` is not measurable.
-        cause: Why there is no result, as in ``RunFailure.cause``, or "".
+        number: In the order of asking, from 0.
+        origin: How it was made: initial, mutation, crossover and the like.
+        parents: Evaluations that it was made from.
+        scenario_sha256: Empty if it is no valid scenario.
+        violations: Number of failures.
+        at_fault_violations: Those for which an ego is responsible.
+        accountability: The strongest of its failures; null without one, or where it was judged
+            before this was recorded.
+        failure_keys: Kind of each failure.
+        objectives: Of the tester's feedback, to be minimised, by name; null: not measurable.
+        cause: Why it has no result, as in `error`; empty if it has one.
         told_at: When the tester was told.
     """
 
@@ -257,16 +290,19 @@ class FailureFilter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FailureKind:
-    """Failures of one key. All numbers but ``violations`` count evaluations.
+class FailureKind(Shape):
+    """Failures of one kind. All numbers but `violations` count simulations.
 
     Attributes:
-        failures: Evaluations that failed so, each once.
-        violations: How often a rule was broken so in them.
+        key: Oracle, place, and how the other actor stood to the ego.
+        failures: Simulations that failed so, each once.
+        violations: How often an oracle was violated so in them.
         at_fault: Those with an ego at fault.
         avoidable: Those at an ego's fault that could be avoided.
+        confirmed: Those that happened again in an identical run.
+        flaky: Those that did not.
         first: Number of the first evaluation that showed it.
-        clusters: Groups of similar ones; ``None`` if they were not grouped.
+        clusters: Groups of similar ones; null until they are grouped.
     """
 
     key: str
@@ -281,24 +317,22 @@ class FailureKind:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FailureRecord:
+class Failure(Shape):
     """A violation that a campaign found.
 
     Attributes:
-        number: Of the evaluation.
-        place: Among the violations of that evaluation, from 0.
-        key: Its kind; see ``campaigns.failures``.
-        verdict: What the oracle said.
-        confirmation: Whether it happened again.
-        cluster: Number of the group of similar failures, within its oracle's; ``None`` until the
-            campaign has grouped them.
-        trace: Name of the file, in the campaign's folder of traces, of the identical run; or "".
+        evaluation: Number of the evaluation.
+        place: Among the failures of that evaluation, from 0.
+        key: Its kind.
+        confirmation: Whether it happened again in an identical run.
+        cluster: Number of the group of similar failures, within its oracle's; null until grouped.
+        trace: Name of the file with the trace of the identical run; empty until then.
     """
 
-    number: int
+    evaluation: int
     place: int
     key: str
-    verdict: Verdict
     confirmation: Confirmation = Confirmation.OPEN
     cluster: int | None = None
+    verdict: Verdict
     trace: str = ""

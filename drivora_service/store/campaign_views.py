@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from datetime import datetime
 from typing import Any
 
 from pydantic_core import from_json
@@ -13,17 +12,18 @@ from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.tester import EvaluationStatus
+from drivora_service.shapes import combine
 from drivora_service.store.campaign_records import (
     EvaluationFilter,
     EvaluationSummary,
+    Failure,
     FailureFilter,
     FailureKind,
-    FailureRecord,
 )
 from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
-from drivora_service.store.evaluations import evaluation_row, failure_record
+from drivora_service.store.evaluations import evaluation_row, failure_of
 from drivora_service.store.failure_kinds import failure_kinds
 from drivora_service.store.merging import Branch, first_numbers
 from drivora_service.store.paging import make_token, read_token
@@ -65,7 +65,7 @@ class CampaignViewRepository:
         more = make_token(scope, shown[-1]) if len(numbers) > limit else ""
         summaries = self._of(campaign.seq, shown)
         ordered = sorted(summaries, key=lambda summary: summary.number, reverse=newest_first)
-        return Page(items=tuple(ordered), next_token=more)
+        return Page(items=tuple(ordered), next_page_token=more)
 
     def evaluation(self, campaign_id: str, number: int) -> EvaluationSummary:
         """Gives one evaluation.
@@ -107,7 +107,7 @@ class CampaignViewRepository:
         *,
         limit: int = 50,
         page_token: str = "",
-    ) -> Page[FailureRecord]:
+    ) -> Page[Failure]:
         """Gives the failures that a filter lets through, in the order of their evaluations.
 
         Raises:
@@ -143,7 +143,7 @@ class CampaignViewRepository:
                 )
             )
         }
-        return Page(items=tuple(failure_record(rows[key]) for key in shown), next_token=more)
+        return Page(items=tuple(failure_of(rows[key]) for key in shown), next_page_token=more)
 
     def kinds(self, campaign_id: str) -> tuple[FailureKind, ...]:
         """Gives the kinds of failures of a campaign, in the order of their first evaluations.
@@ -221,21 +221,14 @@ def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:
     # Reading the whole report into its classes would cost a page of evaluations a second.
     report: dict[str, Any] = from_json(row.report)
     measurement = report.get("measurement") or {}
-    told: datetime = row.told_at
-    return EvaluationSummary(
-        number=row.number,
-        generation=row.generation,
-        origin=row.origin,
+    return combine(
+        EvaluationSummary,
+        row,
         parents=tuple(json.loads(row.parents)),
         status=EvaluationStatus(row.status),
         scenario_sha256=row.document_sha256 or "",
-        violations=row.violations,
-        at_fault_violations=row.at_fault_violations,
         accountability=None if row.accountability is None else Accountability(row.accountability),
         failure_keys=keys,
         objectives=measurement.get("objectives") or {},
         cause=(report.get("failure") or {}).get("cause", ""),
-        sim_time_s=row.sim_time_s,
-        wall_time_s=row.wall_time_s,
-        told_at=told,
     )

@@ -10,6 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
+from drivora_service.shapes import combine
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_records import (
     BestScore,
@@ -17,6 +18,7 @@ from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignRequest,
     CampaignState,
+    CampaignSummary,
     CampaignToRun,
     NewCampaign,
 )
@@ -74,7 +76,7 @@ class CampaignRepository:
         states: Collection[CampaignState] = (),
         limit: int = 50,
         page_token: str = "",
-    ) -> Page[CampaignRecord]:
+    ) -> Page[CampaignSummary]:
         """Gives campaigns, newest first.
 
         Args:
@@ -104,7 +106,7 @@ class CampaignRepository:
             select(CampaignRow).where(CampaignRow.seq.in_(numbers[:limit]))
         )
         shown = sorted(rows, key=lambda row: row.seq, reverse=True)
-        return Page(items=tuple(_record(row) for row in shown), next_token=more)
+        return Page(items=tuple(_summary(row) for row in shown), next_page_token=more)
 
     def to_run(self) -> tuple[CampaignToRun, ...]:
         """Gives the campaigns that the service is to run, those that ran already first."""
@@ -256,45 +258,30 @@ def _refuse_if_over(row: CampaignRow) -> None:
         raise Conflict(f"campaign {row.id} is {row.state}; begin a new one")
 
 
-def _record(row: CampaignRow) -> CampaignRecord:
-    return CampaignRecord(
-        seq=row.seq,
-        id=row.id,
-        name=row.name,
-        document=row.document,
-        tester=row.tester,
-        agent=row.agent,
-        town=row.town,
-        network_sha256=row.network_sha256,
-        budget=row.budget,
-        versions=json.loads(row.versions),
+def _summary(row: CampaignRow) -> CampaignSummary:
+    return combine(
+        CampaignSummary,
+        row,
         state=CampaignState(row.state),
-        message=row.message,
         request=CampaignRequest(row.request),
-        created_at=row.created_at,
-        started_at=row.started_at,
-        ended_at=row.ended_at,
-        updated_at=row.updated_at,
-        active_s=row.active_s,
-        counts=CampaignCounts(
-            evaluations=row.evaluations,
-            judged=row.judged,
-            invalid=row.invalid,
-            failed=row.failed,
-            violating=row.violating,
-            at_fault=row.at_fault,
-            avoidable=row.avoidable,
-            unavoidable=row.unavoidable,
-            undetermined=row.undetermined,
-        ),
-        batch_id=row.batch_id,
+        counts=combine(CampaignCounts, row),
+    )
+
+
+def _record(row: CampaignRow) -> CampaignRecord:
+    return combine(
+        CampaignRecord,
+        _summary(row),
+        row,
         best=best_scores(row),
+        document=json.loads(row.document),
+        versions=json.loads(row.versions),
     )
 
 
 def best_scores(row: CampaignRow) -> dict[str, BestScore]:
-    """Gives the best scores that a row holds."""
+    """Returns the best scores that a row holds."""
     return {
-        name: BestScore(value=value, number=number)
+        name: BestScore(value=value, evaluation=number)
         for name, (value, number) in json.loads(row.best).items()
     }

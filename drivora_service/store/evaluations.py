@@ -17,7 +17,8 @@ from drivora_service.oracles.accountability import Accountability, accountabilit
 from drivora_service.oracles.verdict_json import verdict_from_json, verdict_to_json
 from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.search.tester import EvaluationStatus, Proposal
-from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, FailureRecord
+from drivora_service.shapes import combine
+from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, Failure
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
@@ -196,7 +197,7 @@ class EvaluationRepository:
         )
         return tuple((number, body) for number, body in rows)
 
-    def failures(self, campaign_id: str) -> tuple[FailureRecord, ...]:
+    def failures(self, campaign_id: str) -> tuple[Failure, ...]:
         """Gives every failure of a campaign, in the order of their evaluations.
 
         Raises:
@@ -208,7 +209,7 @@ class EvaluationRepository:
             .where(FailureRow.campaign_seq == campaign.seq)
             .order_by(FailureRow.number, FailureRow.place)
         )
-        return tuple(failure_record(row) for row in self._session.scalars(query))
+        return tuple(failure_of(row) for row in self._session.scalars(query))
 
     def confirm(
         self, campaign_id: str, number: int, confirmation: Confirmation, *, trace: str
@@ -353,14 +354,12 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
     )
 
 
-def failure_record(row: FailureRow) -> FailureRecord:
-    """Makes the record of a row."""
-    return FailureRecord(
-        number=row.number,
-        place=row.place,
-        key=row.key,
+def failure_of(row: FailureRow) -> Failure:
+    """Returns the failure of a row."""
+    return combine(
+        Failure,
+        row,
+        evaluation=row.number,
         verdict=verdict_from_json(row.verdict),
         confirmation=Confirmation(row.confirmation),
-        cluster=row.cluster,
-        trace=row.trace,
     )

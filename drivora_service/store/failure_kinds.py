@@ -8,6 +8,7 @@ from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
+from drivora_service.shapes import combine
 from drivora_service.store.campaign_records import Confirmation, FailureKind
 from drivora_service.store.campaign_tables import FailureKindRow, FailureRow
 
@@ -18,17 +19,7 @@ def failure_kinds(session: Session, campaign_seq: int) -> tuple[FailureKind, ...
         select(FailureKindRow).where(FailureKindRow.campaign_seq == campaign_seq)
     )
     return tuple(
-        FailureKind(
-            key=row.key,
-            failures=row.failures,
-            violations=row.violations,
-            at_fault=row.at_fault,
-            avoidable=row.avoidable,
-            confirmed=row.confirmed,
-            flaky=row.flaky,
-            first=row.first,
-            clusters=row.clusters or None,
-        )
+        combine(FailureKind, row, clusters=row.clusters or None)
         for row in sorted(rows, key=lambda row: (row.first, row.key))
     )
 

@@ -11,13 +11,14 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import UnknownName
 from drivora_service.runs.encoding import report_from_json
 from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.shapes import combine, field_names, read_all
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.chunks import batched
 from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.job_lists import listed_runs
-from drivora_service.store.job_records import job_query, to_record
 from drivora_service.store.paging import make_token, read_token
-from drivora_service.store.records import AttemptRecord, JobFilter, JobRecord, NewRun, Page
+from drivora_service.store.records import Attempt, JobFilter, NewRun, Page, RunRecord, RunSummary
+from drivora_service.store.run_queries import run_query, summaries
 from drivora_service.store.submitting import queued_runs, submit_runs
 from drivora_service.store.tables import AttemptRow, DocumentRow, ReportRow, RunRow
 
@@ -47,16 +48,31 @@ class JobRepository:
         """
         return submit_runs(self._session, runs, batch_id=batch_id, queue_limit=queue_limit)
 
-    def get(self, job_id: str) -> JobRecord:
-        """Gives a job.
+    def get(self, job_id: str) -> RunSummary:
+        """Returns a job.
 
         Raises:
             UnknownName: There is none of this id.
         """
-        found = self._session.execute(job_query().where(RunRow.id == job_id)).one_or_none()
-        if found is None:
+        found = summaries(self._session.execute(run_query().where(RunRow.id == job_id)))
+        if not found:
             raise UnknownName("job", job_id, ())
-        return to_record(*found)
+        return found[0]
+
+    def detail(self, job_id: str) -> RunRecord:
+        """Returns a job with what was found out about its run.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        summary, tries = self.get(job_id), self.attempts(job_id)
+        report = self.report(job_id) if summary.status.is_final else None
+        if report is None:
+            return combine(RunRecord, summary, tries=tries)
+        cost = report.step_cost_us if report.steps else None
+        return combine(
+            RunRecord, summary, report, tries=tries, error=report.failure, step_cost_us=cost
+        )
 
     def page(
         self,
@@ -65,7 +81,7 @@ class JobRepository:
         limit: int = 50,
         page_token: str = "",
         newest_first: bool = True,
-    ) -> Page[JobRecord]:
+    ) -> Page[RunSummary]:
         """Gives the jobs that a filter lets through, in the order of their submission.
 
         Raises:
@@ -77,14 +93,14 @@ class JobRepository:
             self._session, wanted, limit=limit + 1, after=last, newest_first=newest_first
         )
         more = make_token(scope, numbers[limit - 1]) if len(numbers) > limit else ""
-        rows = self._session.execute(job_query().where(RunRow.seq.in_(numbers[:limit])))
-        shown = sorted(rows, key=lambda row: row[0].seq, reverse=newest_first)
-        return Page(items=tuple(to_record(*row) for row in shown), next_token=more)
+        order = RunRow.seq.desc() if newest_first else RunRow.seq
+        query = run_query().where(RunRow.seq.in_(numbers[:limit])).order_by(order)
+        return Page(items=summaries(self._session.execute(query)), next_page_token=more)
 
-    def changed_since(self, revision: int, *, limit: int = 500) -> tuple[JobRecord, ...]:
+    def changed_since(self, revision: int, *, limit: int = 500) -> tuple[RunSummary, ...]:
         """Gives the jobs that changed after a revision, oldest change first, as they are now."""
-        query = job_query().where(RunRow.revision > revision).order_by(RunRow.revision).limit(limit)
-        return tuple(to_record(*row) for row in self._session.execute(query))
+        query = run_query().where(RunRow.revision > revision).order_by(RunRow.revision).limit(limit)
+        return summaries(self._session.execute(query))
 
     def latest_revision(self) -> int:
         """Gives the revision of the newest change, 0 if nothing has ever happened."""
@@ -134,30 +150,17 @@ class JobRepository:
             reports.update((job_id, report_from_json(body)) for job_id, body in rows)
         return reports
 
-    def attempts(self, job_id: str) -> tuple[AttemptRecord, ...]:
-        """Gives every try at a job's run, first to last."""
-        rows = self._session.scalars(
-            select(AttemptRow)
+    def attempts(self, job_id: str) -> tuple[Attempt, ...]:
+        """Returns every try at a job's run, first to last."""
+        query = (
+            select(*(getattr(AttemptRow, name) for name in field_names(Attempt)))
             .join(RunRow, RunRow.seq == AttemptRow.run_seq)
             .where(RunRow.id == job_id)
             .order_by(AttemptRow.number)
         )
-        return tuple(
-            AttemptRecord(
-                number=row.number,
-                worker=row.worker,
-                claimed_at=row.claimed_at,
-                started_at=row.started_at,
-                ended_at=row.ended_at,
-                outcome=row.outcome,
-                cause=row.cause,
-                signal=row.signal,
-                log=row.log,
-            )
-            for row in rows
-        )
+        return read_all(Attempt, (row._asdict() for row in self._session.execute(query)))
 
-    def cancel(self, job_id: str) -> JobRecord:
+    def cancel(self, job_id: str) -> RunSummary:
         """Gives a job up; one that has ended stays as it is.
 
         Raises:

@@ -5,24 +5,41 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
-from enum import IntEnum, StrEnum
-from typing import Generic, TypeVar
+from enum import StrEnum
+from typing import Any, Generic, TypeVar
+
+from pydantic import computed_field
 
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.accountability import Accountability
-from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.scenario.model import AgentChoice
+from drivora_service.shapes import Shape
 
 Item = TypeVar("Item")
 
 
-class Priority(IntEnum):
-    """Whose runs go first; the lower the number, the sooner."""
+class Priority(StrEnum):
+    """Which runs go first: interactive ones, then those of CI, then those of campaigns."""
 
-    INTERACTIVE = 0
-    CI = 1
-    CAMPAIGN = 2
+    INTERACTIVE = "interactive"
+    CI = "ci"
+    CAMPAIGN = "campaign"
+
+    @property
+    def rank(self) -> int:
+        """Its place in the queue; the lower, the sooner."""
+        return _RANKED.index(self)
+
+    @classmethod
+    def of_rank(cls, rank: int) -> Priority:
+        """Returns the priority of a place in the queue."""
+        return _RANKED[rank]
+
+
+_RANKED = tuple(Priority)
 
 
 class BatchState(StrEnum):
@@ -68,32 +85,38 @@ class NewRun:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class JobRecord:
-    """A job and its run; both have the same id.
+class RunSummary(Shape):
+    """A job in a list, and where its run is in its life. Both have the same id.
 
     Attributes:
-        revision: Grows with every change; good for an ``ETag``.
-        batch_id: "" for a job that was posted alone.
-        cause: Why the run was not judged, as in ``RunFailure.cause``, or "".
-        violations: Broken rules; ``None`` unless finished.
-        at_fault_violations: Broken rules for which an ego is responsible.
-        observations: Broken rules that count only where they are named, not among ``violations``.
-        accountability: The strongest of its violations; ``None`` without one, unless finished, or
-            judged before it was told.
+        cause: Why the run was not judged, as in `error`; empty otherwise.
+        label: Display name.
+        batch_id: Empty for a job that was posted alone.
+        item: Place in the batch.
+        seed: Seed that overrides the document's.
+        attempts: How often a worker took the run.
+        violations: Violated oracles, observations left out; null unless finished.
+        at_fault_violations: Those for which an ego is responsible.
+        observations: Violated oracles that count only where a campaign or gate names them.
+        accountability: The strongest of its violations; null without one, unless finished, or
+            where the run was judged before it was recorded.
+        steps: Rows of the trace.
+        sim_time_s: Simulated seconds.
+        wall_time_s: Seconds that the run took in its worker.
+        trace_sha256: Hash of the trace; empty where nothing was recorded.
+        revision: Grows with every change of any run.
     """
 
     id: str
-    revision: int
-    batch_id: str
-    item: int
-    label: str
-    scenario_sha256: str
-    town: str
-    agent: str
-    agent_override: str
-    seed_override: int | None
     status: RunStatus
     cause: str
+    label: str
+    batch_id: str
+    item: int
+    town: str
+    agent: str
+    seed: int | None
+    scenario_sha256: str
     created_at: datetime
     started_at: datetime | None
     ended_at: datetime | None
@@ -107,11 +130,19 @@ class JobRecord:
     sim_time_s: float | None
     wall_time_s: float | None
     trace_sha256: str
+    revision: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AttemptRecord:
-    """One try at a run; ``ended_at`` is ``None`` while it goes on."""
+class Attempt(Shape):
+    """One try of a worker at a run.
+
+    Attributes:
+        ended_at: null while it goes on.
+        outcome: Empty while it goes on.
+        signal: Signal that ended the worker process, such as SIGSEGV.
+        log: Last lines of the worker's log.
+    """
 
     number: int
     worker: str
@@ -125,12 +156,43 @@ class AttemptRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BatchRecord:
-    """Runs that were asked for together.
+class RunRecord(RunSummary):
+    """A run and, once it has ended, everything that was found out about it.
 
     Attributes:
+        error: Why the run was not judged.
+        metrics: Measured values by name; null: not measurable.
+        scores: Objectives to minimise, by name; null: not measurable.
+        step_cost_us: Mean wall microseconds a step, without reset and judging.
+        agent_cost_us: Share of each ego's agent in that, by the ego's id; the rest is the
+            simulation's. Egos that SUMO drives are left out.
+        agents: Agent of each ego with the values of all its parameters; empty for runs of versions
+            that did not record it.
+        privileged: Ids of the egos that saw more than the perception model lets through.
+        versions: Versions of what took part, by name.
+        tries: Every attempt at the run, first to last.
+    """
+
+    error: RunFailure | None = None
+    verdicts: tuple[Verdict, ...] = ()
+    metrics: Mapping[str, float | None] = field(default_factory=dict)
+    scores: Mapping[str, float | None] = field(default_factory=dict)
+    step_cost_us: float | None = None
+    agent_cost_us: Mapping[str, float] = field(default_factory=dict)
+    agents: Mapping[str, AgentChoice] = field(default_factory=dict)
+    privileged: tuple[str, ...] = ()
+    versions: Mapping[str, Any] = field(default_factory=dict)
+    tries: tuple[Attempt, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch(Shape):
+    """Runs that were asked for together, and how far they are.
+
+    Attributes:
+        size: Number of its runs.
         counts: Runs by status; statuses that no run has are left out.
-        violated_runs: Finished runs with at least one broken rule.
+        violated_runs: Finished runs with at least one violated oracle.
     """
 
     id: str
@@ -142,8 +204,9 @@ class BatchRecord:
     counts: Mapping[RunStatus, int] = field(default_factory=dict)
     violated_runs: int = 0
 
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
-    def is_done(self) -> bool:
+    def done(self) -> bool:
         """Whether every run has ended."""
         return sum(n for status, n in self.counts.items() if status.is_final) >= self.size
 
@@ -178,11 +241,15 @@ class JobFilter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Page(Generic[Item]):
-    """Some items and the token that asks for the next ones, or "" at the end."""
+class Page(Shape, Generic[Item]):
+    """Some items of a list, and the token that asks for the next ones.
+
+    Attributes:
+        next_page_token: Pass as `page_token` to go on; empty at the end.
+    """
 
     items: tuple[Item, ...]
-    next_token: str = ""
+    next_page_token: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -65,7 +65,7 @@ def _batch(session: Session, batch_id: str) -> BatchRow:
     row = BatchRow(
         id=SINGLE_JOBS,
         name="jobs posted alone",
-        priority=Priority.INTERACTIVE,
+        priority=Priority.INTERACTIVE.rank,
         state=BatchState.OPEN,
         created_at=datetime.now(UTC),
         size=0,

@@ -16,7 +16,7 @@ from drivora_service.store.campaign_records import (
     CampaignState,
     Confirmation,
     EvaluationRecord,
-    FailureRecord,
+    Failure,
 )
 from drivora_service.store.database import Database
 from drivora_service.studies.comparing import (
@@ -40,10 +40,10 @@ class FailureGroup:
 
     key: str
     cluster: int | None
-    failures: tuple[FailureRecord, ...]
+    failures: tuple[Failure, ...]
 
     @property
-    def example(self) -> FailureRecord:
+    def example(self) -> Failure:
         """The first that was confirmed and has a trace; else the first of all."""
         for failure in self.failures:
             if failure.confirmation is Confirmation.CONFIRMED and failure.trace:
@@ -94,7 +94,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
         failures = transaction.evaluations.failures(campaign_id)
-    document = CampaignDocument.model_validate_json(record.document)
+    document = CampaignDocument.model_validate(record.document)
     groups = group(failures)
     figures, note = None, ""
     privileged: set[str] = set()
@@ -115,9 +115,9 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     )
 
 
-def group(failures: Sequence[FailureRecord]) -> tuple[FailureGroup, ...]:
+def group(failures: Sequence[Failure]) -> tuple[FailureGroup, ...]:
     """Puts failures of the same kind and cluster together."""
-    found: dict[tuple[str, int | None], list[FailureRecord]] = defaultdict(list)
+    found: dict[tuple[str, int | None], list[Failure]] = defaultdict(list)
     for failure in failures:
         found[failure.key, failure.cluster].append(failure)
     return tuple(

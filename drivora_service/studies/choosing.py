@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
 from drivora_service.errors import UnknownName
-from drivora_service.store.campaign_records import CampaignRecord
+from drivora_service.store.campaign_records import CampaignRecord, CampaignSummary
 from drivora_service.store.database import Database
 
 _PAGE = 200
@@ -38,17 +38,18 @@ def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[Campaig
                 hint="Give ids, names, or patterns such as 'study-*'",
             )
         chosen |= fitting
-    return tuple(record for record in known if record.id in chosen)
+    with database.read() as transaction:
+        return tuple(transaction.campaigns.get(one.id) for one in known if one.id in chosen)
 
 
-def _all(database: Database) -> list[CampaignRecord]:
-    """Gives every campaign, oldest first."""
-    found: list[CampaignRecord] = []
+def _all(database: Database) -> list[CampaignSummary]:
+    """Returns every campaign, oldest first."""
+    found: list[CampaignSummary] = []
     token = ""
     while True:
         with database.read() as transaction:
             page = transaction.campaigns.page(limit=_PAGE, page_token=token)
         found += page.items
-        token = page.next_token
+        token = page.next_page_token
         if not token:
             return found[::-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.catalogues import Catalogues
@@ -15,6 +15,7 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.runs.report import RunReport
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.search.tester import EvaluationStatus
+from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     Confirmation,
@@ -23,8 +24,8 @@ from drivora_service.store.campaign_records import (
 from drivora_service.store.database import Database
 from drivora_service.studies.comparison import (
     MEASURES,
+    Difference,
     Measure,
-    Row,
     check_comparable,
     compare_campaigns,
 )
@@ -42,25 +43,25 @@ _PAGE = 500
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
+class Comparison(Shape):
     """What came of comparing campaigns.
 
     Attributes:
         baseline: The group that the others are compared with.
-        figures: One a campaign, in the order of the campaigns.
-        rows: One for each measure, scenario and group but the baseline.
         budgets: Simulations that each campaign could make, by scenario.
-        time_limits: Seconds of one worker within which evaluations count, by scenario; empty
+        time_limits_s: Seconds of one worker within which evaluations count, by scenario; empty
             unless campaigns are compared at equal time.
-        notes: What a reader should know besides, for people.
+        notes: What a reader should know besides.
+        differences: One for each measure, scenario and group but the baseline.
+        campaigns: Figures of each campaign, in the order of the campaigns.
     """
 
     baseline: str
-    figures: tuple[CampaignFigures, ...]
-    rows: tuple[Row, ...]
-    budgets: dict[str, int]
-    time_limits: dict[str, float]
+    budgets: Mapping[str, int]
+    time_limits_s: Mapping[str, float]
     notes: tuple[str, ...]
+    differences: tuple[Difference, ...]
+    campaigns: tuple[CampaignFigures, ...]
 
 
 def compare_stored(
@@ -107,10 +108,10 @@ def compare_stored(
     ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
     return Comparison(
         baseline=baseline,
-        figures=ordered,
-        rows=compare_campaigns(ordered, baseline, measures),
+        campaigns=ordered,
+        differences=compare_campaigns(ordered, baseline, measures),
         budgets={name: here[0].record.budget for name, here in by_scenario.items()},
-        time_limits=limits,
+        time_limits_s=limits,
         notes=_notes(campaigns),
     )
 
@@ -122,7 +123,7 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
     in memory.
     """
     journal = StoreJournal(database, campaign_id)
-    flaky = {f.number for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
+    flaky = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
     kept = []
     for record in journal.evaluations():
         report = RunReport(

@@ -6,9 +6,12 @@ import statistics
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from pydantic import computed_field
+
 from drivora_service.errors import CampaignError, UnknownName
+from drivora_service.shapes import Shape, combine
 from drivora_service.studies.figures import CampaignFigures, Subject
-from drivora_service.studies.statistics import Effect, compare_samples, holm
+from drivora_service.studies.statistics import compare_samples, holm
 
 NOTICEABLE = 0.71
 """A12 from which an effect is called large (Vargha and Delaney 2000)."""
@@ -146,51 +149,60 @@ def measure(name: str) -> Measure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class Difference(Shape):
     """One method against the baseline, by one measure on one seed scenario.
 
     Attributes:
+        measure: Its name.
+        title: Display name of the measure.
+        group: The method: campaigns of one group are repetitions.
         repetitions: Of the method.
         baseline_repetitions: Of the baseline.
         median: Of the method's repetitions.
         baseline_median: Of the baseline's.
-        effect: A12 is the probability that a repetition of the method is *better* than one of the
-            baseline.
-        p_holm: p corrected for all rows of the same measure.
+        a12: Probability that a repetition of the method is *better* than one of the baseline.
+        low: Lower end of its 95 % confidence interval.
+        high: Upper end.
+        p: Of the two-sided Mann-Whitney test.
+        p_holm: p corrected for all differences by the same measure.
     """
 
+    measure: str
+    title: str
+    larger_is_better: bool
     scenario: str
-    measure: Measure
     group: str
     baseline: str
     repetitions: int
     baseline_repetitions: int
     median: float
     baseline_median: float
-    effect: Effect
+    a12: float
+    low: float
+    high: float
+    p: float
     p_holm: float
 
     @property
     def is_better(self) -> bool:
         """Whether the method is better by a large effect that is hardly chance."""
-        return self.effect.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
+        return self.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
 
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def judgement(self) -> str:
-        """Says in words who is better and by how much; undecided where that may be chance.
-
-        The words for its size are those of Vargha and Delaney 2000.
-        """
+        """In words: better or worse and by how much, or undecided where that may be chance."""
         if self.p_holm >= SIGNIFICANT:
             return "undecided"
-        larger = max(self.effect.a12, 1.0 - self.effect.a12)
+        larger = max(self.a12, 1.0 - self.a12)
+        # The words for its size are those of Vargha and Delaney 2000.
         size = next((word for least, word in _SIZES if larger >= least), "negligible")
-        return f"{'better' if self.effect.a12 > 0.5 else 'worse'}, {size}"
+        return f"{'better' if self.a12 > 0.5 else 'worse'}, {size}"
 
 
 def compare_campaigns(
     figures: Sequence[CampaignFigures], baseline: str, measures: Sequence[Measure] = MEASURES
-) -> tuple[Row, ...]:
+) -> tuple[Difference, ...]:
     """Compares every group with one of them.
 
     Args:
@@ -199,8 +211,8 @@ def compare_campaigns(
         measures: By what.
 
     Returns:
-        Rows by measure, then scenario, then group. A measure that a campaign of either group does
-        not have gives no row.
+        By measure, then scenario, then group. For a measure that a campaign of either group does
+        not have there is none.
 
     Raises:
         CampaignError: If the campaigns cannot be compared; says why.
@@ -215,7 +227,7 @@ def compare_campaigns(
             if group != baseline
             and (row := _row(figures, scenario, group, baseline, by)) is not None
         ]
-        corrected = holm([row.effect.p for row in found])
+        corrected = holm([row.p for row in found])
         rows += [replace(row, p_holm=p) for row, p in zip(found, corrected, strict=True)]
     return tuple(rows)
 
@@ -260,7 +272,7 @@ def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str
 
 def _row(
     figures: Sequence[CampaignFigures], scenario: str, group: str, baseline: str, by: Measure
-) -> Row | None:
+) -> Difference | None:
     first = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, group)]
     second = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, baseline)]
     ours = [value for value in first if value is not None]
@@ -268,16 +280,20 @@ def _row(
     if len(ours) < len(first) or len(theirs) < len(second):
         return None
     sign = 1.0 if by.larger_is_better else -1.0
-    return Row(
+    effect = compare_samples([sign * v for v in ours], [sign * v for v in theirs])
+    return combine(
+        Difference,
+        effect,
+        measure=by.name,
+        title=by.title,
+        larger_is_better=by.larger_is_better,
         scenario=scenario,
-        measure=by,
         group=group,
         baseline=baseline,
         repetitions=len(ours),
         baseline_repetitions=len(theirs),
         median=statistics.median(ours),
         baseline_median=statistics.median(theirs),
-        effect=compare_samples([sign * v for v in ours], [sign * v for v in theirs]),
         p_holm=1.0,
     )
 

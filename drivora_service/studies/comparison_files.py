@@ -10,7 +10,7 @@ from pathlib import Path
 from drivora_service.plotting.discoveries import Discoveries, Repetition, draw_first, draw_found
 from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
 from drivora_service.studies.comparing import Comparison
-from drivora_service.studies.comparison import SIGNIFICANT, Row
+from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import comparison_markdown, groups_of, measures_of
 from drivora_service.studies.figures import CampaignFigures
 
@@ -44,9 +44,9 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
     )
     charts = _draw(comparison, folder)
     text.write_text(comparison_markdown(comparison, [p for p in charts if p.suffix == ".svg"]))
-    _write_csv(table, _ROW_COLUMNS, (_row_cells(row) for row in comparison.rows))
+    _write_csv(table, _ROW_COLUMNS, (_row_cells(row) for row in comparison.differences))
     columns = (*(field.name for field in fields(CampaignFigures)), "own_share")
-    _write_csv(figures, columns, (_figure_cells(one, columns) for one in comparison.figures))
+    _write_csv(figures, columns, (_figure_cells(one, columns) for one in comparison.campaigns))
     return (text, table, figures, *charts)
 
 
@@ -58,10 +58,10 @@ def _draw(comparison: Comparison, folder: Path) -> list[Path]:
             groups={
                 group: [
                     Repetition(simulations=f.simulations, found=f.found)
-                    for f in comparison.figures
+                    for f in comparison.campaigns
                     if (f.scenario, f.group) == (scenario, group)
                 ]
-                for group in groups_of(f for f in comparison.figures if f.scenario == scenario)
+                for group in groups_of(f for f in comparison.campaigns if f.scenario == scenario)
             },
         )
         for scenario in comparison.budgets
@@ -70,7 +70,7 @@ def _draw(comparison: Comparison, folder: Path) -> list[Path]:
         *draw_found(discoveries, baseline, folder / "failures-found"),
         *draw_first(discoveries, baseline, folder / "first-failure"),
     ]
-    if comparison.rows:
+    if comparison.differences:
         charts += draw_effects(_effects(comparison), baseline, folder / "effects")
         charts += draw_values(_values(comparison), baseline, folder / "values")
     return charts
@@ -80,14 +80,14 @@ def _effects(comparison: Comparison) -> list[EffectRow]:
     several = len(comparison.budgets) > 1
     return [
         EffectRow(
-            section=f"{row.measure.title}, {row.scenario}" if several else row.measure.title,
+            section=f"{row.title}, {row.scenario}" if several else row.title,
             group=row.group,
-            a12=row.effect.a12,
-            low=row.effect.low,
-            high=row.effect.high,
+            a12=row.a12,
+            low=row.low,
+            high=row.high,
             is_significant=row.p_holm < SIGNIFICANT,
         )
-        for row in comparison.rows
+        for row in comparison.differences
     ]
 
 
@@ -95,7 +95,7 @@ def _values(comparison: Comparison) -> list[Values]:
     shown = []
     for measure in measures_of(comparison):
         for scenario in comparison.budgets:
-            here = [f for f in comparison.figures if f.scenario == scenario]
+            here = [f for f in comparison.campaigns if f.scenario == scenario]
             known: dict[str, list[float]] = {}
             for figures in here:
                 found = measure.value(figures)
@@ -106,9 +106,9 @@ def _values(comparison: Comparison) -> list[Values]:
     return shown
 
 
-def _row_cells(row: Row) -> tuple[object, ...]:
+def _row_cells(row: Difference) -> tuple[object, ...]:
     return (
-        row.measure.name,
+        row.measure,
         row.scenario,
         row.group,
         row.baseline,
@@ -116,10 +116,10 @@ def _row_cells(row: Row) -> tuple[object, ...]:
         row.baseline_repetitions,
         row.median,
         row.baseline_median,
-        row.effect.a12,
-        row.effect.low,
-        row.effect.high,
-        row.effect.p,
+        row.a12,
+        row.low,
+        row.high,
+        row.p,
         row.p_holm,
         row.judgement,
     )

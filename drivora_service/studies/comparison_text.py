@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from drivora_service.studies.comparing import Comparison
-from drivora_service.studies.comparison import SIGNIFICANT, Measure, Row
+from drivora_service.studies.comparison import SIGNIFICANT, Difference, Measure, measure
 from drivora_service.studies.figures import CampaignFigures
 
 
@@ -20,13 +20,13 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
     lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
     lines += [f"- {line}" for line in setting(comparison)]
     lines += [f"- Note: {note}" for note in comparison.notes]
-    for measure in measures_of(comparison):
-        better = "more" if measure.larger_is_better else "less"
+    for by in measures_of(comparison):
+        better = "more" if by.larger_is_better else "less"
         lines += [
             "",
-            f"## {measure.title[0].upper()}{measure.title[1:]}",
+            f"## {by.title[0].upper()}{by.title[1:]}",
             "",
-            f"`{measure.name}`; {better} is better.",
+            f"`{by.name}`; {better} is better.",
             "",
             f"| scenario | method | n | median | {comparison.baseline} | A12 [95 %] | p | p, Holm "
             "| judgement |",
@@ -34,10 +34,10 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
         ]
         lines += [
             f"| {row.scenario} | {row.group} | {row.repetitions} | {value(row.median)} "
-            f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.effect.p)} "
+            f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.p)} "
             f"| {probability(row.p_holm)} | {row.judgement} |"
-            for row in comparison.rows
-            if row.measure is measure
+            for row in comparison.differences
+            if row.measure == by.name
         ]
     if charts:
         lines += ["", "## Charts", ""]
@@ -59,10 +59,10 @@ def setting(comparison: Comparison) -> tuple[str, ...]:
     """Says what was compared on which scenario."""
     lines = []
     for scenario, budget in comparison.budgets.items():
-        here = [f for f in comparison.figures if f.scenario == scenario]
+        here = [f for f in comparison.campaigns if f.scenario == scenario]
         counts = {group: sum(f.group == group for f in here) for group in groups_of(here)}
         told = ", ".join(f"{count} of {group}" for group, count in counts.items())
-        limit = comparison.time_limits.get(scenario)
+        limit = comparison.time_limits_s.get(scenario)
         until = (
             f"{budget} simulations each"
             if limit is None
@@ -77,9 +77,9 @@ def value(number: float) -> str:
     return f"{number:.4g}"
 
 
-def a12(row: Row) -> str:
+def a12(row: Difference) -> str:
     """Writes A12 with its interval."""
-    return f"{row.effect.a12:.2f} [{row.effect.low:.2f}, {row.effect.high:.2f}]"
+    return f"{row.a12:.2f} [{row.low:.2f}, {row.high:.2f}]"
 
 
 def probability(p: float) -> str:
@@ -88,8 +88,10 @@ def probability(p: float) -> str:
 
 
 def measures_of(comparison: Comparison) -> tuple[Measure, ...]:
-    """Gives the measures that have rows, in their order."""
-    return tuple({row.measure.name: row.measure for row in comparison.rows}.values())
+    """Returns the measures that have rows, in their order."""
+    return tuple(
+        measure(name) for name in dict.fromkeys(row.measure for row in comparison.differences)
+    )
 
 
 def groups_of(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:

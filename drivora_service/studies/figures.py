@@ -8,11 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import computed_field
 
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import EvaluationStatus
+from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import EvaluationRecord
 
 _LEVELS = 4
@@ -20,7 +22,7 @@ _LEVELS = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CampaignFigures:
+class CampaignFigures(Shape):
     """One campaign in figures.
 
     Attributes:
@@ -82,6 +84,7 @@ class CampaignFigures:
     time_limit_s: float | None = None
     budget: int | None = None
 
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def own_share(self) -> float:
         """The method's own time over that of the runs."""

@@ -38,12 +38,14 @@ def draw_examples(
         if cluster in drawn or not example.trace or not source.is_file():
             continue
         drawn.add(cluster)
-        if example.number in pictures:
+        if example.evaluation in pictures:
             continue
         trace = read_trace(source)
-        verdicts = [failure.verdict for failure in every if failure.number == example.number]
+        verdicts = [
+            failure.verdict for failure in every if failure.evaluation == example.evaluation
+        ]
         folder.mkdir(parents=True, exist_ok=True)
-        picture = folder / f"{example.number:06d}.png"
+        picture = folder / f"{example.evaluation:06d}.png"
         draw_run(trace, catalogues.networks.get(trace.network), verdicts, picture)
-        pictures[example.number] = picture
+        pictures[example.evaluation] = picture
     return pictures

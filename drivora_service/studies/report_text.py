@@ -132,7 +132,7 @@ def _failures(report: CampaignReport) -> list[str]:
             (
                 _kind(group),
                 _cluster(group),
-                str(len({failure.number for failure in group.failures})),
+                str(len({failure.evaluation for failure in group.failures})),
                 str(len(group.failures)),
                 str(group.at_fault),
                 str(group.avoidable),
@@ -149,7 +149,7 @@ def _group(
     report: CampaignReport, group: FailureGroup, pictures: Mapping[int, str], options: str
 ) -> list[str]:
     failure, verdict = group.example, group.example.verdict
-    number, campaign = failure.number, report.record.id
+    number, campaign = failure.evaluation, report.record.id
     words = IN_WORDS[accountability(verdict)]
     fault = f", {words}" if words else ""
     when = "" if verdict.time is None else f" at {verdict.time:.1f} s"
@@ -186,7 +186,7 @@ def _cluster(group: FailureGroup) -> str:
 
 
 def _numbers(group: FailureGroup) -> str:
-    numbers = list(dict.fromkeys(failure.number for failure in group.failures))
+    numbers = list(dict.fromkeys(failure.evaluation for failure in group.failures))
     rest = len(numbers) - _MOST_NUMBERS
     shown = ", ".join(map(str, numbers[:_MOST_NUMBERS]))
     return f"{shown} and {rest} more" if rest > 0 else shown

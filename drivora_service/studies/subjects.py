@@ -56,7 +56,7 @@ def compared_campaigns(
     """
     for record in records:
         _refuse_unfinished(record)
-    documents = [CampaignDocument.model_validate_json(record.document) for record in records]
+    documents = [CampaignDocument.model_validate(record.document) for record in records]
     scenarios = _scenario_names(documents)
     groups = _group_names(documents, testers)
     compared = tuple(

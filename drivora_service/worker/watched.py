@@ -24,7 +24,7 @@ _ROOMS = frozenset(
     {
         "agents", "compilation", "errors", "feedback", "geometry", "metrics", "networks",
         "observations", "oracles", "parameters", "plugin_table", "runs", "scenario", "simulation",
-        "worker",
+        "shapes", "worker",
     }
 )  # fmt: skip
 _CHANGING = frozenset({"sys", "threading", "warnings", "numba.core.config"})

@@ -22,7 +22,7 @@ def journal() -> MemoryJournal:
 
 
 def failing(journal: MemoryJournal) -> list[int]:
-    return sorted({failure.number for failure in journal.failures()})
+    return sorted({failure.evaluation for failure in journal.failures()})
 
 
 def test_another_trace_or_none_is_flaky(journal: MemoryJournal) -> None:
@@ -47,9 +47,9 @@ def test_another_trace_or_none_is_flaky(journal: MemoryJournal) -> None:
     )
     assert answers[other] is answers[none] is Confirmation.FLAKY
     assert {answers[number] for number in rest} == {Confirmation.CONFIRMED}
-    assert {f.number: f.confirmation for f in journal.failures()} == answers
+    assert {f.evaluation: f.confirmation for f in journal.failures()} == answers
     group_failures(journal)
-    ungrouped = {f.number for f in journal.failures() if f.cluster is None}
+    ungrouped = {f.evaluation for f in journal.failures() if f.cluster is None}
     assert ungrouped == {other, none}
 
 
@@ -64,7 +64,7 @@ def test_traces_are_asked_for_and_named(journal: MemoryJournal, tmp_path: Path) 
     confirm_failures(journal, Computed(work=work), run_prefix="test", traces=folder)
     assert folder.is_dir()
     for failure in journal.failures():
-        assert asked[f"test-{failure.number}-again"] == str(folder / failure.trace)
+        assert asked[f"test-{failure.evaluation}-again"] == str(folder / failure.trace)
 
 
 def test_a_request_stops_it_and_the_rest_is_done_later(journal: MemoryJournal) -> None:

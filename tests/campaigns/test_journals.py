@@ -88,7 +88,7 @@ def test_every_violation_is_a_failure(journal: Journal, records: list[Evaluation
         )
     ]
     found = journal.failures()
-    assert [(f.number, f.place, f.key, f.verdict) for f in found] == expected
+    assert [(f.evaluation, f.place, f.key, f.verdict) for f in found] == expected
     assert {f.confirmation for f in found} == {Confirmation.OPEN}
     assert {f.cluster for f in found} == {None}
 
@@ -97,9 +97,9 @@ def test_confirmations_and_groups_are_kept(journal: Journal) -> None:
     run(journal)
     failures = journal.failures()
     first, last = failures[0], failures[-1]
-    journal.confirm(first.number, Confirmation.CONFIRMED, "a.trace.parquet")
-    journal.confirm(last.number, Confirmation.FLAKY, "")
-    journal.group({(first.number, first.place): 4})
+    journal.confirm(first.evaluation, Confirmation.CONFIRMED, "a.trace.parquet")
+    journal.confirm(last.evaluation, Confirmation.FLAKY, "")
+    journal.group({(first.evaluation, first.place): 4})
     kept = journal.failures()
     assert kept[0] == replace(
         first, confirmation=Confirmation.CONFIRMED, trace="a.trace.parquet", cluster=4

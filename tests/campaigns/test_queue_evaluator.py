@@ -24,7 +24,7 @@ from drivora_service.store.campaign_records import (
     NewCampaign,
 )
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import BatchState, JobRecord, Priority
+from drivora_service.store.records import BatchState, Priority, RunSummary
 from drivora_service.store.traces import TraceFolder
 from drivora_service.testing.evaluator_contract import EvaluatorContract
 from tests.store.samples import claim, finish, finished, lost, register, submit
@@ -109,14 +109,14 @@ def spec(number: int, document: str = "") -> RunSpec:
     )
 
 
-def jobs(database: Database) -> list[JobRecord]:
+def jobs(database: Database) -> list[RunSummary]:
     with database.read() as transaction:
         return list(transaction.jobs.page(newest_first=False).items)
 
 
 def the_campaign(database: Database) -> CampaignRecord:
     with database.read() as transaction:
-        return transaction.campaigns.page().items[0]
+        return transaction.campaigns.get(transaction.campaigns.page().items[0].id)
 
 
 def again(database: Database, tmp_path: Path) -> QueueEvaluator:

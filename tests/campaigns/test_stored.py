@@ -135,9 +135,9 @@ def test_failures_are_confirmed_and_their_traces_kept(
         assert failure.confirmation is Confirmation.CONFIRMED
         assert failure.cluster is not None
         trace = read_trace(campaigns.folder(campaign_id).traces / failure.trace)
-        assert trace_sha256(trace) == by_number[failure.number].report.trace_sha256
+        assert trace_sha256(trace) == by_number[failure.evaluation].report.trace_sha256
         assert failure.key.startswith(failure.verdict.oracle)
-    assert {f.number for f in failures} == {n for n, e in by_number.items() if e.violations}
+    assert {f.evaluation for f in failures} == {n for n, e in by_number.items() if e.violations}
 
 
 @pytest.mark.slow

@@ -107,7 +107,7 @@ def test_a_campaign_is_read_as_it_was_stored(database: Database) -> None:
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
     assert (record.name, record.tester, record.budget) == ("search", "random", 10)
-    assert record.document == '{"name":"search"}'
+    assert record.document == {"name": "search"}
     assert record.versions == {"numpy": "2"}
     assert record.state is CampaignState.QUEUED
     assert record.counts.evaluations == 0
@@ -168,7 +168,7 @@ def test_failures_are_counted_by_what_the_ego_is_accountable_for(database: Datab
         Accountability.AVOIDABLE,
         None,
     ]
-    assert [failure.number for failure in unavoidable.items] == [1]
+    assert [failure.evaluation for failure in unavoidable.items] == [1]
 
 
 def test_values_come_back_to_the_last_digit(database: Database) -> None:
@@ -306,12 +306,14 @@ def test_lists_are_paged_and_filtered(database: Database) -> None:
     with database.write() as transaction:
         transaction.campaigns.begin(ids[1])
         first = transaction.campaigns.page(limit=3)
-        second = transaction.campaigns.page(limit=3, page_token=first.next_token)
+        second = transaction.campaigns.page(limit=3, page_token=first.next_page_token)
         running = transaction.campaigns.page(states={CampaignState.RUNNING})
         with pytest.raises(InvalidDocument):
-            transaction.campaigns.page(states={CampaignState.RUNNING}, page_token=first.next_token)
+            transaction.campaigns.page(
+                states={CampaignState.RUNNING}, page_token=first.next_page_token
+            )
     assert [c.id for c in (*first.items, *second.items)] == ids[::-1]
-    assert second.next_token == ""
+    assert second.next_page_token == ""
     assert [c.id for c in running.items] == [ids[1]]
 
 

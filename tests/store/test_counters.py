@@ -19,7 +19,7 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.pruning import prune
-from drivora_service.store.records import BatchState, JobFilter, JobRecord, Priority
+from drivora_service.store.records import BatchState, JobFilter, Priority, RunSummary
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
 from tests.store.samples import (
@@ -222,12 +222,12 @@ class Store(RuleBasedStateMachine):
                 )
             assert len(page.items) <= limit
             listed += [job.id for job in page.items]
-            token = page.next_token
+            token = page.next_page_token
             if not token:
                 break
         assert listed == expected
 
-    def _is_wanted(self, job: JobRecord, wanted: JobFilter) -> bool:
+    def _is_wanted(self, job: RunSummary, wanted: JobFilter) -> bool:
         said = wanted.outcome is Outcome.VIOLATED and wanted.at_fault is not False
         broken = self.broken.get(job.id, ()) if job.status is RunStatus.FINISHED else ()
         return (
@@ -244,7 +244,7 @@ class Store(RuleBasedStateMachine):
             )
         )
 
-    def _jobs(self) -> list[JobRecord]:
+    def _jobs(self) -> list[RunSummary]:
         with self.database.read() as transaction:
             return list(transaction.jobs.page(limit=10_000).items)
 

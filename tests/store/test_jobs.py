@@ -7,7 +7,7 @@ from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database
-from drivora_service.store.records import JobFilter, JobRecord, Page, Priority
+from drivora_service.store.records import JobFilter, Page, Priority, RunSummary
 from tests.store.samples import claim, finish, finished, new_run, register, submit
 
 
@@ -19,7 +19,7 @@ def test_pages_cover_everything_once_while_the_table_grows(database: Database) -
         with database.read() as transaction:
             page = transaction.jobs.page(limit=3, page_token=token)
         seen += [job.id for job in page.items]
-        token = page.next_token
+        token = page.next_page_token
         if not token:
             break
         submit(database, 1)
@@ -29,7 +29,7 @@ def test_pages_cover_everything_once_while_the_table_grows(database: Database) -
 def test_a_token_of_another_query_is_refused(database: Database) -> None:
     submit(database, 3)
     with database.read() as transaction:
-        token = transaction.jobs.page(limit=1).next_token
+        token = transaction.jobs.page(limit=1).next_page_token
         for wrong in (token + "x", "!!!", "bm9uc2Vuc2U"):
             with pytest.raises(InvalidDocument, match="page token"):
                 transaction.jobs.page(limit=1, page_token=wrong)
@@ -51,7 +51,7 @@ def test_filters(database: Database) -> None:
 
     def found(**wanted: object) -> set[str]:
         with database.read() as transaction:
-            page: Page[JobRecord] = transaction.jobs.page(
+            page: Page[RunSummary] = transaction.jobs.page(
                 JobFilter(**wanted)  # type: ignore[arg-type] # the test names the fields
             )
         return {job.id for job in page.items}
@@ -70,7 +70,7 @@ def test_filters(database: Database) -> None:
     with database.read() as transaction:
         record = transaction.batches.get(batch.id)
     assert record.counts == {RunStatus.FINISHED: 2, RunStatus.RUNNING: 1}
-    assert (record.size, record.violated_runs, record.is_done) == (3, 1, False)
+    assert (record.size, record.violated_runs, record.done) == (3, 1, False)
 
 
 @pytest.mark.parametrize("faults", [(True, True, True), (True, False), (False, True, True)])
@@ -94,7 +94,7 @@ def test_a_run_with_several_verdicts_of_an_oracle_is_listed_once(
                 while True:
                     page = transaction.jobs.page(each, limit=limit, page_token=token)
                     listed += [job.id for job in page.items]
-                    if not (token := page.next_token):
+                    if not (token := page.next_page_token):
                         break
                     assert len(page.items) == limit
             assert listed == list(reversed(ids))

@@ -79,7 +79,7 @@ def test_runs_are_found_by_an_index_whatever_the_filters(
 def test_pages_of_a_filter_begin_where_the_last_ended(database: Database, batch_id: str) -> None:
     wanted = JobFilter(batch_id=batch_id)
     with database.read() as transaction:
-        token = transaction.jobs.page(wanted, limit=2).next_token
+        token = transaction.jobs.page(wanted, limit=2).next_page_token
         with queries(database) as asked:
             transaction.jobs.page(wanted, limit=2, page_token=token)
     steps = [step for query in asked for step in plan(database, *query)]

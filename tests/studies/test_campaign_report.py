@@ -10,7 +10,7 @@ import pytest
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.store.campaign_records import Confirmation, FailureRecord
+from drivora_service.store.campaign_records import Confirmation, Failure
 from drivora_service.studies.campaign_report import group, read_report
 from drivora_service.studies.report_pictures import draw_examples
 from drivora_service.studies.report_text import report_markdown
@@ -23,18 +23,18 @@ def study(catalogues: Catalogues, tmp_path: Path) -> Iterator[Study]:
         yield study
 
 
-def failure(number: int, key: str, cluster: int | None, **changes: object) -> FailureRecord:
+def failure(number: int, key: str, cluster: int | None, **changes: object) -> Failure:
     verdict = Verdict(
         oracle=key.partition("|")[0], ego="ego", outcome=Outcome.VIOLATED, message="", at_fault=True
     )
     fields: dict[str, object] = {
-        "number": number,
+        "evaluation": number,
         "place": 0,
         "key": key,
         "verdict": verdict,
         "cluster": cluster,
     }
-    return FailureRecord(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
+    return Failure(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
 
 
 def test_failures_are_put_together_by_kind_and_cluster() -> None:
@@ -48,13 +48,13 @@ def test_failures_are_put_together_by_kind_and_cluster() -> None:
             failure(6, "collision|a", 0, confirmation=Confirmation.FLAKY),
         ]
     )
-    assert [(g.key, g.cluster, [f.number for f in g.failures]) for g in groups] == [
+    assert [(g.key, g.cluster, [f.evaluation for f in g.failures]) for g in groups] == [
         ("collision|a", 0, [2, 5, 6]),
         ("collision|b", 0, [3]),
         ("collision|a", 1, [4]),
     ]
-    assert groups[0].example.number == 5
-    assert groups[1].example.number == 3
+    assert groups[0].example.evaluation == 5
+    assert groups[1].example.evaluation == 3
     assert groups[0].count(Confirmation.CONFIRMED) == groups[0].count(Confirmation.FLAKY) == 1
     assert groups[0].at_fault == 3
 
@@ -64,7 +64,7 @@ def test_the_report_tells_counts_groups_and_commands(study: Study) -> None:
     record = study.run(campaign_content(), tester=tester)
     told = read_report(study.database, record.id, study.catalogues)
     assert told.privileged == ()
-    text = report_markdown(told, pictures={told.groups[0].example.number: "x/1.png"})
+    text = report_markdown(told, pictures={told.groups[0].example.evaluation: "x/1.png"})
     assert f"| simulations | {record.counts.simulations} of 12 |" in text
     assert f"| simulations with a failure | {record.counts.violating} |" in text
     assert '| its parameters | {"population": 6} |' in text
@@ -72,11 +72,11 @@ def test_the_report_tells_counts_groups_and_commands(study: Study) -> None:
     assert "% of the drivable lanes" in text
     assert "![Evaluation " in text
     for one in told.groups:
-        number = one.example.number
+        number = one.example.evaluation
         assert f"drivora campaign scenario {record.id} {number} --out" in text
     assert text.count("### ") == len(told.groups) > 0
-    numbers = {f.number for f in StoreJournal(study.database, record.id).failures()}
-    assert {f.number for one in told.groups for f in one.failures} == numbers
+    numbers = {f.evaluation for f in StoreJournal(study.database, record.id).failures()}
+    assert {f.evaluation for one in told.groups for f in one.failures} == numbers
 
 
 def test_a_campaign_that_found_nothing_has_no_group_of_failures(study: Study) -> None:

@@ -59,13 +59,13 @@ def test_campaigns_are_counted_and_compared(
     study: Study, records: tuple[CampaignRecord, ...]
 ) -> None:
     comparison = compare_stored(study.database, records, study.catalogues)
-    assert [f.campaign for f in comparison.figures] == [record.id for record in records]
-    assert {f.group for f in comparison.figures} == {
+    assert [f.campaign for f in comparison.campaigns] == [record.id for record in records]
+    assert {f.group for f in comparison.campaigns} == {
         "random",
         "avfuzzer",
         "avfuzzer without feedback",
     }
-    for record, figures in zip(records, comparison.figures, strict=True):
+    for record, figures in zip(records, comparison.campaigns, strict=True):
         assert figures.simulations == 14
         assert figures.failing == record.counts.violating > 0
         assert figures.clusters is not None
@@ -74,21 +74,21 @@ def test_campaigns_are_counted_and_compared(
         assert 0.0 < figures.network_coverage < 1.0
         assert 0.0 < figures.gene_coverage < 1.0
     # Two groups against the baseline; seconds to the first failure as well: all found one.
-    assert len(comparison.rows) == 2 * len(MEASURES)
+    assert len(comparison.differences) == 2 * len(MEASURES)
     assert comparison.budgets == {"tee-town": 14}
-    assert {figures.budget for figures in comparison.figures} == {14}
-    assert comparison.time_limits == {}
+    assert {figures.budget for figures in comparison.campaigns} == {14}
+    assert comparison.time_limits_s == {}
     assert comparison.notes == ()
 
 
 def test_failures_that_did_not_happen_again_do_not_count(
     study: Study, records: tuple[CampaignRecord, ...]
 ) -> None:
-    before = compare_stored(study.database, records, study.catalogues).figures[0]
+    before = compare_stored(study.database, records, study.catalogues).campaigns[0]
     journal = StoreJournal(study.database, records[0].id)
-    first = journal.failures()[0].number
+    first = journal.failures()[0].evaluation
     journal.confirm(first, Confirmation.FLAKY, "")
-    after = compare_stored(study.database, records, study.catalogues).figures[0]
+    after = compare_stored(study.database, records, study.catalogues).campaigns[0]
     assert after.failing == before.failing - 1
     assert after.first_failure is not None
     assert before.first_failure is not None
@@ -99,12 +99,12 @@ def test_at_equal_time_the_shortest_campaign_says_how_long(
     study: Study, records: tuple[CampaignRecord, ...]
 ) -> None:
     comparison = compare_stored(study.database, records, study.catalogues, equal_time=True)
-    limit = comparison.time_limits["tee-town"]
-    made = [f.simulations for f in comparison.figures]
+    limit = comparison.time_limits_s["tee-town"]
+    made = [f.simulations for f in comparison.campaigns]
     assert max(made) == 14
     assert min(made) < 14
-    assert all(f.simulation_s + f.own_s <= limit * (1.0 + 1e-9) for f in comparison.figures)
-    names = {row.measure.name for row in comparison.rows}
+    assert all(f.simulation_s + f.own_s <= limit * (1.0 + 1e-9) for f in comparison.campaigns)
+    names = {row.measure for row in comparison.differences}
     assert "first_failure_s" in names
     assert "first_failure" not in names
 
@@ -137,8 +137,9 @@ def test_campaigns_of_another_version_are_refused(
     with study.database.write() as transaction:
         connection = transaction.session.connection()
         connection.exec_driver_sql(
-            "UPDATE evaluations SET genes = ? WHERE number = 0 AND campaign_seq = ?",
-            (json.dumps(values[:-1]), records[0].seq),
+            "UPDATE evaluations SET genes = ? WHERE number = 0 AND campaign_seq = "
+            "(SELECT seq FROM campaigns WHERE id = ?)",
+            (json.dumps(values[:-1]), records[0].id),
         )
     with pytest.raises(CampaignError, match="other genes"):
         compare_stored(study.database, records, study.catalogues)
@@ -154,14 +155,14 @@ def test_files_say_what_the_comparison_says(
     assert {path.suffix for path in files} == {".md", ".csv", ".svg", ".png"}
     with (tmp_path / "out" / "comparison.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["a12"]) for row in rows] == [row.effect.a12 for row in comparison.rows]
+    assert [float(row["a12"]) for row in rows] == [row.a12 for row in comparison.differences]
     with (tmp_path / "out" / "figures.csv").open() as file:
         figures = list(csv.DictReader(file))
     assert [row["campaign"] for row in figures] == [record.id for record in records]
-    assert figures[0]["found"].split() == [str(n) for n in comparison.figures[0].found]
+    assert figures[0]["found"].split() == [str(n) for n in comparison.campaigns[0].found]
     text = comparison_markdown(comparison)
     assert text in (tmp_path / "out" / "comparison.md").read_text()
-    assert text.count("| tee-town |") == len(comparison.rows) == 4
+    assert text.count("| tee-town |") == len(comparison.differences) == 4
     again = write_comparison(comparison, tmp_path / "again")
     assert [p.read_bytes() for p in again] == [p.read_bytes() for p in files]
 

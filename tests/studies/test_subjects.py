@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -27,10 +28,9 @@ def record(seed: int, **changes: Any) -> CampaignRecord:
     document = CampaignDocument.model_validate(content)
     now = datetime(2026, 3, 2, tzinfo=UTC)
     return CampaignRecord(
-        seq=seed,
         id=f"id-{seed}",
         name=f"study-{seed}",
-        document=campaign_text(document),
+        document=json.loads(campaign_text(document)),
         tester=document.tester.name,
         agent="idm",
         town=document.scenario.map_region.town,

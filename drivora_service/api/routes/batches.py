@@ -15,20 +15,18 @@ from drivora_service.api.documentation import answers, batch_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken, RunOverrides
 from drivora_service.api.problems import problem_items
-from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.batches import (
     Batch,
     BatchItem,
     BatchSubmission,
     ItemResult,
-    PriorityName,
-    batch_view,
+    batch_of,
 )
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.store.database import Transaction
-from drivora_service.store.records import NewRun, Priority
+from drivora_service.store.records import NewRun, Page, Priority
 
 router = APIRouter(tags=["batches"])
 
@@ -53,7 +51,7 @@ def post_batch(
     body: bodies.RawBody,
     overrides: RunOverrides,
     name: Annotated[str, Query(max_length=200, description="Name for people.")] = "",
-    priority: Annotated[PriorityName, Query(description="Whose runs go first.")] = PriorityName.CI,
+    priority: Annotated[Priority, Query(description="Whose runs go first.")] = Priority.CI,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
@@ -70,13 +68,13 @@ def post_batch(
         runs, rejected = _checked(context, documents, overrides)
 
         def commit(transaction: Transaction) -> Answer:
-            batch = transaction.batches.create(name=name, priority=Priority[priority.name])
+            batch = transaction.batches.create(name=name, priority=priority)
             job_ids = transaction.jobs.submit(
                 runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
             )
             items = _item_results(len(documents), runs, job_ids, rejected)
             answer = BatchSubmission(
-                batch=batch_view(transaction.batches.get(batch.id), PREFIX),
+                batch=batch_of(transaction.batches.get(batch.id), PREFIX),
                 accepted=len(runs),
                 rejected=len(rejected),
                 items=items,
@@ -93,7 +91,7 @@ def post_batch(
 
 @router.get(
     "/batches",
-    response_model=PageOf[Batch],
+    response_model=Page[Batch],
     responses=answers(examples.BATCHES, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
@@ -103,8 +101,10 @@ def list_batches(
     """Lists batches, newest first."""
     with context.database.read() as transaction:
         page = transaction.batches.page(limit=limit, page_token=page_token)
-    items = tuple(batch_view(record, PREFIX) for record in page.items)
-    return json_answer(request, PageOf[Batch](items=items, next_page_token=page.next_token))
+    items = tuple(batch_of(batch, PREFIX) for batch in page.items)
+    return json_answer(
+        request, Page[Batch], Page(items=items, next_page_token=page.next_page_token)
+    )
 
 
 @router.get(
@@ -116,8 +116,8 @@ def list_batches(
 def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     """Tells how far a batch is."""
     with context.database.read() as transaction:
-        batch = batch_view(transaction.batches.get(batch_id), PREFIX)
-    response = json_answer(request, batch)
+        batch = batch_of(transaction.batches.get(batch_id), PREFIX)
+    response = json_answer(request, Batch, batch)
     if not batch.done:
         response.headers["Retry-After"] = _POLL_AFTER_S
     return response
@@ -135,7 +135,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
     with context.database.write() as transaction:
         batch = transaction.batches.cancel(batch_id)
     context.wake()
-    return batch_view(batch, PREFIX)
+    return batch_of(batch, PREFIX)
 
 
 @router.post(
@@ -148,7 +148,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
 def pause_batch(context: Context, batch_id: str) -> Batch:
     """Starts no further run of a batch; those that run go on."""
     with context.database.write() as transaction:
-        return batch_view(transaction.batches.pause(batch_id), PREFIX)
+        return batch_of(transaction.batches.pause(batch_id), PREFIX)
 
 
 @router.post(
@@ -163,7 +163,7 @@ def resume_batch(context: Context, batch_id: str) -> Batch:
     with context.database.write() as transaction:
         batch = transaction.batches.resume(batch_id)
     context.wake()
-    return batch_view(batch, PREFIX)
+    return batch_of(batch, PREFIX)
 
 
 def _checked(

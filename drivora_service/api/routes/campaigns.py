@@ -12,22 +12,17 @@ from drivora_service.api.context import PREFIX, ApiContext, Context
 from drivora_service.api.documentation import answers, campaign_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken
-from drivora_service.api.schemas.base import PageOf
-from drivora_service.api.schemas.campaigns import (
-    Campaign,
-    CampaignSummary,
-    CampaignValidation,
-    campaign_summary,
-    campaign_view,
-)
+from drivora_service.api.schemas.campaigns import Campaign, CampaignValidation, campaign_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.campaigns.folder import ask_for
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import ValidCampaign, read_campaign
 from drivora_service.campaigns.stored import hand_over, new_campaign
 from drivora_service.errors import Conflict
-from drivora_service.store.campaign_records import CampaignRequest, CampaignState
+from drivora_service.shapes import to_json
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState, CampaignSummary
 from drivora_service.store.database import Transaction
+from drivora_service.store.records import Page
 
 router = APIRouter(tags=["campaigns"])
 
@@ -64,7 +59,7 @@ def post_campaign(
                 "Location": f"{PREFIX}/campaigns/{campaign_id}",
                 "Retry-After": _POLL_AFTER_S,
             }
-            return Answer(status=202, headers=headers, body=campaign.model_dump_json())
+            return Answer(status=202, headers=headers, body=to_json(Campaign, campaign).decode())
 
         return Work(commit=commit)
 
@@ -98,7 +93,7 @@ def validate_campaign(
 
 @router.get(
     "/campaigns",
-    response_model=PageOf[CampaignSummary],
+    response_model=Page[CampaignSummary],
     responses=answers(examples.CAMPAIGNS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
@@ -116,9 +111,7 @@ def list_campaigns(
         page = transaction.campaigns.page(
             states=frozenset(state or ()), limit=limit, page_token=page_token
         )
-    items = tuple(campaign_summary(record) for record in page.items)
-    body = PageOf[CampaignSummary](items=items, next_page_token=page.next_token)
-    return json_answer(request, body)
+    return json_answer(request, Page[CampaignSummary], page)
 
 
 @router.get(
@@ -131,7 +124,7 @@ def get_campaign(request: Request, context: Context, campaign_id: str) -> Respon
     """Tells how far a campaign is and what it has found."""
     with context.database.read() as transaction:
         campaign = _campaign(transaction, campaign_id)
-    response = json_answer(request, campaign)
+    response = json_answer(request, Campaign, campaign)
     if campaign.state in (CampaignState.QUEUED, CampaignState.RUNNING):
         response.headers["Retry-After"] = _POLL_AFTER_S
     return response
@@ -194,4 +187,4 @@ def _campaign(
     record = transaction.campaigns.get(campaign_id)
     kinds = transaction.campaign_views.kinds(campaign_id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
-    return campaign_view(record, kinds, PREFIX, notes=notes)
+    return campaign_of(record, kinds, PREFIX, notes=notes)

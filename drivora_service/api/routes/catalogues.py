@@ -32,7 +32,7 @@ router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
 def list_agents(request: Request, context: Context) -> Response:
     """Lists the ADSs that can drive an ego."""
     items = tuple(_agent(context.agents, name) for name in context.agents.names())
-    return json_answer(request, AgentList(items=items))
+    return json_answer(request, AgentList, AgentList(items=items))
 
 
 @router.get("/testers", response_model=TesterList, responses=answers(examples.TESTERS, 401, 403))
@@ -40,14 +40,14 @@ def list_testers(request: Request, context: Context) -> Response:
     """Lists the testing methods that a campaign can name, with their parameters."""
     catalogue = context.catalogues.testers
     items = tuple(_tester(catalogue, name) for name in catalogue.names())
-    return json_answer(request, TesterList(items=items))
+    return json_answer(request, TesterList, TesterList(items=items))
 
 
 @router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
 def list_oracles(request: Request, context: Context) -> Response:
     """Lists the rules that every run is judged by, with their thresholds."""
     items = tuple(_oracle(context.oracles.entry(name)) for name in context.oracles.names())
-    return json_answer(request, OracleList(items=items))
+    return json_answer(request, OracleList, OracleList(items=items))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:

@@ -10,16 +10,12 @@ from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
-from drivora_service.api.schemas.comparisons import (
-    CampaignFiguresView,
-    ComparisonView,
-    comparison_view,
-    figures_view,
-)
+from drivora_service.api.schemas.comparisons import Figures
 from drivora_service.api.security import reader
+from drivora_service.shapes import combine
 from drivora_service.studies.campaign_report import read_report
 from drivora_service.studies.choosing import choose_campaigns
-from drivora_service.studies.comparing import compare_stored
+from drivora_service.studies.comparing import Comparison, compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
 
 router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
@@ -27,7 +23,7 @@ router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 
 @router.get(
     "/campaigns:compare",
-    response_model=ComparisonView,
+    response_model=Comparison,
     responses=answers(examples.COMPARISON, 401, 403, 404, 422),
 )
 def compare_campaigns(
@@ -63,16 +59,15 @@ def compare_campaigns(
         measures=measures,
         equal_time=equal_time,
     )
-    return json_answer(request, comparison_view(comparison))
+    return json_answer(request, Comparison, comparison)
 
 
 @router.get(
     "/campaigns/{campaign_id:id}/figures",
-    response_model=CampaignFiguresView,
+    response_model=Figures,
     responses=answers(examples.FIGURES, 401, 403, 404),
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
     """Gives what a campaign came to so far, in the figures by which campaigns are compared."""
     report = read_report(context.database, campaign_id, context.catalogues)
-    figures = None if report.figures is None else figures_view(report.figures)
-    return json_answer(request, CampaignFiguresView(figures=figures, note=report.note))
+    return json_answer(request, Figures, combine(Figures, report))

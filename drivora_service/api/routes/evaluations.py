@@ -13,14 +13,11 @@ from drivora_service.api.context import PREFIX, Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Limit, PageToken, Steps
-from drivora_service.api.schemas.base import PageOf
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
-    EvaluationDetail,
-    FailureView,
-    evaluation_detail,
-    evaluation_view,
-    failure_view,
+    Failure,
+    evaluation_of,
+    failure_of,
 )
 from drivora_service.api.security import reader
 from drivora_service.campaigns.confirming import trace_name
@@ -33,9 +30,11 @@ from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
     Confirmation,
     EvaluationFilter,
+    EvaluationSummary,
     FailureFilter,
 )
 from drivora_service.store.database import Transaction
+from drivora_service.store.records import Page
 
 router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 
@@ -53,7 +52,7 @@ class Order(StrEnum):
 
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations",
-    response_model=PageOf[Evaluation],
+    response_model=Page[EvaluationSummary],
     responses=answers(examples.EVALUATIONS, 401, 403, 404, 422),
 )
 def list_evaluations(
@@ -79,13 +78,12 @@ def list_evaluations(
             limit=limit,
             page_token=page_token,
         )
-    items = tuple(evaluation_view(summary) for summary in page.items)
-    return json_answer(request, PageOf[Evaluation](items=items, next_page_token=page.next_token))
+    return json_answer(request, Page[EvaluationSummary], page)
 
 
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}",
-    response_model=EvaluationDetail,
+    response_model=Evaluation,
     responses=answers(examples.EVALUATION, 401, 403, 404),
 )
 def get_evaluation(
@@ -99,7 +97,7 @@ def get_evaluation(
         lineage = transaction.campaign_views.ancestors(campaign_id, number, most=_MOST_ANCESTORS)
         run_url = _run_url(transaction, record.report.run_id)
     trace = context.campaign_folder(campaign_id).traces / trace_name(number)
-    detail = evaluation_detail(
+    detail = evaluation_of(
         summary,
         record,
         lineage,
@@ -108,7 +106,7 @@ def get_evaluation(
         run_url=run_url,
         has_trace=trace.is_file(),
     )
-    return json_answer(request, detail)
+    return json_answer(request, Evaluation, detail)
 
 
 @router.get(
@@ -144,13 +142,12 @@ def get_observations(
         raise UnknownName(
             "trace of evaluation", str(number), (), "only failures that were run again have one"
         )
-    steps = steps
     return observations_answer(request, path, record.report.trace_sha256, steps)
 
 
 @router.get(
     "/campaigns/{campaign_id:id}/failures",
-    response_model=PageOf[FailureView],
+    response_model=Page[Failure],
     responses=answers(examples.FAILURES, 401, 403, 404, 422),
 )
 def list_failures(
@@ -182,8 +179,9 @@ def list_failures(
             campaign_id, wanted, limit=limit, page_token=page_token
         )
     url = f"{PREFIX}/campaigns/{campaign_id}"
-    items = tuple(failure_view(record, url) for record in page.items)
-    return json_answer(request, PageOf[FailureView](items=items, next_page_token=page.next_token))
+    items = tuple(failure_of(failure, url) for failure in page.items)
+    body = Page(items=items, next_page_token=page.next_page_token)
+    return json_answer(request, Page[Failure], body)
 
 
 def _run_url(transaction: Transaction, run_id: str) -> str:

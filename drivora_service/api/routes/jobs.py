@@ -10,11 +10,12 @@ from drivora_service.api.context import PREFIX, ApiContext, Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunOverrides
-from drivora_service.api.schemas.base import PageOf
-from drivora_service.api.schemas.jobs import Job, JobSummary, job_of, job_summary
+from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides, new_run
+from drivora_service.shapes import to_json
 from drivora_service.store.database import Transaction
+from drivora_service.store.records import Page, RunSummary
 
 router = APIRouter(tags=["jobs"])
 
@@ -50,7 +51,7 @@ def post_job(
             (job_id,) = transaction.jobs.submit([run], queue_limit=limit)
             job = _job(transaction, job_id)
             headers = {"Location": f"{PREFIX}/jobs/{job_id}", "Retry-After": _POLL_AFTER_S}
-            return Answer(status=202, headers=headers, body=job.model_dump_json())
+            return Answer(status=202, headers=headers, body=to_json(Job, job).decode())
 
         return Work(commit=commit)
 
@@ -61,7 +62,7 @@ def post_job(
 
 @router.get(
     "/jobs",
-    response_model=PageOf[JobSummary],
+    response_model=Page[RunSummary],
     responses=answers(examples.JOBS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
@@ -75,10 +76,7 @@ def list_jobs(
     """Lists jobs, newest first."""
     with context.database.read() as transaction:
         page = transaction.jobs.page(wanted, limit=limit, page_token=page_token)
-    body = PageOf[JobSummary](
-        items=tuple(job_summary(record) for record in page.items), next_page_token=page.next_token
-    )
-    return json_answer(request, body)
+    return json_answer(request, Page[RunSummary], page)
 
 
 @router.get(
@@ -91,7 +89,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
     """Tells where a job is. A run that failed is a job with an `error`."""
     with context.database.read() as transaction:
         job = _job(transaction, job_id)
-    response = json_answer(request, job)
+    response = json_answer(request, Job, job)
     if not job.status.is_final:
         response.headers["Retry-After"] = _POLL_AFTER_S
     return response
@@ -118,6 +116,4 @@ def _cancel(context: ApiContext, job_id: str) -> Job:
 
 
 def _job(transaction: Transaction, job_id: str) -> Job:
-    record = transaction.jobs.get(job_id)
-    report = transaction.jobs.report(job_id) if record.status.is_final else None
-    return job_of(record, report, f"{PREFIX}/runs/{job_id}")
+    return job_of(transaction.jobs.detail(job_id), PREFIX)

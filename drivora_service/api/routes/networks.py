@@ -29,7 +29,7 @@ def list_networks(request: Request, context: Context) -> Response:
         NetworkSummary(name=name, url=f"{PREFIX}/networks/{name}")
         for name in context.networks.names()
     )
-    return json_answer(request, NetworkList(items=items))
+    return json_answer(request, NetworkList, NetworkList(items=items))
 
 
 @router.get(
@@ -40,7 +40,7 @@ def list_networks(request: Request, context: Context) -> Response:
 def get_network(request: Request, context: Context, name: str) -> Response:
     """Describes a network."""
     network = context.networks.get(name)
-    return json_answer(request, network_view(network), etag=network.sha256)
+    return json_answer(request, Network, network_view(network), etag=network.sha256)
 
 
 @router.get(

@@ -10,21 +10,20 @@ from drivora_service.api.context import PREFIX, Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Limit, PageToken, Steps
-from drivora_service.api.schemas.base import PageOf
-from drivora_service.api.schemas.jobs import JobSummary, job_summary
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
 from drivora_service.errors import UnknownName
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
+from drivora_service.store.records import Page, RunSummary
 
 router = APIRouter(tags=["runs"], dependencies=[Depends(reader)])
 
 
 @router.get(
     "/runs",
-    response_model=PageOf[JobSummary],
+    response_model=Page[RunSummary],
     responses=answers(examples.RUNS, 401, 403, 422),
 )
 def list_runs(
@@ -37,20 +36,15 @@ def list_runs(
     """Lists runs, newest first."""
     with context.database.read() as transaction:
         page = transaction.jobs.page(wanted, limit=limit, page_token=page_token)
-    body = PageOf[JobSummary](
-        items=tuple(job_summary(record) for record in page.items), next_page_token=page.next_token
-    )
-    return json_answer(request, body)
+    return json_answer(request, Page[RunSummary], page)
 
 
 @router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
 def get_run(request: Request, context: Context, run_id: str) -> Response:
     """Gives everything that was found out about a run."""
     with context.database.read() as transaction:
-        record = transaction.jobs.get(run_id)
-        report = transaction.jobs.report(run_id) if record.status.is_final else None
-        attempts = transaction.jobs.attempts(run_id)
-    return json_answer(request, run_of(record, report, attempts, f"{PREFIX}/runs/{run_id}"))
+        run = transaction.jobs.detail(run_id)
+    return json_answer(request, Run, run_of(run, PREFIX))
 
 
 @router.get(

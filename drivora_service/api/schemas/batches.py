@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from dataclasses import dataclass
 from enum import StrEnum
 
 from pydantic import Field
 
 from drivora_service.api.problems import ProblemItem
 from drivora_service.api.schemas.base import Schema
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.records import BatchRecord, BatchState
+from drivora_service.shapes import combine
+from drivora_service.store import records
 
 
-class PriorityName(StrEnum):
-    """Whose runs go first: interactive, then ci, then campaign."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch(records.Batch):
+    """A batch and how far it is.
 
-    INTERACTIVE = "interactive"
-    CI = "ci"
-    CAMPAIGN = "campaign"
+    Attributes:
+        jobs_url: Address of its jobs.
+    """
 
-
-class Batch(Schema):
-    """A batch and how far it is."""
-
-    id: str
-    name: str
-    priority: PriorityName
-    state: BatchState
-    created_at: datetime
-    size: int = Field(description="Runs in it.")
-    done: bool = Field(description="Whether every run has ended.")
-    counts: dict[RunStatus, int] = Field(description="Runs by status.")
-    violated_runs: int = Field(description="Finished runs with at least one broken rule.")
     jobs_url: str
 
 
@@ -63,17 +51,6 @@ class BatchSubmission(Schema):
     items: tuple[BatchItem, ...]
 
 
-def batch_view(record: BatchRecord, base: str) -> Batch:
-    """Gives a batch as the API shows it; ``base`` is the address of the API."""
-    return Batch(
-        id=record.id,
-        name=record.name,
-        priority=PriorityName(record.priority.name.lower()),
-        state=record.state,
-        created_at=record.created_at,
-        size=record.size,
-        done=record.is_done,
-        counts=dict(record.counts),
-        violated_runs=record.violated_runs,
-        jobs_url=f"{base}/jobs?batch={record.id}",
-    )
+def batch_of(batch: records.Batch, base: str) -> Batch:
+    """Returns a batch with the address of its jobs; ``base`` is the address of the API."""
+    return combine(Batch, batch, jobs_url=f"{base}/jobs?batch={batch.id}")

@@ -341,7 +341,7 @@ def _conclude(
         from drivora_service.cli.gates import broken_in_campaign
 
         failures = campaigns.found(record.id).failures
-        answer = gate.judge(broken_in_campaign((one.number, one.verdict) for one in failures))
+        answer = gate.judge(broken_in_campaign((one.evaluation, one.verdict) for one in failures))
         note(str(answer))
         if answer.fails:
             raise typer.Exit(ExitCode.GATE_FAILED)
@@ -356,7 +356,7 @@ def _gate(
     from drivora_service.campaigns.documents import CampaignDocument
 
     text = campaigns.found(campaign_id).record.document
-    return _read_gate(rules, CampaignDocument.model_validate_json(text).oracles)
+    return _read_gate(rules, CampaignDocument.model_validate(text).oracles)
 
 
 def _check_gate(file: Path, rules: Sequence[str]) -> None:

@@ -45,7 +45,8 @@ def compare(
     as_json: JsonOption = False,
 ) -> None:
     """Compares methods by finished campaigns: effect sizes, p-values, tables, charts."""
-    from drivora_service.cli.campaign_comparison import comparison_result, print_comparison
+    from drivora_service.cli.campaign_comparison import print_comparison
+    from drivora_service.shapes import adapter
 
     names = tuple(dict.fromkeys(measures or ()))
     if server:
@@ -57,7 +58,7 @@ def compare(
     else:
         comparison = _compare_here(wanted, data_dir, baseline, names, equal_time=equal_time)
     if as_json:
-        print_json(comparison_result(comparison))
+        print_json(adapter(type(comparison)).dump_python(comparison, mode="json"))
     else:
         print_comparison(comparison)
     if out is not None:

@@ -156,9 +156,9 @@ def _print_where(
     campaign_id = campaign.found.record.id
     lines += ["Go on:", f"  drivora campaign show {campaign_id} --data-dir {data_dir}"]
     for failure in campaign.found.failures[:1]:
-        name = campaign.folder / f"{failure.number:06d}"
+        name = campaign.folder / f"{failure.evaluation:06d}"
         lines += [
-            f"  drivora campaign show {campaign_id} --evaluation {failure.number} "
+            f"  drivora campaign show {campaign_id} --evaluation {failure.evaluation} "
             f"--data-dir {data_dir}",
             f"  drivora run {name}.json    simulates the first failure again",
             f"  drivora plot {name}.trace.parquet",
