@@ -53,8 +53,8 @@ class Dispatcher:
         executor: Executor,
         traces: TraceFolder,
         infrastructure: Infrastructure,
+        ownership: Ownership,
         *,
-        exclusive: bool,
         policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
         on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
@@ -65,15 +65,14 @@ class Dispatcher:
             executor: What runs it. Closing it is for the caller, after :meth:`stop`.
             traces: Where workers write traces.
             infrastructure: What tells a fault of the infrastructure from one of a run.
-            exclusive: Whether no other process can be dispatching from this database (the caller
-                holds the ``ServerLock``), so that the leases of all others are taken over at once.
+            ownership: This process as an owner of leases.
             policy: How often a run may fail for reasons that are not its own.
             on_fatal: Told, from the thread, why it has given up.
         """
         self._database, self._executor, self._traces = database, executor, traces
         self._infrastructure = infrastructure
         self._policy = policy
-        self._ownership = Ownership(database, policy, exclusive=exclusive)
+        self._ownership = ownership
         self._in_flight: set[str] = set()
         self._claimed: deque[RunSpec] = deque()
         self._unwritten: list[AttemptEnd] = []
@@ -191,7 +190,7 @@ class Dispatcher:
         if self._room() <= 0:
             return False
         with self._database.read() as transaction:
-            return transaction.queue.has_work()
+            return transaction.queue.has_work(self._ownership.reserved_to)
 
     def _write_and_claim(self) -> None:
         """Writes the ends in hand and claims what there is room for, in one transaction."""
@@ -213,6 +212,7 @@ class Dispatcher:
                 self._ownership.owner_id,
                 room,
                 trace_path=lambda run_id: str(self._traces.path(run_id)),
+                reserved_to=self._ownership.reserved_to,
             )
         self._unwritten = [end for end in self._unwritten if end.report.run_id not in done]
         self._in_flight -= done
@@ -291,9 +291,7 @@ class Dispatcher:
         try:
             if self._unwritten:
                 self._write_and_claim()
-            with self._database.write() as transaction:
-                transaction.queue.release(self._ownership.owner_id, sorted(self._in_flight))
-                transaction.workers.leave(self._ownership.owner_id)
+            self._ownership.leave(sorted(self._in_flight))
         except StoreError as error:
             # The next server takes the runs over.
             _log.error("lease_release_failed", error=str(error))

@@ -1,4 +1,4 @@
-"""The server as the owner of leases: its heartbeat, and the leases of servers that died."""
+"""This process as the owner of leases: its heartbeat, and the leases of processes that died."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ import structlog
 
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database
+from drivora_service.store.file_lock import FileLock
+from drivora_service.store.ids import new_id
 
 SILENCE_S = 30.0
 """Seconds without a heartbeat after which another server's runs are taken over."""
@@ -28,18 +31,22 @@ class _Seen:
 
 
 class Ownership:
-    """This process as an owner of leases.
+    """This process as an owner of leases: a server, or a command with runs of its own.
 
     Whether another server lives is judged by its heartbeats changing, in seconds of this process's
-    own clock. The times that stand in the database are of clocks that may jump.
+    own clock: the times that stand in the database are of clocks that may jump. Whether a command
+    lives is told by its lock. What a dead server had goes back to the queue; what a dead command
+    had is cancelled.
     """
 
     def __init__(
         self,
         database: Database,
         policy: RetryPolicy,
+        commands: CommandLocks,
         *,
-        exclusive: bool,
+        exclusive: bool = False,
+        is_command: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Prepares; :meth:`register` makes this process an owner.
@@ -47,22 +54,33 @@ class Ownership:
         Args:
             database: Where leases are kept.
             policy: What becomes of runs that are taken over.
-            exclusive: Whether every other owner is dead for sure.
+            commands: Tells which commands live.
+            exclusive: Whether every other server is dead for sure.
+            is_command: Whether this is the process of a command, which leaves servers alone.
             clock: Returns seconds that never go backwards.
         """
-        self._database, self._policy = database, policy
-        self._exclusive, self._clock = exclusive, clock
+        self._database, self._policy, self._commands = database, policy, commands
+        self._exclusive, self._is_command, self._clock = exclusive, is_command, clock
         self._seen: dict[str, _Seen] = {}
-        self.owner_id = ""
+        self._lock: FileLock | None = None
+        self.owner_id = new_id()
+
+    @property
+    def reserved_to(self) -> str:
+        """Process whose own runs it is handed; "": those that are for any server."""
+        return self.owner_id if self._is_command else ""
 
     def register(self) -> None:
-        """Makes this process an owner and takes over what servers known to be dead left behind.
+        """Makes this process an owner and takes over what processes known to be dead left behind.
 
         Raises:
             StoreError: The database cannot be used.
         """
+        if self._is_command:
+            # Before others can see the owner, so that none of them takes it for dead.
+            self._lock = self._commands.hold(self.owner_id)
         with self._database.write() as transaction:
-            self.owner_id = transaction.workers.register()
+            transaction.workers.register(self.owner_id)
             transaction.idempotency.clean(unfinished=self._exclusive)
         self._take_over()
 
@@ -74,8 +92,21 @@ class Ownership:
         """
         with self._database.write() as transaction:
             transaction.workers.beat(self.owner_id, slots)
-        if not self._exclusive:
-            self._take_over()
+        self._take_over()
+
+    def leave(self, in_flight: Sequence[str]) -> None:
+        """Ends this process as an owner: its leases go back, the rest of a command is cancelled.
+
+        Raises:
+            StoreError: The database cannot be used.
+        """
+        with self._database.write() as transaction:
+            transaction.queue.release(self.owner_id, in_flight)
+            transaction.batches.cancel_reserved(self.owner_id)
+            transaction.workers.leave(self.owner_id)
+        if self._lock is not None:
+            self._lock.release()
+            self._commands.forget(self.owner_id)
 
     def _take_over(self) -> None:
         with self._database.read() as transaction:
@@ -83,16 +114,23 @@ class Ownership:
         for owner_id in self._dead(heartbeats):
             with self._database.write() as transaction:
                 runs = transaction.queue.reclaim(owner_id, self._policy)
+                transaction.batches.cancel_reserved(owner_id)
                 transaction.workers.leave(owner_id)
             self._seen.pop(owner_id, None)
-            _log.warning("took_over_from_dead_server", owner=owner_id, runs=runs)
+            self._commands.forget(owner_id)
+            _log.warning("took_over_from_dead_process", owner=owner_id, runs=runs)
 
     def _dead(self, heartbeats: dict[str, datetime]) -> list[str]:
+        commands = [owner for owner in heartbeats if self._commands.is_command(owner)]
+        dead = [owner for owner in commands if not self._commands.lives(owner)]
+        servers = [owner for owner in heartbeats if owner not in commands]
+        if self._is_command:
+            return dead
         if self._exclusive:
-            return list(heartbeats)
+            return dead + servers
         now = self._clock()
-        for owner_id, heartbeat in heartbeats.items():
-            seen = self._seen.get(owner_id)
+        for owner_id in servers:
+            seen, heartbeat = self._seen.get(owner_id), heartbeats[owner_id]
             if seen is None or seen.heartbeat != heartbeat:
                 self._seen[owner_id] = _Seen(heartbeat=heartbeat, at=now)
-        return [owner for owner in heartbeats if now - self._seen[owner].at >= SILENCE_S]
+        return dead + [one for one in servers if now - self._seen[one].at >= SILENCE_S]

@@ -29,8 +29,14 @@ class BatchRepository:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def create(self, *, name: str, priority: Priority) -> Batch:
-        """Makes an empty batch; runs are added with :meth:`JobRepository.submit`."""
+    def create(self, *, name: str, priority: Priority, owner_id: str = "") -> Batch:
+        """Makes an empty batch; runs are added with :meth:`JobRepository.submit`.
+
+        Args:
+            name: Display name.
+            priority: Of its runs.
+            owner_id: Process that alone is handed its runs; "": any server.
+        """
         row = BatchRow(
             id=new_id(),
             name=name,
@@ -40,6 +46,7 @@ class BatchRepository:
             size=0,
             queued=0,
             served=self._fair_start(priority),
+            owner_id=owner_id,
         )
         self._session.add(row)
         self._session.flush()
@@ -110,6 +117,15 @@ class BatchRepository:
         ).all()
         cancel_runs(self._session, rows)
         return self.get(batch_id)
+
+    def cancel_reserved(self, owner_id: str) -> None:
+        """Cancels what has not ended of the batches that are for one process alone."""
+        query = select(BatchRow.id).where(
+            BatchRow.owner_id == owner_id, BatchRow.state != BatchState.CANCELLED
+        )
+        for batch_id in self._session.scalars(query).all():
+            if not self.get(batch_id).done:
+                self.cancel(batch_id)
 
     def _set_state(self, batch_id: str, state: BatchState) -> Batch:
         row = self._row(batch_id)

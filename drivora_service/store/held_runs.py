@@ -43,7 +43,7 @@ class HeldRuns:
         )
         return BatchRow.seq.not_in([row.seq for row in full if row.queued <= numbers[row.seq]])
 
-    def due(self, now: datetime) -> tuple[int, BatchRow] | None:
+    def due(self, now: datetime, reserved_to: str) -> tuple[int, BatchRow] | None:
         """Returns the one to be handed out next, with its batch.
 
         None is while another one runs, so that the one which ends the server has no company. A
@@ -61,6 +61,7 @@ class HeldRuns:
                 RunRow.not_before.is_not(None),
                 RunRow.status == RunStatus.QUEUED,
                 BatchRow.state == BatchState.OPEN,
+                BatchRow.owner_id == reserved_to,
                 or_(
                     RunRow.not_before <= now,
                     RunRow.not_before > now + timedelta(seconds=2 * LONGEST_WAIT_S),

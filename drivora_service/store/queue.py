@@ -34,7 +34,12 @@ class QueueRepository:
         self._session = session
 
     def claim(
-        self, owner_id: str, limit: int, *, trace_path: Callable[[str], str]
+        self,
+        owner_id: str,
+        limit: int,
+        *,
+        trace_path: Callable[[str], str],
+        reserved_to: str = "",
     ) -> tuple[RunSpec, ...]:
         """Takes up to ``limit`` queued runs.
 
@@ -45,14 +50,17 @@ class QueueRepository:
         Args:
             owner_id: Who answers for the runs from now on.
             limit: Runs wanted.
-            trace_path: Gives the trace file of a run id.
+            trace_path: Returns the trace file of a run id.
+            reserved_to: Process whose own runs are handed out; "": those that are for any server.
         """
         specs: list[RunSpec] = []
         now = datetime.now(UTC)
         changes = self._changes()
         held = HeldRuns(self._session)
-        shares = [(b, share, held.none_of) for b, share in self._shares(limit, held.numbers())]
-        if sum(share for _, share, _ in shares) < limit and (due := held.due(now)) is not None:
+        found = self._shares(limit, held.numbers(), reserved_to)
+        shares = [(batch, share, held.none_of) for batch, share in found]
+        missing = limit - sum(share for _, share, _ in shares)
+        if missing > 0 and (due := held.due(now, reserved_to)) is not None:
             run_seq, batch = due
             shares.append((batch, 1, lambda: RunRow.seq == run_seq))
         for batch, share, among in shares:
@@ -137,28 +145,34 @@ class QueueRepository:
             self._follow(row, transition, now, revision=next(changes))
         return len(leases)
 
-    def has_work(self) -> bool:
+    def has_work(self, reserved_to: str = "") -> bool:
         """Says whether a claim would find anything."""
         held = HeldRuns(self._session)
         numbers = held.numbers()
         query = select(BatchRow.seq).where(
-            BatchRow.queued > 0, BatchRow.state == BatchState.OPEN, held.others(numbers)
+            BatchRow.queued > 0,
+            BatchRow.state == BatchState.OPEN,
+            BatchRow.owner_id == reserved_to,
+            held.others(numbers),
         )
         if self._session.scalar(query.limit(1)) is not None:
             return True
-        return bool(numbers) and held.due(datetime.now(UTC)) is not None
+        return bool(numbers) and held.due(datetime.now(UTC), reserved_to) is not None
 
     def to_cancel(self) -> tuple[str, ...]:
         """Gives the running runs that somebody wants to end."""
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
         return tuple(self._session.scalars(query))
 
-    def _shares(self, limit: int, held: Mapping[int, int]) -> list[tuple[BatchRow, int]]:
+    def _shares(
+        self, limit: int, held: Mapping[int, int], reserved_to: str
+    ) -> list[tuple[BatchRow, int]]:
         """Divides ``limit`` runs among the batches: one each in turn, least served first.
 
         Args:
             limit: Runs wanted.
             held: Queued runs that are not to be handed out, by the ``seq`` of their batch.
+            reserved_to: See :meth:`claim`.
         """
         if limit <= 0:
             return []
@@ -167,6 +181,7 @@ class QueueRepository:
             .where(
                 BatchRow.queued > 0,
                 BatchRow.state == BatchState.OPEN,
+                BatchRow.owner_id == reserved_to,
                 HeldRuns(self._session).others(held),
             )
             .order_by(BatchRow.priority, BatchRow.served, BatchRow.seq)

@@ -71,7 +71,8 @@ class DocumentRow(Base):
 class BatchRow(Base):
     """Runs that were asked for together; the unit of fairness and of pausing.
 
-    ``queued`` counts its runs that wait, ``served`` how much of the workers it has had.
+    ``queued`` counts its runs that wait, ``served`` how much of the workers it has had. The runs of
+    a command are for its own process alone, which ``owner_id`` names; "" is for any server.
     """
 
     __tablename__ = "batches"
@@ -84,6 +85,12 @@ class BatchRow(Base):
             sqlite_where=text("queued > 0 AND state = 'open'"),
             postgresql_where=text("queued > 0 AND state = 'open'"),
         ),
+        Index(
+            "ix_batches_owner",
+            "owner_id",
+            sqlite_where=text("owner_id != ''"),
+            postgresql_where=text("owner_id != ''"),
+        ),
     )
 
     seq: Mapped[int] = mapped_column(Integer, primary_key=True)
@@ -95,6 +102,7 @@ class BatchRow(Base):
     size: Mapped[int] = mapped_column(default=0)
     queued: Mapped[int] = mapped_column(default=0)
     served: Mapped[int] = mapped_column(default=0)
+    owner_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
 
 
 class RunRow(Base):

@@ -22,11 +22,15 @@ class WorkerRepository:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def register(self) -> str:
-        """Registers this process as an owner of leases and gives its id."""
+    def register(self, owner_id: str = "") -> str:
+        """Registers this process as an owner of leases and returns its id.
+
+        Args:
+            owner_id: The id, if it has one already; "": one is made.
+        """
         now = datetime.now(UTC)
         owner = OwnerRow(
-            id=new_id(),
+            id=owner_id or new_id(),
             host=socket.gethostname(),
             pid=os.getpid(),
             started_at=now,

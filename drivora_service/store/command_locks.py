@@ -1,0 +1,42 @@
+"""Which commands work on a data folder: each holds a file for as long as it lives."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+from drivora_service.store.file_lock import FileLock, is_locked
+
+
+class CommandLocks:
+    """The files of the commands of a data folder, by their ids as owners of leases."""
+
+    def __init__(self, data_dir: Path) -> None:
+        self._folder = data_dir / "commands"
+
+    def hold(self, owner_id: str) -> FileLock:
+        """Takes the file of this command, before it is an owner.
+
+        Raises:
+            Conflict: Another process has it, which no two ids make possible.
+        """
+        return FileLock(
+            self._path(owner_id), refusal=lambda holder: f"process {holder} is command {owner_id}"
+        )
+
+    def is_command(self, owner_id: str) -> bool:
+        """Whether an owner is a command, living or dead."""
+        return self._path(owner_id).is_file()
+
+    def lives(self, owner_id: str) -> bool:
+        """Whether an owner is a command whose process lives."""
+        with contextlib.suppress(FileNotFoundError):
+            return is_locked(self._path(owner_id))
+        return False
+
+    def forget(self, owner_id: str) -> None:
+        """Removes the file of a command that has ended."""
+        self._path(owner_id).unlink(missing_ok=True)
+
+    def _path(self, owner_id: str) -> Path:
+        return self._folder / f"{owner_id}.lock"
