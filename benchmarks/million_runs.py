@@ -31,8 +31,10 @@ from benchmarks.million_fill import fill_runs
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
@@ -167,6 +169,17 @@ class Asked:
         return "; ".join(dict.fromkeys(kept))
 
 
+def _engines(database: Database, folder: Path) -> EngineSetup:
+    return EngineSetup(
+        database_url=str(database.engine.url),
+        campaigns=folder / "campaigns",
+        traces=folder / "traces",
+        shipped_networks=shipped_networks(),
+        imported_networks=None,
+        workers=1,
+    )
+
+
 def application(database: Database, folder: Path) -> FastAPI:
     """Builds the HTTP application over a database; no run is handed out."""
     catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
@@ -180,7 +193,8 @@ def application(database: Database, folder: Path) -> FastAPI:
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
             wake=lambda: None,
-            wake_campaigns=lambda: None,
+            campaigns=CampaignSupervisor(database, _engines(database, folder), at_once=1),
+            reserve=lambda _runs: "",
             faults=dict,
             storage_fault=lambda: "",
             stopping=lambda: False,

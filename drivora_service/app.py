@@ -23,10 +23,13 @@ from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.housekeeping import Housekeeping
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.retention_settings import retention
+from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
+from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import open_database
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import CampaignTraces, TraceFolder
@@ -94,8 +97,11 @@ def create_service(
         folder=workers_folder,
         limits=run_limits(settings),
     )
+    ownership = Ownership(
+        database, RetryPolicy(), CommandLocks(settings.data_dir), exclusive=exclusive
+    )
     dispatcher = Dispatcher(
-        database, executor, traces, infrastructure, exclusive=exclusive, on_fatal=on_fatal
+        database, executor, traces, infrastructure, ownership, on_fatal=on_fatal
     )
     engine_setup = _engine_setup(settings)
     campaigns = CampaignSupervisor(
@@ -166,7 +172,8 @@ def create_service(
         gene_spaces=GeneSpaces(catalogues),
         campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,
-        wake_campaigns=campaigns.wake,
+        campaigns=campaigns,
+        reserve=lambda _runs: "",
         faults=faults,
         storage_fault=lambda: infrastructure.fault,
         stopping=stopping.is_set,

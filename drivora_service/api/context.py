@@ -13,6 +13,7 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.host import CampaignHost
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.catalogue import OracleCatalogue
@@ -47,7 +48,9 @@ class ApiContext:
         gene_spaces: Names the genes of campaigns.
         campaign_folder: Gives the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
-        wake_campaigns: Tells the supervisor of campaigns that one is to be run.
+        campaigns: Runs campaigns.
+        reserve: Gets ready for so many runs; returns the process that they are for, "" for any
+            server.
         faults: What must work before requests are sent here, by name, with what is wrong and what
             to do, or "". Known without waiting for anything.
         storage_fault: Why nothing can be stored and what to do, "" while it can; known likewise.
@@ -62,7 +65,8 @@ class ApiContext:
     gene_spaces: GeneSpaces
     campaign_folder: Callable[[str], CampaignFolder]
     wake: Callable[[], None]
-    wake_campaigns: Callable[[], None]
+    campaigns: CampaignHost
+    reserve: Callable[[int], str]
     faults: Callable[[], Mapping[str, str]]
     storage_fault: Callable[[], str]
     stopping: Callable[[], bool]

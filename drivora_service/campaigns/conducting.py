@@ -18,12 +18,14 @@ class Watcher:
     """Whom the work on a campaign asks and tells.
 
     Attributes:
-        requested: Says whether somebody wants it to stop.
+        on_begun: Called when the campaign is stored as running.
+        requested: Returns a pending request to stop.
         on_told: Called with every evaluation.
         on_confirmed: Called with the number of every failing evaluation that was run again, and
             what came of it.
     """
 
+    on_begun: Callable[[], None] = lambda: None
     requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE
     on_told: Callable[[Told], None] = lambda _told: None
     on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None

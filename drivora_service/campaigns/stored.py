@@ -71,6 +71,7 @@ def run_stored(
     try:
         with database.write() as transaction:
             record = transaction.campaigns.begin(campaign_id, if_wanted=if_wanted)
+        watcher.on_begun()
         journal = StoreJournal(database, campaign_id)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
         try:

@@ -13,12 +13,13 @@ from multiprocessing.process import BaseProcess
 import structlog
 
 from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
+from drivora_service.campaigns.stored import hand_over
 from drivora_service.execution.deaths import signal_name
 from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
 from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.fault_log import FaultLog
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
-from drivora_service.store.database import Database
+from drivora_service.store.database import Database, Transaction
 
 _LOOK_S = 0.5
 """Seconds between two looks at what is to be run."""
@@ -114,6 +115,20 @@ class CampaignSupervisor:
         """Tells that a campaign was made or is to go on; otherwise it is seen within a second."""
         with self._waking:
             self._waker.send_bytes(b"wake")
+
+    def open(self, transaction: Transaction, campaign_id: str) -> None:
+        """Takes a campaign that was just made."""
+        transaction.campaign_runs.open(campaign_id)
+
+    def resume(self, campaign_id: str) -> None:
+        """Goes on with a campaign that rests, whatever ran it before.
+
+        Raises:
+            UnknownName: There is no such campaign.
+            Conflict: It is over, or a process works on it.
+        """
+        hand_over(self._database, campaign_id, self._setup.folder(campaign_id))
+        self.wake()
 
     def stop(self) -> None:
         """Ends every engine; their campaigns go on when the service is started again."""

@@ -27,6 +27,8 @@ class CampaignState(StrEnum):
     FAILED = "failed"
     """It cannot go on as it is; the message says why. It may be resumed."""
     CANCELLED = "cancelled"
+    INTERRUPTED = "interrupted"
+    """Stored as running, but the process of the command that ran it was killed; it may be resumed."""
 
     @property
     def is_over(self) -> bool:
@@ -140,6 +142,7 @@ class CampaignSummary(Shape):
         budget: Simulations that it may make.
         active_s: Seconds of work, pauses left out.
         updated_at: When its tester was last told something, or its state changed.
+        batch_id: Batch of its runs; empty if no service runs it.
     """
 
     id: str
@@ -157,6 +160,7 @@ class CampaignSummary(Shape):
     started_at: datetime | None
     ended_at: datetime | None
     updated_at: datetime
+    batch_id: str = ""
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
@@ -186,14 +190,12 @@ class CampaignRecord(CampaignSummary):
         document: As it was posted, defaults filled in.
         network_sha256: Hash of the road network's file.
         versions: Versions of what takes part in the search, by name.
-        batch_id: Batch of its runs; empty if no service runs it.
     """
 
     best: Mapping[str, BestScore] = field(default_factory=dict)
     document: Mapping[str, Any]
     network_sha256: str
     versions: Mapping[str, str]
-    batch_id: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -23,11 +23,31 @@ from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import installed_catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.stored import hand_over
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.store.database import Database, open_database
+from drivora_service.store.database import Database, Transaction, open_database
 from drivora_service.store.traces import TraceFolder
 
 BODY_LIMIT = 200_000
+
+
+@dataclass(frozen=True)
+class Unattended:
+    """Takes campaigns as the service does, and runs none."""
+
+    database: Database
+    folder: Callable[[str], CampaignFolder]
+    woken: list[int]
+
+    def open(self, transaction: Transaction, campaign_id: str) -> None:
+        transaction.campaign_runs.open(campaign_id)
+
+    def resume(self, campaign_id: str) -> None:
+        hand_over(self.database, campaign_id, self.folder(campaign_id))
+        self.wake()
+
+    def wake(self) -> None:
+        self.woken.append(1)
 
 
 @pytest.fixture
@@ -101,6 +121,10 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
         database = open_database(url, patience_s=patience_s)
         woken: list[int] = []
         catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
+
+        def folder(campaign_id: str) -> CampaignFolder:
+            return CampaignFolder(tmp_path / "campaigns", campaign_id)
+
         context = ApiContext(
             database=database,
             catalogues=catalogues,
@@ -108,9 +132,10 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             limits=Limits(body_bytes=body_bytes, batch_items=batch_items, queued_runs=queued_runs),
             trace_path=TraceFolder(tmp_path / "traces").path,
             gene_spaces=GeneSpaces(catalogues),
-            campaign_folder=lambda campaign_id: CampaignFolder(tmp_path / "campaigns", campaign_id),
+            campaign_folder=folder,
             wake=lambda: woken.append(1),
-            wake_campaigns=lambda: woken.append(1),
+            campaigns=Unattended(database, folder, woken),
+            reserve=lambda _runs: "",
             faults=lambda: {"workers": "there are none"},
             storage_fault=storage_fault,
             stopping=lambda: False,

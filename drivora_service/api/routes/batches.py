@@ -66,9 +66,12 @@ def post_batch(
         check_overrides(context, overrides)
         documents = bodies.split_batch(request, body, most=context.limits.batch_items)
         runs, rejected = _checked(context, documents, overrides)
+        owner_id = context.reserve(len(runs))
 
         def commit(transaction: Transaction) -> Answer:
-            batch = transaction.batches.create(name=name, priority=priority)
+            batch = transaction.batches.create(
+                name=name, priority=priority, owner_id=owner_id
+            )
             job_ids = transaction.jobs.submit(
                 runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
             )

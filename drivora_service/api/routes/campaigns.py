@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import replace
+from typing import Annotated, TypeVar
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
@@ -17,7 +18,7 @@ from drivora_service.api.security import reader, submitter
 from drivora_service.campaigns.folder import ask_for
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import ValidCampaign, read_campaign
-from drivora_service.campaigns.stored import hand_over, new_campaign
+from drivora_service.campaigns.stored import new_campaign
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState, CampaignSummary
@@ -27,6 +28,10 @@ from drivora_service.store.records import Page
 router = APIRouter(tags=["campaigns"])
 
 _POLL_AFTER_S = "2"
+
+C = TypeVar("C", bound=CampaignSummary)
+
+_STORED_AS = {CampaignState.INTERRUPTED: CampaignState.RUNNING}
 
 
 @router.post(
@@ -53,8 +58,8 @@ def post_campaign(
 
         def commit(transaction: Transaction) -> Answer:
             campaign_id = transaction.campaigns.create(new_campaign(valid)).id
-            transaction.campaign_runs.open(campaign_id)
-            campaign = _campaign(transaction, campaign_id, valid)
+            context.campaigns.open(transaction, campaign_id)
+            campaign = _campaign(context, transaction, campaign_id, valid)
             headers = {
                 "Location": f"{PREFIX}/campaigns/{campaign_id}",
                 "Retry-After": _POLL_AFTER_S,
@@ -64,7 +69,7 @@ def post_campaign(
         return Work(commit=commit)
 
     response = done_once(request, context, idempotency_key, body, prepare)
-    context.wake_campaigns()
+    context.campaigns.wake()
     return response
 
 
@@ -107,11 +112,14 @@ def list_campaigns(
     page_token: PageToken = "",
 ) -> Response:
     """Lists campaigns, newest first."""
+    wanted = frozenset(state or ())
+    stored = frozenset(_STORED_AS.get(one, one) for one in wanted)
     with context.database.read() as transaction:
-        page = transaction.campaigns.page(
-            states=frozenset(state or ()), limit=limit, page_token=page_token
-        )
-    return json_answer(request, Page[CampaignSummary], page)
+        page = transaction.campaigns.page(states=stored, limit=limit, page_token=page_token)
+    seen = (_as_seen(context, campaign) for campaign in page.items)
+    items = tuple(campaign for campaign in seen if not wanted or campaign.state in wanted)
+    body = Page(items=items, next_page_token=page.next_page_token)
+    return json_answer(request, Page[CampaignSummary], body)
 
 
 @router.get(
@@ -123,7 +131,7 @@ def list_campaigns(
 def get_campaign(request: Request, context: Context, campaign_id: str) -> Response:
     """Tells how far a campaign is and what it has found."""
     with context.database.read() as transaction:
-        campaign = _campaign(transaction, campaign_id)
+        campaign = _campaign(context, transaction, campaign_id)
     response = json_answer(request, Campaign, campaign)
     if campaign.state in (CampaignState.QUEUED, CampaignState.RUNNING):
         response.headers["Retry-After"] = _POLL_AFTER_S
@@ -163,10 +171,9 @@ def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
 )
 def resume_campaign(context: Context, campaign_id: str) -> Campaign:
     """Goes on with a campaign that was paused or has failed, as if nothing had happened."""
-    hand_over(context.database, campaign_id, context.campaign_folder(campaign_id))
-    context.wake_campaigns()
+    context.campaigns.resume(campaign_id)
     with context.database.read() as transaction:
-        return _campaign(transaction, campaign_id)
+        return _campaign(context, transaction, campaign_id)
 
 
 def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> Campaign:
@@ -175,16 +182,29 @@ def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> C
     if record.state is CampaignState.FINISHED:
         raise Conflict(f"campaign {campaign_id} is finished")
     ask_for(context.database, campaign_id, context.campaign_folder(campaign_id), request)
-    context.wake_campaigns()
+    context.campaigns.wake()
     context.wake()
     with context.database.read() as transaction:
-        return _campaign(transaction, campaign_id)
+        return _campaign(context, transaction, campaign_id)
 
 
 def _campaign(
-    transaction: Transaction, campaign_id: str, valid: ValidCampaign | None = None
+    context: ApiContext,
+    transaction: Transaction,
+    campaign_id: str,
+    valid: ValidCampaign | None = None,
 ) -> Campaign:
-    record = transaction.campaigns.get(campaign_id)
+    record = _as_seen(context, transaction.campaigns.get(campaign_id))
     kinds = transaction.campaign_views.kinds(campaign_id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
     return campaign_of(record, kinds, PREFIX, notes=notes)
+
+
+def _as_seen(context: ApiContext, campaign: C) -> C:
+    """Tells a campaign that runs from one whose command was killed."""
+    deserted = (
+        campaign.state is CampaignState.RUNNING
+        and not campaign.batch_id
+        and not context.campaign_folder(campaign.id).is_running
+    )
+    return replace(campaign, state=CampaignState.INTERRUPTED) if deserted else campaign

@@ -1,0 +1,188 @@
+"""The application of one command: the API in the command's own process, with no server around it.
+
+It holds no ``ServerLock``, so that commands work beside a service on the same data folder. The runs
+that a command asks for are handed to its own workers alone, and are cancelled when it ends or dies;
+its campaigns run in its process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from fastapi import FastAPI
+
+from drivora_service.api.application import create_api
+from drivora_service.api.context import ApiContext, Limits
+from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.command_campaigns import CommandCampaigns
+from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
+from drivora_service.campaigns.evaluators import evaluator_plugins
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.errors import DrivoraError
+from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.infrastructure import Infrastructure, folder_probe
+from drivora_service.execution.local import LocalExecutor
+from drivora_service.execution.ownership import Ownership
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.runs.lifecycle import RetryPolicy
+from drivora_service.settings import Settings
+from drivora_service.store.command_locks import CommandLocks
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.traces import TraceFolder
+from drivora_service.worker_settings import run_limits, worker_setup
+
+_BATCH_ITEMS = 1_000_000
+"""A command is bounded by its own memory."""
+
+
+class CommandRuns:
+    """The dispatcher of a command and its workers; they start with the first runs."""
+
+    def __init__(self, settings: Settings, database: Database, traces: TraceFolder) -> None:
+        """Begins with none."""
+        self._settings, self._database, self._traces = settings, database, traces
+        self._ownership = Ownership(
+            database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
+        )
+        self._stack = contextlib.ExitStack()
+        self._starting = threading.Lock()
+        self._dispatcher: Dispatcher | None = None
+
+    @property
+    def fault(self) -> str:
+        """Why no run can be begun, "" while they can."""
+        return "" if self._dispatcher is None else self._dispatcher.fault
+
+    def reserve(self, runs: int) -> str:
+        """Gets ready for so many runs, and returns the process that they are for.
+
+        Raises:
+            StoreError: The database cannot be used.
+        """
+        with self._starting:
+            if self._dispatcher is None:
+                self._dispatcher = self._started(min(self._settings.workers, max(1, runs)))
+        return self._ownership.owner_id
+
+    def wake(self) -> None:
+        """Tells that something was queued or cancelled."""
+        if self._dispatcher is not None:
+            self._dispatcher.wake()
+
+    def close(self) -> None:
+        """Ends what runs; what has not ended is cancelled."""
+        if self._dispatcher is not None:
+            self._dispatcher.stop()
+        self._stack.close()
+
+    def _started(self, slots: int) -> Dispatcher:
+        folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="drivora-")))
+        infrastructure = Infrastructure(
+            {"database": self._database.probe, "traces": folder_probe(self._traces.root)},
+            on_fatal=lambda _message: None,
+        )
+        executor = self._stack.enter_context(
+            LocalExecutor(
+                slots=slots,
+                setup=worker_setup(self._settings),
+                folder=folder,
+                limits=run_limits(self._settings),
+            )
+        )
+        dispatcher = Dispatcher(
+            self._database, executor, self._traces, infrastructure, self._ownership
+        )
+        infrastructure.start(on_change=dispatcher.wake)
+        self._stack.callback(infrastructure.stop)
+        dispatcher.start()
+        return dispatcher
+
+
+def create_command_app(
+    settings: Settings,
+    *,
+    workers: int | None = None,
+    evaluator: str = "local",
+    on_error: Callable[[DrivoraError], None] = lambda _error: None,
+) -> FastAPI:
+    """Builds the application of a command.
+
+    Args:
+        settings: Of the installation.
+        workers: For campaigns, in place of their own number.
+        evaluator: Name of the evaluator of campaigns.
+        on_error: Told why a campaign cannot go on.
+
+    Raises:
+        StoreError: The database cannot be used.
+        UnknownName: There is no such evaluator.
+    """
+    plugin = evaluator_plugins().plugin(evaluator)
+    settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
+    database = open_database(settings.resolved_database_url)
+    traces = TraceFolder(settings.traces_dir)
+    runs = CommandRuns(settings, database, traces)
+    catalogues = installed_catalogues(
+        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
+        settings.agents_folder,
+    )
+
+    def campaign_folder(campaign_id: str) -> CampaignFolder:
+        return CampaignFolder(settings.campaigns_dir, campaign_id)
+
+    @contextlib.contextmanager
+    def evaluating(wanted: int | None) -> Iterator[Evaluator]:
+        with tempfile.TemporaryDirectory(prefix="drivora-") as folder:
+            context = EvaluatorContext(
+                workers=workers or wanted or settings.workers,
+                setup=worker_setup(settings),
+                limits=run_limits(settings),
+                folder=Path(folder),
+            )
+            with contextlib.closing(plugin.create(context)) as made:
+                yield made
+
+    campaigns = CommandCampaigns(
+        database, campaign_folder, catalogues, evaluating, on_error=on_error
+    )
+    stopping = threading.Event()
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        try:
+            yield
+        finally:
+            stopping.set()
+            campaigns.close()
+            runs.close()
+            database.close()
+
+    def faults() -> Mapping[str, str]:
+        return {"workers": campaigns.fault or runs.fault}
+
+    context = ApiContext(
+        database=database,
+        catalogues=catalogues,
+        tokens=None,
+        limits=Limits(
+            body_bytes=int(settings.max_body_mb * (1 << 20)),
+            batch_items=_BATCH_ITEMS,
+            queued_runs=settings.queue_limit,
+        ),
+        trace_path=traces.path,
+        gene_spaces=GeneSpaces(catalogues),
+        campaign_folder=campaign_folder,
+        wake=runs.wake,
+        campaigns=campaigns,
+        reserve=runs.reserve,
+        faults=faults,
+        storage_fault=lambda: "",
+        stopping=stopping.is_set,
+    )
+    return create_api(context, lifespan)
