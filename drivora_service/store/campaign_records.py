@@ -28,7 +28,7 @@ class CampaignState(StrEnum):
     """It cannot go on as it is; the message says why. It may be resumed."""
     CANCELLED = "cancelled"
     INTERRUPTED = "interrupted"
-    """Stored as running, but the process of the command that ran it was killed; it may be resumed."""
+    """The process of the command that ran it was killed; it may be resumed. Stored as running."""
 
     @property
     def is_over(self) -> bool:

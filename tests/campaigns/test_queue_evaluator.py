@@ -27,6 +27,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import BatchState, Priority, RunSummary
 from drivora_service.store.traces import TraceFolder
 from drivora_service.testing.evaluator_contract import EvaluatorContract
+from tests.execution.owners import server
 from tests.store.samples import claim, finish, finished, lost, register, submit
 
 
@@ -68,7 +69,11 @@ class TestQueue(EvaluatorContract):
         )
         self.stack.callback(executor.close)
         dispatcher = Dispatcher(
-            self.database, executor, self.traces, Infrastructure({}), exclusive=True
+            self.database,
+            executor,
+            self.traces,
+            Infrastructure({}),
+            server(self.database, context.folder),
         )
         dispatcher.start()
         self.stack.callback(dispatcher.stop)

@@ -92,7 +92,9 @@ def test_real_campaigns_are_compared_and_reported(
     assert [f["campaign"] for f in result["campaigns"]] == study
     assert {f["simulations"] for f in result["campaigns"]} == {10}
     assert {row["group"] for row in result["differences"]} == {"avfuzzer"}
-    assert all(0.0 <= row["low"] <= row["a12"] <= row["high"] <= 1.0 for row in result["differences"])
+    assert all(
+        0.0 <= row["low"] <= row["a12"] <= row["high"] <= 1.0 for row in result["differences"]
+    )
     assert all(0.0 < f["network_coverage"] < 1.0 for f in result["campaigns"])
     assert sorted(path.name for path in out.iterdir()) == sorted(
         ["comparison.csv", "comparison.md", "figures.csv"]

@@ -14,6 +14,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import JobFilter
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import TraceFolder
+from tests.execution.owners import server
 
 
 def main(data_dir: Path) -> None:
@@ -29,7 +30,7 @@ def main(data_dir: Path) -> None:
     )
     traces = TraceFolder(data_dir / "traces")
     infrastructure = Infrastructure({"database": database.probe})
-    dispatcher = Dispatcher(database, executor, traces, infrastructure, exclusive=True)
+    dispatcher = Dispatcher(database, executor, traces, infrastructure, server(database, data_dir))
     dispatcher.start()
     print("serving", flush=True)
     while any(slot.run_id for slot in executor.slots()) or waiting(database):

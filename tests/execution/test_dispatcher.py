@@ -28,6 +28,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import JobFilter, NewRun, Priority
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
+from tests.execution.owners import server
 
 TASKS = "tests.execution.worker_tasks:perform"
 
@@ -59,7 +60,12 @@ def serving(
         slots=slots, setup=None, folder=folder, limits=limits, perform=TASKS, warm_up=""
     ) as executor:
         dispatcher = Dispatcher(
-            database, wrap(executor), traces, infrastructure, exclusive=True, on_fatal=on_fatal
+            database,
+            wrap(executor),
+            traces,
+            infrastructure,
+            server(database, folder),
+            on_fatal=on_fatal,
         )
         infrastructure.start(on_change=dispatcher.wake)
         dispatcher.start()

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from drivora_service.execution.ownership import SILENCE_S, Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunStatus
+from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import NewRun
+from drivora_service.store.records import NewRun, Priority
 from drivora_service.store.tables import OwnerRow
+from tests.execution.owners import command, server
+from tests.store.samples import new_run
 
 
 def running(database: Database, owner_id: str) -> str:
@@ -35,8 +40,8 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
     database = open_database(f"sqlite:///{tmp_path / 'shared.sqlite3'}")
     clock = [0.0]
     policy = RetryPolicy()
-    other = Ownership(database, policy, exclusive=False)
-    mine = Ownership(database, policy, exclusive=False, clock=lambda: clock[0])
+    other = Ownership(database, policy, CommandLocks(tmp_path))
+    mine = Ownership(database, policy, CommandLocks(tmp_path), clock=lambda: clock[0])
     other.register()
     run_id = running(database, other.owner_id)
     jump(database, other.owner_id, timedelta(hours=1))
@@ -54,4 +59,70 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
     other.beat(())
     with database.read() as transaction:
         assert other.owner_id in transaction.workers.heartbeats(me=mine.owner_id)
+    database.close()
+
+
+def queued(database: Database, owner_id: str) -> str:
+    """Queues a run that is for one process alone."""
+    with database.write() as transaction:
+        batch = transaction.batches.create(name="b", priority=Priority.CI, owner_id=owner_id)
+        return transaction.jobs.submit([new_run("{0}")], batch_id=batch.id)[0]
+
+
+def claimed(database: Database, by: Ownership) -> tuple[str, ...]:
+    with database.write() as transaction:
+        specs = transaction.queue.claim(
+            by.owner_id, 10, trace_path=lambda _: "", reserved_to=by.reserved_to
+        )
+    return tuple(spec.run_id for spec in specs)
+
+
+def test_runs_of_a_command_are_for_the_command_alone(tmp_path: Path) -> None:
+    database = open_database(f"sqlite:///{tmp_path / 'shared.sqlite3'}")
+    mine, other = command(database, tmp_path), server(database, tmp_path)
+    mine.register()
+    other.register()
+    own, any_server = queued(database, mine.owner_id), queued(database, "")
+    assert claimed(database, other) == (any_server,)
+    assert claimed(database, mine) == (own,)
+    other.beat(())
+    assert status(database, own) is RunStatus.RUNNING
+    # It stops in an orderly way: what it leaves behind is nobody's any more.
+    mine.leave([own])
+    assert status(database, own) is RunStatus.CANCELLED
+    database.close()
+
+
+def test_a_server_cancels_what_a_dead_command_left(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'shared.sqlite3'}"
+    database = open_database(url)
+    code = f"""
+import os, pathlib
+from drivora_service.store.database import open_database
+from tests.execution.owners import command
+from tests.execution.test_ownership import claimed, queued
+database = open_database({url!r})
+mine = command(database, pathlib.Path({str(tmp_path)!r}))
+mine.register()
+print(queued(database, mine.owner_id), *claimed(database, mine), flush=True)
+print(queued(database, mine.owner_id), flush=True)
+input()
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    running_one = process.stdout.readline().split()
+    waiting = process.stdout.readline().strip()
+    assert running_one[0] == running_one[1]
+    other = server(database, tmp_path)
+    other.register()
+    other.beat(())
+    assert status(database, waiting) is RunStatus.QUEUED
+    assert status(database, running_one[0]) is RunStatus.RUNNING
+    process.kill()
+    process.communicate()
+    other.beat(())
+    assert {status(database, run) for run in (waiting, running_one[0])} == {RunStatus.CANCELLED}
+    assert not list((tmp_path / "commands").iterdir())
     database.close()

@@ -25,6 +25,7 @@ from drivora_service.runs.report import RunSpec, RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import NewRun, Priority
 from drivora_service.store.traces import TraceFolder
+from tests.execution.owners import server
 
 TASKS = "tests.execution.worker_tasks:perform"
 WARM_UP = "tests.execution.worker_tasks:start_if_there"
@@ -153,7 +154,11 @@ def test_runs_stay_queued_and_lose_no_attempt(
 
     with workers(tmp_path, slots=2) as executor:
         dispatcher = Dispatcher(
-            database, executor, TraceFolder(tmp_path), Infrastructure({}), exclusive=True
+            database,
+            executor,
+            TraceFolder(tmp_path),
+            Infrastructure({}),
+            server(database, tmp_path),
         )
         dispatcher.start()
         try:

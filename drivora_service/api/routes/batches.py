@@ -69,9 +69,7 @@ def post_batch(
         owner_id = context.reserve(len(runs))
 
         def commit(transaction: Transaction) -> Answer:
-            batch = transaction.batches.create(
-                name=name, priority=priority, owner_id=owner_id
-            )
+            batch = transaction.batches.create(name=name, priority=priority, owner_id=owner_id)
             job_ids = transaction.jobs.submit(
                 runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
             )
