@@ -168,8 +168,9 @@ def test_files_say_what_the_comparison_says(
 
 
 def test_campaigns_are_chosen_by_id_name_and_pattern(
-    catalogues: Catalogues, content: dict[str, Any], tmp_path: Path
+    catalogues: Catalogues, tmp_path: Path
 ) -> None:
+    content = campaign_content()
     names = ("study-a", "study-b", "other", "study-a")
     with opened(tmp_path, catalogues) as study:
         ids = [study.create(content, name=name, seed=n) for n, name in enumerate(names)]
