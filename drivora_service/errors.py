@@ -20,6 +20,10 @@ The tree::
     │   └── QueueFull          more runs wait than the queue may hold
     ├── ServiceBroken          this process cannot serve any more and must be started anew
     ├── ServiceError           a service that was asked over HTTP refused, or did not answer
+    │   ├── NotAuthorised      it needs a token, or one with another scope
+    │   ├── NotFound           it does not have what was asked for
+    │   ├── RequestConflict    the request contradicts what it has stored
+    │   └── ServiceUnavailable it did not answer, or cannot do it now and may a little later
     └── ConfigurationError     a setting cannot be used
 """
 
@@ -184,6 +188,22 @@ class ServiceError(DrivoraError):
     def __init__(self, message: str, *, status: int = 0) -> None:
         self.status = status
         super().__init__(message)
+
+
+class NotAuthorised(ServiceError):
+    """The service needs an API token, or one with another scope."""
+
+
+class NotFound(ServiceError):
+    """The service does not have what was asked for."""
+
+
+class RequestConflict(ServiceError):
+    """The request contradicts what the service has stored."""
+
+
+class ServiceUnavailable(ServiceError):
+    """The service did not answer, or cannot do now what was asked for."""
 
 
 class ConfigurationError(DrivoraError):

@@ -1,0 +1,212 @@
+"""The asynchronous client."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self, TypeVar
+
+import anyio
+import httpx
+
+from drivora_service.client.call import Call, Listing
+from drivora_service.client.connecting import (
+    RETRY_S,
+    TIMEOUT_S,
+    OnRetry,
+    connection,
+    ignore_progress,
+    ignore_retry,
+    written_whole,
+)
+from drivora_service.client.flows import (
+    Emit,
+    Flow,
+    Items,
+    Outcome,
+    Request,
+    Sleep,
+    Step,
+    asking,
+    listing_items,
+)
+from drivora_service.client.following import batch_runs, expecting_workers, followed_campaign
+from drivora_service.client.operations import Operations
+from drivora_service.client.replies import Reply
+from drivora_service.client.transport import AsyncApplicationTransport
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.batches import Batch
+    from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.api.schemas.runs import Run
+
+T = TypeVar("T")
+
+
+class AsyncClient(Operations):
+    """Asks one service, or the application in this process; an asynchronous context manager.
+
+    As :class:`Client`, for asyncio.
+    """
+
+    def __init__(
+        self,
+        url: str = "",
+        *,
+        token: str | None = None,
+        transport: httpx.AsyncBaseTransport | None = None,
+        retry_s: float = RETRY_S,
+        timeout_s: float = TIMEOUT_S,
+        on_retry: OnRetry = ignore_retry,
+    ) -> None:
+        """Prepares a client; nothing is asked yet.
+
+        Args:
+            url: Address of the service, such as ``http://127.0.0.1:8000``.
+            token: API token; ``None``: the environment's ``DRIVORA_TOKEN``, if any.
+            transport: How requests travel; an :class:`AsyncApplicationTransport` needs no address.
+            retry_s: Seconds for which a request that may be repeated is tried again; 0: never.
+            timeout_s: Seconds for which a service may be silent; one in this process as long as it
+                needs.
+            on_retry: Told why a request is tried again, and after how many seconds.
+
+        Raises:
+            ConfigurationError: The address or the token cannot be used.
+        """
+        made = connection(
+            url,
+            token,
+            is_local=isinstance(transport, AsyncApplicationTransport),
+            retry_s=retry_s,
+            timeout_s=timeout_s,
+            on_retry=on_retry,
+        )
+        self._terms = made.terms
+        self._http = httpx.AsyncClient(
+            base_url=made.url, headers=made.headers, timeout=made.timeout, transport=transport
+        )
+
+    async def __aenter__(self) -> Self:
+        """Returns the client itself."""
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Closes the client."""
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Closes the connections; an application in this process is shut down."""
+        await self._http.aclose()
+
+    async def ask(self, call: Call[T]) -> T:
+        """Makes a call and returns its answer."""
+        return (await self._result(asking(call, self._terms))).value
+
+    def items(self, listing: Listing[T]) -> AsyncIterator[T]:
+        """Returns the items of a list; a page is asked for when its first item is wanted."""
+        return self._emitted(listing_items(listing, self._terms))
+
+    async def save(self, call: Call[bytes], path: Path) -> None:
+        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+
+        Raises:
+            StoreError: The file cannot be written.
+        """
+        await self._result(asking(call, self._terms, target=path))
+
+    async def expect_workers(self) -> None:
+        """Makes sure that the service can begin runs.
+
+        Raises:
+            ServiceError: It cannot, or did not answer.
+        """
+        await self._result(expecting_workers(self._terms))
+
+    def wait_for_batch(
+        self, batch_id: str, *, on_progress: Callable[[Batch], None] = ignore_progress
+    ) -> AsyncIterator[Run]:
+        """Returns the runs of a batch as they end, each once, in any order.
+
+        Args:
+            batch_id: Which batch.
+            on_progress: Told how far the batch is, at every look.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return self._emitted(batch_runs(batch_id, self._terms, on_progress))
+
+    async def follow_campaign(
+        self, campaign_id: str, *, on_progress: Callable[[Campaign], None] = ignore_progress
+    ) -> Campaign:
+        """Waits until a campaign has ended or rests, and returns it.
+
+        Args:
+            campaign_id: Which campaign.
+            on_progress: Told how far it is, at every look, the last one included.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return await self._result(followed_campaign(campaign_id, self._terms, on_progress))
+
+    async def _result(self, flow: Flow[T]) -> T:
+        outcome: Outcome = None
+        while True:
+            try:
+                step = flow.send(outcome)
+            except StopIteration as end:
+                result: T = end.value
+                return result
+            outcome = await self._performed(step)
+
+    async def _emitted(self, flow: Items[T]) -> AsyncIterator[T]:
+        outcome: Outcome = None
+        with contextlib.closing(flow):
+            while True:
+                try:
+                    step = flow.send(outcome)
+                except StopIteration:
+                    return
+                if isinstance(step, Emit):
+                    yield step.value
+                    outcome = None
+                else:
+                    outcome = await self._performed(step)
+
+    async def _performed(self, step: Step) -> Outcome:
+        match step:
+            case Sleep():
+                await asyncio.sleep(step.seconds)
+                return None
+            case Request():
+                try:
+                    return await self._reply(step)
+                except httpx.RequestError as error:
+                    return error
+
+    async def _reply(self, request: Request) -> Reply:
+        call = request.call
+        async with self._http.stream(
+            call.method,
+            call.path,
+            params=call.parameters,
+            content=call.body,
+            headers=request.headers,
+        ) as response:
+            content = b""
+            if request.target is None or not response.is_success:
+                content = await response.aread()
+            else:
+                with written_whole(request.target) as file:
+                    async for part in response.aiter_bytes():
+                        await anyio.to_thread.run_sync(file.write, part)
+            return Reply(status=response.status_code, headers=response.headers, content=content)

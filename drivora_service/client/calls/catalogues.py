@@ -1,0 +1,79 @@
+"""What documents can name, and the state of the service."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drivora_service.client.call import PREFIX, Call, get
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.catalogues import (
+        AgentList,
+        Network,
+        NetworkGeometry,
+        NetworkList,
+        OracleList,
+        TesterList,
+    )
+    from drivora_service.api.schemas.service import Health, Readiness
+
+
+def networks() -> Call[NetworkList]:
+    """Returns the road networks, shipped and imported."""
+    from drivora_service.api.schemas.catalogues import NetworkList
+
+    return get(f"{PREFIX}/networks", NetworkList)
+
+
+def network(name: str) -> Call[Network]:
+    """Describes a road network."""
+    from drivora_service.api.schemas.catalogues import Network
+
+    return get(f"{PREFIX}/networks/{{name}}", Network, name=name)
+
+
+def network_geometry(name: str) -> Call[NetworkGeometry]:
+    """Returns lanes and junctions of a network as lines and outlines."""
+    from drivora_service.api.schemas.catalogues import NetworkGeometry
+
+    return get(f"{PREFIX}/networks/{{name}}/geometry", NetworkGeometry, name=name)
+
+
+def agents() -> Call[AgentList]:
+    """Returns the ADSs that can drive an ego."""
+    from drivora_service.api.schemas.catalogues import AgentList
+
+    return get(f"{PREFIX}/agents", AgentList)
+
+
+def testers() -> Call[TesterList]:
+    """Returns the testing methods that a campaign can name."""
+    from drivora_service.api.schemas.catalogues import TesterList
+
+    return get(f"{PREFIX}/testers", TesterList)
+
+
+def oracles() -> Call[OracleList]:
+    """Returns the oracles that every run is judged by."""
+    from drivora_service.api.schemas.catalogues import OracleList
+
+    return get(f"{PREFIX}/oracles", OracleList)
+
+
+def health() -> Call[Health]:
+    """Returns the version of the service; it answers as long as its process lives."""
+    from drivora_service.api.schemas.service import Health
+
+    return get("/healthz", Health)
+
+
+def readiness() -> Call[Readiness]:
+    """Returns whether runs can be taken and begun and campaigns started, or why not."""
+    from drivora_service.api.schemas.service import Readiness
+
+    return get("/readyz", Readiness, accepted=frozenset({503}))
+
+
+def metrics() -> Call[str]:
+    """Returns counts of runs, the queue, the workers and requests as text for Prometheus."""
+    return get("/metrics", str)

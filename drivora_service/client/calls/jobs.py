@@ -1,0 +1,202 @@
+"""Jobs and batches: scenarios that are to be run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from drivora_service.client.call import (
+    PREFIX,
+    Call,
+    Document,
+    Language,
+    Listing,
+    Query,
+    act,
+    document_bytes,
+    get,
+    listing,
+    post,
+)
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.batches import Batch, BatchSubmission
+    from drivora_service.api.schemas.jobs import Job
+    from drivora_service.api.schemas.service import Validation
+    from drivora_service.store.records import JobFilter, Priority, RunSummary
+
+
+def validate_scenario(
+    document: Document,
+    *,
+    language: Language = "json",
+    agent: str = "",
+    agent_parameters: Sequence[str] = (),
+    seed: int | None = None,
+) -> Call[Validation]:
+    """Checks a scenario as posting it would; nothing is queued.
+
+    Args:
+        document: The scenario.
+        language: Of its text.
+        agent: Drives every ego; "": as documented.
+        agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
+        seed: In place of the document's.
+
+    Raises:
+        InvalidDocument: It cannot be run.
+    """
+    from drivora_service.api.schemas.service import Validation
+
+    return post(
+        f"{PREFIX}/scenarios:validate",
+        Validation,
+        document_bytes(document),
+        language=language,
+        query=_overrides(agent, agent_parameters, seed),
+        only_checks=True,
+    )
+
+
+def post_job(
+    document: Document,
+    *,
+    language: Language = "json",
+    label: str = "",
+    agent: str = "",
+    agent_parameters: Sequence[str] = (),
+    seed: int | None = None,
+) -> Call[Job]:
+    """Queues a run of a scenario; returns its job.
+
+    Args:
+        document: The scenario.
+        language: Of its text.
+        label: Display name.
+        agent: Drives every ego; "": as documented.
+        agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
+        seed: In place of the document's.
+
+    Raises:
+        InvalidDocument: It cannot be run.
+    """
+    from drivora_service.api.schemas.jobs import Job
+
+    return post(
+        f"{PREFIX}/jobs",
+        Job,
+        document_bytes(document),
+        language=language,
+        query={"label": label, **_overrides(agent, agent_parameters, seed)},
+    )
+
+
+def jobs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listing[RunSummary]:
+    """Returns jobs, newest first; at most ``limit``."""
+    from drivora_service.store.records import RunSummary
+
+    return listing(f"{PREFIX}/jobs", RunSummary, limit, query=job_query(wanted))
+
+
+def job(job_id: str) -> Call[Job]:
+    """Returns where a job is, and why its run failed if it did."""
+    from drivora_service.api.schemas.jobs import Job
+
+    return get(f"{PREFIX}/jobs/{{job_id}}", Job, job_id=job_id)
+
+
+def cancel_job(job_id: str) -> Call[Job]:
+    """Cancels a job; a run that goes on ends as soon as its worker lets go."""
+    from drivora_service.api.schemas.jobs import Job
+
+    return act(f"{PREFIX}/jobs/{{job_id}}:cancel", Job, job_id=job_id)
+
+
+def post_batch(
+    documents: Sequence[Document],
+    *,
+    name: str = "",
+    priority: Priority | None = None,
+    agent: str = "",
+    agent_parameters: Sequence[str] = (),
+    seed: int | None = None,
+) -> Call[BatchSubmission]:
+    """Queues a run of every scenario that can be run; returns what became of each.
+
+    Args:
+        documents: The scenarios, in JSON.
+        name: Display name.
+        priority: Which runs go first; ``None``: as the service has it.
+        agent: Drives every ego; "": as documented.
+        agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
+        seed: In place of the documents'.
+
+    Raises:
+        InvalidDocument: None of them can be run; pointers begin with the place of the scenario.
+    """
+    from drivora_service.api.schemas.batches import BatchSubmission
+
+    return post(
+        f"{PREFIX}/batches",
+        BatchSubmission,
+        b"[" + b",".join(map(document_bytes, documents)) + b"]",
+        query={"name": name, "priority": priority, **_overrides(agent, agent_parameters, seed)},
+    )
+
+
+def batches(*, limit: int | None = None) -> Listing[Batch]:
+    """Returns batches, newest first; at most ``limit``."""
+    from drivora_service.api.schemas.batches import Batch
+
+    return listing(f"{PREFIX}/batches", Batch, limit)
+
+
+def batch(batch_id: str) -> Call[Batch]:
+    """Returns how far a batch is."""
+    from drivora_service.api.schemas.batches import Batch
+
+    return get(f"{PREFIX}/batches/{{batch_id}}", Batch, batch_id=batch_id)
+
+
+def cancel_batch(batch_id: str) -> Call[Batch]:
+    """Cancels all runs of a batch that have not ended."""
+    return _batch_act("cancel", batch_id)
+
+
+def pause_batch(batch_id: str) -> Call[Batch]:
+    """Starts no further run of a batch; those that run go on."""
+    return _batch_act("pause", batch_id)
+
+
+def resume_batch(batch_id: str) -> Call[Batch]:
+    """Starts the runs of a paused batch again."""
+    return _batch_act("resume", batch_id)
+
+
+def job_query(wanted: JobFilter | None) -> Query:
+    """Returns the parameters that ask for jobs or runs."""
+    from drivora_service.store.records import JobFilter
+
+    wanted = wanted or JobFilter()
+    return {
+        "batch": wanted.batch_id,
+        "status": sorted(wanted.statuses),
+        "agent": wanted.agent,
+        "town": wanted.town,
+        "oracle": wanted.oracle,
+        "outcome": wanted.outcome if wanted.oracle else None,
+        "at_fault": wanted.at_fault,
+        "accountability": wanted.accountability,
+        "violated": wanted.violated,
+        "scenario_sha256": wanted.scenario_sha256,
+    }
+
+
+def _batch_act(action: str, batch_id: str) -> Call[Batch]:
+    from drivora_service.api.schemas.batches import Batch
+
+    return act(f"{PREFIX}/batches/{{batch_id}}:{action}", Batch, batch_id=batch_id)
+
+
+def _overrides(agent: str, agent_parameters: Sequence[str], seed: int | None) -> Query:
+    return {"agent": agent, "agent_parameter": tuple(agent_parameters), "seed": seed}

@@ -1,0 +1,58 @@
+"""Runs: what came of jobs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drivora_service.client.call import PREFIX, Call, Listing, ObservationForm, get, listing
+from drivora_service.client.calls.jobs import job_query
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.runs import Run
+    from drivora_service.store.records import JobFilter, RunSummary
+
+
+def runs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listing[RunSummary]:
+    """Returns runs, newest first; at most ``limit``."""
+    from drivora_service.store.records import RunSummary
+
+    return listing(f"{PREFIX}/runs", RunSummary, limit, query=job_query(wanted))
+
+
+def run(run_id: str) -> Call[Run]:
+    """Returns everything that was found out about a run."""
+    from drivora_service.api.schemas.runs import Run
+
+    return get(f"{PREFIX}/runs/{{run_id}}", Run, run_id=run_id)
+
+
+def run_scenario(run_id: str) -> Call[str]:
+    """Returns the scenario of a run as the text of a document that can be posted again."""
+    return get(f"{PREFIX}/runs/{{run_id}}/scenario", str, accept="application/json", run_id=run_id)
+
+
+def run_observations(
+    run_id: str,
+    *,
+    form: ObservationForm = ObservationForm.PARQUET,
+    first: int = 0,
+    last: int | None = None,
+) -> Call[bytes]:
+    """Returns what a run recorded.
+
+    Args:
+        run_id: Which run.
+        form: As which file.
+        first: First step, from 0.
+        last: Last step, included; ``None``: the last one of all.
+
+    Raises:
+        NotFound: It recorded nothing, or not yet.
+    """
+    return get(
+        f"{PREFIX}/runs/{{run_id}}/observations",
+        bytes,
+        query={"first": first or None, "last": last},
+        accept=form,
+        run_id=run_id,
+    )

@@ -1,0 +1,162 @@
+"""How calls are made, as generators of steps: one text for all clients.
+
+A flow yields what is to be done and is sent what came of it. A client performs the steps, with or
+without an event loop.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+import uuid
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import httpx
+
+from drivora_service.client.call import Call, Listing
+from drivora_service.client.replies import UNAVAILABLE, Reply, Service, no_answer, read_reply
+from drivora_service.errors import ServiceError
+
+T = TypeVar("T")
+
+_FIRST_WAIT_S, _LONGEST_WAIT_S = 0.1, 5.0
+_PASSING = (
+    httpx.NetworkError,
+    httpx.TimeoutException,
+    httpx.RemoteProtocolError,
+    httpx.ProxyError,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """Send a request; the outcome is a ``Reply``, or the error of a request without one.
+
+    Attributes:
+        target: File for the body of an answer with 2xx; ``None``: keep it in memory.
+    """
+
+    call: Call[Any]
+    headers: Mapping[str, str]
+    target: Path | None
+
+
+@dataclass(frozen=True, slots=True)
+class Sleep:
+    """Wait for some seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Emit(Generic[T]):
+    """Hand a value to the caller."""
+
+    value: T
+
+
+Step = Request | Sleep
+Outcome = Reply | httpx.RequestError | None
+Flow = Generator[Step, Outcome, T]
+Items = Generator[Step | Emit[T], Outcome, None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Terms:
+    """How a service is asked.
+
+    Attributes:
+        retry_s: Seconds for which a request that may be repeated is tried again.
+        on_retry: Told why a request is tried again, and after how many seconds.
+    """
+
+    service: Service
+    retry_s: float
+    on_retry: Callable[[ServiceError, float], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer(Generic[T]):
+    """The value of an answer, and the seconds after which it is worth asking again."""
+
+    value: T
+    retry_after_s: float | None
+
+
+@dataclass(slots=True)
+class _Patience:
+    """Says how long to wait before the next try."""
+
+    seconds: float
+    begun: float = field(default_factory=time.monotonic)
+    least_s: float = _FIRST_WAIT_S
+
+    def wait_s(self, retry_after_s: float | None) -> float | None:
+        """Returns the seconds before the next try, never fewer than asked; ``None``: give up."""
+        # Clients that were refused together shall not come back together.
+        wait = (retry_after_s or 0.0) + random.uniform(0.5, 1.0) * self.least_s
+        self.least_s = min(2.0 * self.least_s, _LONGEST_WAIT_S)
+        left = self.begun + self.seconds - time.monotonic()
+        return wait if wait <= left else None
+
+
+def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[Answer[T]]:
+    """Makes a call, again where that does no harm.
+
+    Raises:
+        InvalidDocument: The service refused a document.
+        ServiceError: It refused or did not answer, for as long as it was tried.
+    """
+    headers = dict(call.headers)
+    is_repeatable = call.is_repeatable
+    if call.is_once and not terms.service.is_local:
+        headers["Idempotency-Key"] = uuid.uuid4().hex
+        is_repeatable = True
+    patience = _Patience(terms.retry_s)
+    while True:
+        outcome = yield Request(call=call, headers=headers, target=target)
+        if isinstance(outcome, Reply):
+            try:
+                return Answer(read_reply(call, outcome, terms.service), outcome.retry_after_s)
+            except ServiceError as error:
+                fault, may_pass = error, _may_pass(outcome)
+                retry_after_s = outcome.retry_after_s
+        elif outcome is not None:
+            fault, retry_after_s = no_answer(outcome, terms.service), None
+            # What an application in this process does not answer, it would not the next time.
+            may_pass = isinstance(outcome, _PASSING) and not terms.service.is_local
+        else:
+            raise TypeError("a request has an outcome")
+        wait = patience.wait_s(retry_after_s) if is_repeatable and may_pass else None
+        if wait is None:
+            raise fault
+        terms.on_retry(fault, wait)
+        yield Sleep(wait)
+
+
+def listing_items(listing: Listing[T], terms: Terms) -> Items[T]:
+    """Asks for the pages of a list and hands out the items.
+
+    Raises:
+        ServiceError: The service refused or did not answer.
+    """
+    token, taken = "", 0
+    while listing.most is None or taken < listing.most:
+        page = (yield from asking(listing.page(token, taken=taken), terms)).value
+        for item in page.items[: None if listing.most is None else listing.most - taken]:
+            yield Emit(item)
+        taken += len(page.items)
+        token = page.next_page_token
+        if not token:
+            return
+
+
+def _may_pass(reply: Reply) -> bool:
+    if reply.status in UNAVAILABLE:
+        return True
+    # The same request, whose answer was lost, is still being done.
+    return reply.status == HTTPStatus.CONFLICT and reply.retry_after_s is not None

@@ -1,0 +1,144 @@
+"""Following batches and campaigns until they have ended."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from drivora_service.client.calls import campaigns, catalogues, jobs, runs
+from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, asking
+from drivora_service.errors import ServiceUnavailable
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.batches import Batch
+    from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.api.schemas.runs import Run
+
+_SHORTEST_S, _LONGEST_S = 0.1, 2.0
+_GROWTH = 1.5
+
+
+class _Pace:
+    """How long to wait between two looks: short while things change, longer while they do not."""
+
+    def __init__(self) -> None:
+        self._wait_s = _SHORTEST_S
+        self._looked_at = time.monotonic()
+        self._seen: object = None
+
+    def look(self) -> None:
+        """Notes that a look begins."""
+        self._looked_at = time.monotonic()
+
+    def has_changed(self, seen: object) -> bool:
+        """Whether a look shows something else than the one before."""
+        changed, self._seen = seen != self._seen, seen
+        self._wait_s = _SHORTEST_S if changed else _GROWTH * self._wait_s
+        return changed
+
+    def wait(self, retry_after_s: float | None) -> Sleep:
+        """Returns the wait before the next look.
+
+        Args:
+            retry_after_s: After which the service says that looking is worth it: the bound of the
+                waits that grow, not their beginning, as what changes may end at any time.
+        """
+        bound = min(max(retry_after_s or _LONGEST_S, _SHORTEST_S), _LONGEST_S)
+        self._wait_s = min(self._wait_s, bound)
+        # Looks at a large batch take time, and shall not take all of it.
+        return Sleep(min(max(self._wait_s, time.monotonic() - self._looked_at), _LONGEST_S))
+
+
+def expecting_workers(terms: Terms) -> Flow[None]:
+    """Makes sure that the service can begin runs.
+
+    Raises:
+        ServiceUnavailable: It cannot, or did not answer.
+    """
+    readiness = (yield from asking(catalogues.readiness(), terms)).value
+    for check in readiness.checks:
+        if check.name == "workers" and not check.ok:
+            message = f"{terms.service.name} cannot begin runs: {check.detail}"
+            if not terms.service.is_local:
+                message += "\nWhat is queued there stays queued, and begins once that is mended"
+            raise ServiceUnavailable(message, status=503)
+
+
+def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]) -> Items[Run]:
+    """Hands out the runs of a batch as they end, each once, until all have ended.
+
+    Args:
+        batch_id: Which batch.
+        terms: How the service is asked.
+        on_progress: Told how far the batch is, at every look.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    handed_out: set[str] = set()
+    pace = _Pace()
+    while True:
+        pace.look()
+        answer = yield from asking(jobs.batch(batch_id), terms)
+        batch = answer.value
+        on_progress(batch)
+        ended = sum(count for status, count in batch.counts.items() if status.is_final)
+        yield from _ended_runs(batch_id, terms, handed_out, most=ended - len(handed_out))
+        if batch.done:
+            return
+        if not pace.has_changed((batch.counts, batch.state)):
+            yield from expecting_workers(terms)
+        yield pace.wait(answer.retry_after_s)
+
+
+def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int) -> Items[Run]:
+    """Hands out runs that have ended since.
+
+    The newest jobs come first in the list and are run last, so that what has ended since the look
+    before stands at its beginning; the rest of the list is not read.
+    """
+    from drivora_service.runs.report import RunStatus
+    from drivora_service.store.records import JobFilter
+
+    final = frozenset(status for status in RunStatus if status.is_final)
+    listing = jobs.jobs(JobFilter(batch_id=batch_id, statuses=final))
+    token: str = ""
+    while most > 0:
+        page: Any = (yield from asking(listing.page(token, taken=0), terms)).value
+        for job in page.items:
+            if most > 0 and job.id not in handed_out:
+                handed_out.add(job.id)
+                most -= 1
+                yield Emit((yield from asking(runs.run(job.id), terms)).value)
+        token = page.next_page_token
+        if not token:
+            return
+
+
+def followed_campaign(
+    campaign_id: str, terms: Terms, on_progress: Callable[[Campaign], None]
+) -> Flow[Campaign]:
+    """Waits until a campaign has ended or rests, and returns it.
+
+    Args:
+        campaign_id: Which campaign.
+        terms: How the service is asked.
+        on_progress: Told how far it is, at every look, the last one included.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    from drivora_service.store.campaign_records import CampaignState
+
+    pace = _Pace()
+    while True:
+        pace.look()
+        answer = yield from asking(campaigns.campaign(campaign_id), terms)
+        campaign = answer.value
+        on_progress(campaign)
+        if campaign.state not in (CampaignState.QUEUED, CampaignState.RUNNING):
+            return campaign
+        if not pace.has_changed((campaign.state, campaign.counts, campaign.kinds)):
+            yield from expecting_workers(terms)
+        yield pace.wait(answer.retry_after_s)

@@ -1,0 +1,150 @@
+"""The operations of the API as methods of the clients: declared once, for both."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
+
+from drivora_service.client.call import Call, Listing
+from drivora_service.client.calls import campaigns as campaign_calls
+from drivora_service.client.calls import catalogues as catalogue_calls
+from drivora_service.client.calls import jobs as job_calls
+from drivora_service.client.calls import runs as run_calls
+
+if TYPE_CHECKING:
+    from drivora_service.client.async_client import AsyncClient
+    from drivora_service.client.client import Client
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class Answered(Generic[P, T]):
+    """A method that makes a call and returns its answer."""
+
+    def __init__(self, make: Callable[P, Call[T]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, client: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, client: Client, owner: type) -> Callable[P, T]: ...
+    @overload
+    def __get__(self, client: AsyncClient, owner: type) -> Callable[P, Awaitable[T]]: ...
+    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+        if client is None:
+            return self
+
+        @wraps(self.make)
+        def method(*args: P.args, **kwargs: P.kwargs) -> T | Awaitable[T]:
+            return client.ask(self.make(*args, **kwargs))
+
+        return method
+
+
+class Listed(Generic[P, T]):
+    """A method that returns the items of a list, page by page as they are wanted."""
+
+    def __init__(self, make: Callable[P, Listing[T]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, client: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, client: Client, owner: type) -> Callable[P, Iterator[T]]: ...
+    @overload
+    def __get__(self, client: AsyncClient, owner: type) -> Callable[P, AsyncIterator[T]]: ...
+    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+        if client is None:
+            return self
+
+        @wraps(self.make)
+        def method(*args: P.args, **kwargs: P.kwargs) -> Iterator[T] | AsyncIterator[T]:
+            return client.items(self.make(*args, **kwargs))
+
+        return method
+
+
+class Saved(Generic[P]):
+    """A method that writes the answer of a call to a file, which is its first argument.
+
+    The file is whole or absent.
+    """
+
+    def __init__(self, make: Callable[P, Call[bytes]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, client: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, client: Client, owner: type) -> Callable[Concatenate[Path, P], None]: ...
+    @overload
+    def __get__(
+        self, client: AsyncClient, owner: type
+    ) -> Callable[Concatenate[Path, P], Awaitable[None]]: ...
+    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+        if client is None:
+            return self
+
+        @wraps(self.make)
+        def method(path: Path, /, *args: P.args, **kwargs: P.kwargs) -> Awaitable[None] | None:
+            return client.save(self.make(*args, **kwargs), path)
+
+        return method
+
+
+class Operations:
+    """One method an operation; an asynchronous client's are awaited, or iterated over so.
+
+    They raise ``InvalidDocument`` where the service refuses a document and ``ServiceError`` where
+    it refuses for another reason, does not answer, or answers what cannot be read.
+    """
+
+    validate_scenario = Answered(job_calls.validate_scenario)
+    post_job = Answered(job_calls.post_job)
+    jobs = Listed(job_calls.jobs)
+    job = Answered(job_calls.job)
+    cancel_job = Answered(job_calls.cancel_job)
+    post_batch = Answered(job_calls.post_batch)
+    batches = Listed(job_calls.batches)
+    batch = Answered(job_calls.batch)
+    cancel_batch = Answered(job_calls.cancel_batch)
+    pause_batch = Answered(job_calls.pause_batch)
+    resume_batch = Answered(job_calls.resume_batch)
+
+    runs = Listed(run_calls.runs)
+    run = Answered(run_calls.run)
+    run_scenario = Answered(run_calls.run_scenario)
+    run_observations = Answered(run_calls.run_observations)
+    save_run_observations = Saved(run_calls.run_observations)
+
+    post_campaign = Answered(campaign_calls.post_campaign)
+    validate_campaign = Answered(campaign_calls.validate_campaign)
+    campaigns = Listed(campaign_calls.campaigns)
+    campaign = Answered(campaign_calls.campaign)
+    pause_campaign = Answered(campaign_calls.pause_campaign)
+    cancel_campaign = Answered(campaign_calls.cancel_campaign)
+    resume_campaign = Answered(campaign_calls.resume_campaign)
+    evaluations = Listed(campaign_calls.evaluations)
+    evaluation = Answered(campaign_calls.evaluation)
+    evaluation_scenario = Answered(campaign_calls.evaluation_scenario)
+    evaluation_observations = Answered(campaign_calls.evaluation_observations)
+    save_evaluation_observations = Saved(campaign_calls.evaluation_observations)
+    failures = Listed(campaign_calls.failures)
+    figures = Answered(campaign_calls.figures)
+    compare_campaigns = Answered(campaign_calls.compare_campaigns)
+
+    networks = Answered(catalogue_calls.networks)
+    network = Answered(catalogue_calls.network)
+    network_geometry = Answered(catalogue_calls.network_geometry)
+    agents = Answered(catalogue_calls.agents)
+    testers = Answered(catalogue_calls.testers)
+    oracles = Answered(catalogue_calls.oracles)
+    health = Answered(catalogue_calls.health)
+    readiness = Answered(catalogue_calls.readiness)
+    metrics = Answered(catalogue_calls.metrics)
