@@ -93,10 +93,10 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
 
 
 def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int) -> Items[Run]:
-    """Hands out runs that have ended since.
+    """Hands out runs that have ended since the look before: ``most``, and those of the same page.
 
-    The newest jobs come first in the list and are run last, so that what has ended since the look
-    before stands at its beginning; the rest of the list is not read.
+    The newest jobs come first in the list and are run last, so that what has ended since stands at
+    its beginning; the rest of the list is not read.
     """
     from drivora_service.runs.report import RunStatus
     from drivora_service.store.records import JobFilter
@@ -107,7 +107,7 @@ def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int)
     while most > 0:
         page: Any = (yield from asking(listing.page(token, taken=0), terms)).value
         for job in page.items:
-            if most > 0 and job.id not in handed_out:
+            if job.id not in handed_out:
                 handed_out.add(job.id)
                 most -= 1
                 yield Emit((yield from asking(runs.run(job.id), terms)).value)

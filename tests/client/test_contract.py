@@ -1,0 +1,302 @@
+"""What every client does, with a real service and with the application in this process."""
+
+from __future__ import annotations
+
+import copy
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+
+from drivora_service.api.campaign_examples import DOCUMENT
+from drivora_service.api.examples import SCENARIO
+from drivora_service.api.schemas.batches import Batch, ItemResult
+from drivora_service.api.schemas.campaigns import Campaign
+from drivora_service.api.schemas.runs import Run
+from drivora_service.client import Client, ObservationForm
+from drivora_service.errors import InvalidDocument, NotFound, RequestConflict, ServiceError
+from drivora_service.runs.report import RunStatus
+from drivora_service.search.tester import EvaluationStatus
+from drivora_service.store.campaign_records import (
+    CampaignState,
+    EvaluationFilter,
+    FailureFilter,
+)
+from drivora_service.store.records import BatchState, JobFilter, Priority
+
+
+def broken(scenario: dict[str, Any]) -> dict[str, Any]:
+    return {**scenario, "map_region": {**scenario["map_region"], "town": "nowhere"}}
+
+
+@pytest.fixture(scope="module")
+def runs(client: Client) -> tuple[Run, ...]:
+    """The runs of a batch of three that has ended."""
+    submission = client.post_batch([SCENARIO] * 3, name="three", seed=7)
+    return tuple(client.wait_for_batch(submission.batch.id))
+
+
+def small_campaign(tester: str, seed: int = 3) -> dict[str, Any]:
+    return {
+        **copy.deepcopy(DOCUMENT),
+        "name": f"tee, {tester}",
+        "tester": {"name": tester},
+        "space": {"vehicles": 2, "walkers": 1},
+        "oracles": ["collision", "discomfort"],
+        "budget": {"simulations": 6},
+        "seed": seed,
+    }
+
+
+@pytest.fixture(scope="module")
+def campaign(client: Client) -> Campaign:
+    """A campaign that has finished, with failures."""
+    seen: list[Campaign] = []
+    posted = client.post_campaign(small_campaign("random"))
+    ended = client.follow_campaign(posted.id, on_progress=seen.append)
+    assert ended.state is CampaignState.FINISHED, ended.message
+    assert seen[-1] == ended
+    counts = [one.counts.evaluations for one in seen]
+    assert counts == sorted(counts)
+    return ended
+
+
+def test_the_state_of_the_service(client: Client) -> None:
+    assert client.health().status == "ok"
+    readiness = client.readiness()
+    assert readiness.ready
+    assert {"workers", "database"} <= {check.name for check in readiness.checks}
+    client.expect_workers()
+    assert "# TYPE" in client.metrics()
+
+
+def test_the_catalogues(client: Client) -> None:
+    names = [network.name for network in client.networks().items]
+    network = client.network("tee-town")
+    assert network.name in names
+    assert network.lanes > 0
+    geometry = client.network_geometry("tee-town")
+    assert (geometry.sha256, len(geometry.lanes)) == (network.sha256, network.lanes)
+    assert "idm" in [agent.name for agent in client.agents().items]
+    assert "random" in [tester.name for tester in client.testers().items]
+    assert "collision" in [oracle.name for oracle in client.oracles().items]
+
+
+def test_a_scenario_that_can_be_run(client: Client, scenario: dict[str, Any]) -> None:
+    valid = client.validate_scenario(scenario, agent="sumo-krauss")
+    assert (valid.valid, valid.town, valid.agents) == (True, "tee-town", ("sumo-krauss",))
+    text = json.dumps(scenario)
+    for document in (text, text.encode()):
+        assert client.validate_scenario(document).scenario_sha256 == valid.scenario_sha256
+    assert client.validate_scenario(text, language="yaml").town == "tee-town"
+
+
+def test_a_scenario_with_problems(client: Client, scenario: dict[str, Any]) -> None:
+    for refused in (client.validate_scenario, client.post_job):
+        with pytest.raises(InvalidDocument) as raised:
+            refused(broken(scenario))
+        (problem,) = raised.value.problems
+        assert (problem.pointer, problem.code) == ("/map_region/town", "unknown_town")
+        assert "nowhere" in problem.message
+    with pytest.raises(InvalidDocument) as raised:
+        client.post_batch([broken(scenario)] * 2)
+    assert [problem.pointer for problem in raised.value.problems] == [
+        "/0/map_region/town",
+        "/1/map_region/town",
+    ]
+
+
+def test_a_job(client: Client, scenario: dict[str, Any]) -> None:
+    posted = client.post_job(scenario, label="alone", seed=3)
+    job = client.job(posted.id)
+    assert (job.label, job.seed, job.batch_id) == ("alone", 3, "")
+    assert client.cancel_job(posted.id).id == posted.id
+    assert posted.id in [one.id for one in client.jobs(limit=5)]
+
+
+def test_runs_of_a_batch_come_once_each(client: Client, runs: tuple[Run, ...]) -> None:
+    assert sorted(run.item for run in runs) == [0, 1, 2]
+    assert {run.status for run in runs} == {RunStatus.FINISHED}
+    assert len({run.trace_sha256 for run in runs}) == 1
+    for run in runs:
+        assert run == client.run(run.id)
+        assert run.metrics
+        assert run.verdicts
+        assert run.seed == 7
+        assert run.created_at.tzinfo is not None
+
+
+def test_a_batch_with_a_scenario_that_is_rejected(client: Client, scenario: dict[str, Any]) -> None:
+    seen: list[Batch] = []
+    submission = client.post_batch([broken(scenario), scenario], priority=Priority.INTERACTIVE)
+    assert (submission.accepted, submission.rejected) == (1, 1)
+    assert [item.result for item in submission.items] == [
+        ItemResult.REJECTED,
+        ItemResult.ACCEPTED,
+    ]
+    assert submission.items[0].problems[0].pointer == "/map_region/town"
+    assert submission.batch.priority is Priority.INTERACTIVE
+    (run,) = client.wait_for_batch(submission.batch.id, on_progress=seen.append)
+    assert run.id == submission.items[1].job_id
+    assert seen[-1].done
+    assert seen[-1] == client.batch(submission.batch.id)
+
+
+def test_lists_of_runs_with_filters_and_limits(client: Client, runs: tuple[Run, ...]) -> None:
+    batch_id = runs[0].batch_id
+    wanted = JobFilter(batch_id=batch_id, statuses=frozenset({RunStatus.FINISHED}), town="tee-town")
+    listed = tuple(client.runs(wanted))
+    assert [run.item for run in listed] == [2, 1, 0]
+    assert listed == tuple(client.jobs(wanted))
+    assert tuple(client.runs(wanted, limit=2)) == listed[:2]
+    assert tuple(client.runs(wanted, limit=0)) == ()
+    none = JobFilter(batch_id=batch_id, statuses=frozenset({RunStatus.QUEUED, RunStatus.RUNNING}))
+    assert tuple(client.runs(none)) == ()
+    assert tuple(client.runs(JobFilter(batch_id=batch_id, violated=True))) == tuple(
+        run for run in listed if run.violations
+    )
+
+
+def test_what_a_run_recorded(client: Client, runs: tuple[Run, ...], tmp_path: Path) -> None:
+    run = runs[0]
+    parquet = client.run_observations(run.id)
+    table = pq.read_table(io.BytesIO(parquet))
+    assert table.column("step").to_pylist()[-1] + 1 == run.steps
+    lines = client.run_observations(run.id, form=ObservationForm.NDJSON, first=2, last=4)
+    assert len([json.loads(line) for line in lines.splitlines()]) == 3
+    path = tmp_path / "new" / "run.trace.parquet"
+    client.save_run_observations(path, run.id)
+    assert path.read_bytes() == parquet
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_scenario_of_a_run_can_be_posted_again(client: Client, runs: tuple[Run, ...]) -> None:
+    text = client.run_scenario(runs[0].id)
+    assert client.validate_scenario(text).scenario_sha256 == runs[0].scenario_sha256
+
+
+def test_a_batch_is_paused_resumed_and_cancelled(client: Client, scenario: dict[str, Any]) -> None:
+    batch = client.post_batch([scenario] * 2).batch
+    assert client.pause_batch(batch.id).state is BatchState.PAUSED
+    assert client.resume_batch(batch.id).state is BatchState.OPEN
+    assert client.cancel_batch(batch.id).state is BatchState.CANCELLED
+    assert [one.id for one in client.batches(limit=1)] == [batch.id]
+    with pytest.raises(RequestConflict, match="cancelled") as raised:
+        client.resume_batch(batch.id)
+    assert raised.value.status == 409
+    assert len(tuple(client.wait_for_batch(batch.id))) == 2
+
+
+def test_what_is_not_there(client: Client, tmp_path: Path) -> None:
+    for ask in (client.job, client.run, client.batch, client.campaign, client.network):
+        with pytest.raises(NotFound) as raised:
+            ask("no/such?thing:1")
+        assert raised.value.status == 404
+    path = tmp_path / "trace"
+    with pytest.raises(NotFound):
+        client.save_run_observations(path, "none")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(NotFound, match="none"):
+        tuple(client.wait_for_batch("none"))
+    with pytest.raises(NotFound):
+        client.follow_campaign("none")
+
+
+def test_errors_say_what_the_service_says(client: Client, is_local: bool) -> None:
+    with pytest.raises(NotFound) as raised:
+        client.run("none")
+    refused = "" if is_local else "the service refused: "
+    assert str(raised.value).startswith(f"{refused}unknown job 'none'")
+
+
+def test_a_parameter_that_the_service_refuses(client: Client, scenario: dict[str, Any]) -> None:
+    with pytest.raises(InvalidDocument, match="seed"):
+        client.post_job(scenario, seed=-1)
+
+
+def test_a_campaign_and_its_lists(client: Client, campaign: Campaign) -> None:
+    assert client.campaign(campaign.id) == campaign
+    assert campaign.simulations == 6
+    assert campaign.kinds
+    listed = tuple(client.campaigns([CampaignState.FINISHED], limit=10))
+    assert campaign.id in [one.id for one in listed]
+    assert tuple(client.campaigns([CampaignState.PAUSED])) == ()
+    validation = client.validate_campaign(dict(campaign.document))
+    assert (validation.tester, validation.town) == ("random", "tee-town")
+
+
+def test_the_evaluations_of_a_campaign(client: Client, campaign: Campaign) -> None:
+    evaluations = tuple(client.evaluations(campaign.id))
+    assert [one.number for one in evaluations] == list(range(campaign.counts.evaluations))
+    newest = tuple(client.evaluations(campaign.id, newest_first=True, limit=2))
+    assert newest == evaluations[:-3:-1]
+    judged = EvaluationFilter(status=EvaluationStatus.JUDGED, violating=True)
+    violating = tuple(client.evaluations(campaign.id, judged))
+    assert violating == tuple(one for one in evaluations if one.violations)
+    detail = client.evaluation(campaign.id, violating[0].number)
+    assert detail.failures
+    assert detail.genes
+    assert detail.number == violating[0].number
+    text = client.evaluation_scenario(campaign.id, detail.number)
+    assert client.validate_scenario(text).scenario_sha256 == detail.scenario_sha256
+    with pytest.raises(NotFound):
+        client.evaluation(campaign.id, 10_000)
+
+
+def test_the_failures_of_a_campaign(client: Client, campaign: Campaign, tmp_path: Path) -> None:
+    failures = tuple(client.failures(campaign.id))
+    assert {failure.key for failure in failures} == {kind.key for kind in campaign.kinds}
+    key = failures[0].key
+    assert tuple(client.failures(campaign.id, FailureFilter(key=key))) == tuple(
+        failure for failure in failures if failure.key == key
+    )
+    recorded = next(failure for failure in failures if failure.trace)
+    path = tmp_path / recorded.trace
+    client.save_evaluation_observations(path, campaign.id, recorded.evaluation)
+    assert path.read_bytes() == client.evaluation_observations(campaign.id, recorded.evaluation)
+
+
+def test_the_figures_of_a_campaign(client: Client, campaign: Campaign) -> None:
+    answer = client.figures(campaign.id)
+    assert answer.figures is not None
+    assert answer.figures.campaign == campaign.id
+    assert answer.figures.simulations == campaign.simulations
+
+
+def test_a_comparison_of_campaigns(client: Client, campaign: Campaign) -> None:
+    others = [
+        client.post_campaign(json.dumps(small_campaign(tester, seed))).id
+        for tester, seed in (("random", 4), ("avfuzzer", 3), ("avfuzzer", 4))
+    ]
+    for other in others:
+        assert client.follow_campaign(other).state is CampaignState.FINISHED
+    wanted = [campaign.id, *others]
+    comparison = client.compare_campaigns(wanted, measures=["failing", "kinds"], equal_time=True)
+    assert comparison.baseline == "random"
+    assert {one.campaign for one in comparison.campaigns} == set(wanted)
+    assert [one.measure for one in comparison.differences] == ["failing", "kinds"]
+    assert comparison.time_limits_s
+    with pytest.raises(ServiceError, match="one campaign of 'random' only") as raised:
+        client.compare_campaigns([campaign.id, *others[1:]])
+    assert raised.value.status == 422
+
+
+def test_a_campaign_that_is_over_is_neither_paused_nor_resumed(
+    client: Client, campaign: Campaign
+) -> None:
+    for act in (client.pause_campaign, client.resume_campaign, client.cancel_campaign):
+        with pytest.raises(RequestConflict, match="finished"):
+            act(campaign.id)
+
+
+def test_a_campaign_is_paused_resumed_and_cancelled(client: Client) -> None:
+    document = {**copy.deepcopy(DOCUMENT), "budget": {"simulations": 500}, "name": "long"}
+    posted = client.post_campaign(document)
+    client.pause_campaign(posted.id)
+    assert client.follow_campaign(posted.id).state is CampaignState.PAUSED
+    assert client.resume_campaign(posted.id).state is CampaignState.QUEUED
+    client.cancel_campaign(posted.id)
+    assert client.follow_campaign(posted.id).state is CampaignState.CANCELLED
