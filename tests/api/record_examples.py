@@ -36,6 +36,7 @@ _DATA_FOLDER = "/var/lib/drivora"
 _PAGE_TOKEN = "WyI1ZmVjZWI2NmZmYzgiLCAxXQ"
 _TIMES = {
     "created_at": "2026-03-02T09:30:00Z",
+    "claimed_at": "2026-03-02T09:30:01Z",
     "started_at": "2026-03-02T09:30:01Z",
     "ended_at": "2026-03-02T09:30:21Z",
     "updated_at": "2026-03-02T09:30:21Z",
@@ -51,7 +52,7 @@ _DURATIONS = {
     "active_s": 20.0,
     "simulation_s": 4.4,
     "own_s": 0.2,
-    "own_share": 0.043,
+    "own_share": 0.2 / 4.4,
     "first_failure_s": 0.2,
 }
 _UNSTEADY_METRICS = {

@@ -10,8 +10,8 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
-
 from drivora_service.api.campaign_examples import DOCUMENT
+
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.schemas.batches import Batch, ItemResult
 from drivora_service.api.schemas.campaigns import Campaign

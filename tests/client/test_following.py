@@ -9,10 +9,10 @@ from typing import Any
 from urllib.parse import parse_qs, urlencode
 
 import httpx
+from drivora_service.api.campaign_examples import RUNNING
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.api.campaign_examples import RUNNING
 from drivora_service.api.schemas.batches import Batch
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.client.connecting import ignore_retry

@@ -25,6 +25,7 @@ from drivora_service.api.schemas.batches import (
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.shapes import to_json
 from drivora_service.store.database import Transaction
 from drivora_service.store.records import NewRun, Page, Priority
 
@@ -81,7 +82,9 @@ def post_batch(
                 items=items,
             )
             headers = {"Location": f"{PREFIX}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
-            return Answer(status=202, headers=headers, body=answer.model_dump_json())
+            return Answer(
+                status=202, headers=headers, body=to_json(BatchSubmission, answer).decode()
+            )
 
         return Work(commit=commit)
 

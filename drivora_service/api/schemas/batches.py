@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from pydantic import Field
-
 from drivora_service.api.problems import ProblemItem
-from drivora_service.api.schemas.base import Schema
-from drivora_service.shapes import combine
+from drivora_service.shapes import Shape, combine
 from drivora_service.store import records
 
 
@@ -31,18 +28,24 @@ class ItemResult(StrEnum):
     REJECTED = "rejected"
 
 
-class BatchItem(Schema):
-    """One scenario of a batch: a job, or the reasons why not."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchItem(Shape):
+    """One scenario of a batch: a job, or the reasons why not.
 
-    item: int = Field(description="Place in the request, from 0.")
+    Attributes:
+        item: Place in the request, from 0.
+        job_id: Empty if rejected.
+        problems: Every problem; pointers are into the one scenario.
+    """
+
+    item: int
     result: ItemResult
-    job_id: str = Field(default="", description="Empty if rejected.")
-    problems: tuple[ProblemItem, ...] = Field(
-        default=(), description="Every problem; pointers are into the one scenario."
-    )
+    job_id: str = ""
+    problems: tuple[ProblemItem, ...] = ()
 
 
-class BatchSubmission(Schema):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchSubmission(Shape):
     """The answer to a batch."""
 
     batch: Batch
