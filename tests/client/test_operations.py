@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import AsyncIterator, Iterator, Mapping
+from typing import Any, assert_type
 
 import httpx
 import pytest
 
+from drivora_service.api.schemas.service import Health
 from drivora_service.client import AsyncClient, Call, Client, Listing
 from drivora_service.client.operations import Answered, Listed, Operations, Saved
+from drivora_service.store.records import RunSummary
+from tests.client.scripted_server import ok, scripted
 
 _GIVEN: Mapping[str, Any] = {
     "document": {},
@@ -112,6 +116,25 @@ def test_methods_are_documented(name: str) -> None:
         assert inspect.getdoc(method)
         assert method.__name__ == _METHODS[name].make.__name__
     assert inspect.getdoc(_METHODS[name])
+
+
+def test_methods_have_the_types_of_their_answers() -> None:
+    """The type checker reads this as well."""
+    empty = ok({"items": []})
+    health = ok({"status": "ok", "version": "1"})
+    with scripted(health, empty) as server, Client(server.url) as client:
+        assert_type(client.health(), Health)
+        assert_type(client.runs(limit=1), Iterator[RunSummary])
+        assert list(client.runs()) == []
+
+    async def ask(url: str) -> None:
+        async with AsyncClient(url) as client:
+            assert_type(await client.health(), Health)
+            assert_type(client.runs(limit=1), AsyncIterator[RunSummary])
+            assert [run async for run in client.runs()] == []
+
+    with scripted(health, empty) as server:
+        asyncio.run(ask(server.url))
 
 
 def test_places_in_a_path_are_quoted() -> None:
