@@ -26,7 +26,7 @@ _JSON = {"Content-Type": "application/json"}
 
 
 def bodies() -> dict[str, bytes]:
-    """Gives what is posted, by name; the unbroken document comes first."""
+    """Returns what is posted, by name; the unbroken document comes first."""
     made = {"(nothing wrong)": json.dumps(GOOD).encode()}
     for name, (change, _) in BROKEN.items():
         content = change(copy.deepcopy(GOOD))
@@ -36,7 +36,7 @@ def bodies() -> dict[str, bytes]:
 
 
 def measure(client: httpx.Client, path: str) -> dict[str, float]:
-    """Gives the seconds that each answer took."""
+    """Returns the seconds that each answer took."""
     seconds = {}
     for name, body in bodies().items():
         begun = time.perf_counter()

@@ -133,7 +133,7 @@ def check_budgets(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 
 def sequence(data: Path, campaign_id: str) -> list[tuple[object, ...]]:
-    """Gives all of a stored campaign's evaluations that circumstances must not change."""
+    """Returns all of a stored campaign's evaluations that circumstances must not change."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         records = list(StoreJournal(database, campaign_id).evaluations())
@@ -158,7 +158,7 @@ def _told(record: EvaluationRecord) -> tuple[object, ...]:
 
 
 def command(data: Path, *arguments: str) -> list[str]:
-    """Gives a command line of ``drivora campaign``."""
+    """Returns a command line of ``drivora campaign``."""
     return [sys.executable, "-m", "drivora_service.cli", "campaign", *arguments, "--data-dir",
             str(data), "--json"]  # fmt: skip
 
@@ -170,7 +170,7 @@ def finish(data: Path, *arguments: str) -> str:
 
 
 def told_so_far(data: Path) -> tuple[str, int]:
-    """Gives the newest campaign and how many evaluations it has told; ("", 0) for none."""
+    """Returns the newest campaign and how many evaluations it has told; ("", 0) for none."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         with database.read() as transaction:

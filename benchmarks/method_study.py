@@ -134,7 +134,7 @@ TWINS = tuple(replace(arm, feedback="shuffled") for arm in ARMS if arm.tester !=
 
 @cache
 def catalogues() -> Catalogues:
-    """Gives what campaigns may name; one a process."""
+    """Returns what campaigns may name; one a process."""
     return installed_catalogues(NetworkCatalogue(shipped_networks()))
 
 
@@ -359,7 +359,7 @@ def show(options: argparse.Namespace) -> None:
 def figures(
     lines: Sequence[dict[str, Any]], egos: str, groups: Collection[str], equal_time: bool
 ) -> list[CampaignFigures]:
-    """Gives the figures of all campaigns of some groups, scene by scene."""
+    """Returns the figures of all campaigns of some groups, scene by scene."""
     found: list[CampaignFigures] = []
     for scene in SCENES:
         here = [

@@ -50,7 +50,7 @@ def _waypoints(route: ET.Element, network: RoadNetwork) -> list[Waypoint]:
 
 
 def town_scene(routes: Path, network: RoadNetwork, *, npcs: int) -> Scenario:
-    """Gives an ego on a town's first Leaderboard route and NPCs on the next ones."""
+    """Returns an ego on a town's first Leaderboard route and NPCs on the next ones."""
     found = [r for r in ET.parse(routes).getroot() if r.get("town") == network.name]
     ways = [_waypoints(route, network) for route in found]
     vehicles = []
@@ -80,7 +80,7 @@ def town_scene(routes: Path, network: RoadNetwork, *, npcs: int) -> Scenario:
 
 
 def usual_scenes(count: int, seed: int) -> list[Scenario]:
-    """Gives scenes of the usual size on tee-town: one ego, ten reactive NPCs, 60 s."""
+    """Returns scenes of the usual size on tee-town: one ego, ten reactive NPCs, 60 s."""
     networks = NetworkCatalogue(shipped_networks())
     ways = [
         validate_document(document, networks, ("idm",)).scenario
@@ -116,7 +116,7 @@ def usual_scenes(count: int, seed: int) -> list[Scenario]:
 
 
 def mixed_scenarios(count: int, seed: int) -> list[Scenario]:
-    """Gives short scenarios over all shipped networks that use every kind of actor.
+    """Returns short scenarios over all shipped networks that use every kind of actor.
 
     The egos' ways are generated seeds; NPCs of all three behaviours, walkers, an obstacle, weather
     with and without noise, light times and background traffic are drawn on top of them.

@@ -107,7 +107,7 @@ class Laboratory:
 
 
 def explore(laboratory: Laboratory, options: argparse.Namespace) -> dict[str, tuple[int, int]]:
-    """Gives of every group how many were run, and how many of them failed."""
+    """Returns of every group how many were run, and how many of them failed."""
     random = np.random.default_rng(options.seed)
     drawn = [laboratory.space.sample(random) for _ in range(options.draws)]
     groups: dict[str, tuple[int, int]] = {}

@@ -47,7 +47,7 @@ Measured = Callable[[Sequence[Scenario]], Seconds]
 
 @contextmanager
 def warm_executor(slots: int, folder: Path) -> Iterator[Measured]:
-    """Gives a function that runs scenes on the executor alone."""
+    """Returns a function that runs scenes on the executor alone."""
     setup = WorkerSetup(shipped_networks=shipped_networks())
     numbers = count()
     folder.mkdir()
@@ -73,7 +73,7 @@ def warm_executor(slots: int, folder: Path) -> Iterator[Measured]:
 
 @contextmanager
 def warm_service(slots: int, folder: Path) -> Iterator[Measured]:
-    """Gives a function that posts scenes to a real server: from the post to the last run's end."""
+    """Returns a function that posts scenes to a real server and waits for their last run."""
     with (
         running_service(folder, workers=slots) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=300.0) as client,
@@ -98,7 +98,7 @@ def warm_service(slots: int, folder: Path) -> Iterator[Measured]:
 
 @contextmanager
 def warm_libsumo(processes: int) -> Iterator[Measured]:
-    """Gives a function that replays runs in libsumo alone, as many as there are scenes."""
+    """Returns a function that replays runs in libsumo alone, as many as there are scenes."""
     spawn = multiprocessing.get_context("spawn")
     pipes = []
     for _ in range(processes):

@@ -43,7 +43,7 @@ def compiled(function: Function) -> Function:
 
 
 def used_by(function: FunctionType) -> str:
-    """Gives a digest of what a kernel may use: the files of kernels, and the values of constants.
+    """Returns a digest of what a kernel may use: the files of kernels, and the values of constants.
 
     Kernels and constants of other modules are imported before the function that uses them is made;
     those of its own module are in its file.
@@ -80,14 +80,14 @@ class _UsedStamp:
 
     @classmethod
     def from_function(cls, function: Any, path: str) -> Any:
-        """Gives where a function is kept; ``None`` if not here."""
+        """Returns where a function is kept; ``None`` if not here."""
         found = super().from_function(function, path)  # type: ignore[misc] # of the other base
         if found is not None and hasattr(function, _MARK):
             found._used = used_by(function)
         return found
 
     def get_source_stamp(self) -> object:
-        """Gives what must be the same for a kept function to be used."""
+        """Returns what must be the same for a kept function to be used."""
         stamp: object = super().get_source_stamp()  # type: ignore[misc] # of the other base
         return stamp, self._used
 

@@ -60,7 +60,7 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
 
 @cache
 def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
-    """Gives what checks a dataclass; to make it takes longer than a second of simulation."""
+    """Returns what checks a dataclass; to make it takes longer than a second of simulation."""
     return TypeAdapter(type_)
 
 
@@ -164,7 +164,7 @@ def _unknown(name: str, known: tuple[str, ...], of: str) -> Problem:
 
 
 def _place(keys: Iterable[str | int], content: Any) -> list[str]:
-    """Gives the keys that lead through the content; further ones are names of types."""
+    """Returns the keys that lead through the content; further ones are names of types."""
     place = []
     for key in keys:
         try:

@@ -56,16 +56,16 @@ class PluginTable(Generic[P]):
         self._versions: dict[str, dict[str, str]] = {}
 
     def names(self) -> tuple[str, ...]:
-        """Gives all names, sorted."""
+        """Returns all names, sorted."""
         return tuple(sorted({*self._plugins, *self._found}))
 
     def package(self, name: str) -> str:
-        """Gives the name of the package that brings a plug-in, "" if none does."""
+        """Returns the name of the package that brings a plug-in, "" if none does."""
         point = self._found.get(name)
         return "" if point is None or point.dist is None else point.dist.name
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Gives the package that brings a plug-in, with its version; nothing if none does."""
+        """Returns the package that brings a plug-in, with its version; nothing if none does."""
         if name not in self._versions:
             # Reads a file, while agents are looked up for every candidate of a search.
             point = self._found.get(name)
@@ -74,7 +74,7 @@ class PluginTable(Generic[P]):
         return self._versions[name]
 
     def plugin(self, name: str) -> P:
-        """Gives a plug-in.
+        """Returns a plug-in.
 
         Raises:
             UnknownName: If there is none of that name.

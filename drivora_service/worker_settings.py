@@ -13,7 +13,7 @@ from drivora_service.worker.setup import WorkerSetup
 
 
 def worker_setup(settings: Settings) -> WorkerSetup:
-    """Gives what every worker is told.
+    """Returns what every worker is told.
 
     Raises:
         ConfigurationError: ADSs cannot run under the account that they should.
@@ -48,7 +48,7 @@ def _confinement(settings: Settings) -> Confinement:
 
 
 def run_limits(settings: Settings) -> RunLimits:
-    """Gives what a worker may use."""
+    """Returns what a worker may use."""
     return RunLimits(
         wall_time_s=settings.wall_time_limit_s,
         agent_deadline_s=settings.agent_deadline_s,

@@ -86,7 +86,7 @@ class AgentCatalogue:
         self._hosts: AgentHosts | None = None
 
     def names(self) -> tuple[str, ...]:
-        """Gives all names, sorted."""
+        """Returns all names, sorted."""
         return tuple(
             sorted(
                 {
@@ -99,7 +99,7 @@ class AgentCatalogue:
         )
 
     def entry(self, name: str) -> AgentEntry:
-        """Gives what is known of an agent; of one that cannot be used, why.
+        """Returns what is known of an agent; of one that cannot be used, why.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -131,11 +131,11 @@ class AgentCatalogue:
             )
 
     def entries(self) -> tuple[AgentEntry, ...]:
-        """Gives all entries, by name."""
+        """Returns all entries, by name."""
         return tuple(self.entry(name) for name in self.names())
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Gives the version of an agent by the name of its package, or by its own.
+        """Returns the version of an agent by the name of its package, or by its own.
 
         Returns:
             Nothing for those that Drivora brings, nor where the manifest tells none.
@@ -149,11 +149,11 @@ class AgentCatalogue:
         return {name: manifest.version} if manifest.version else {}
 
     def availability(self) -> AgentDirectory:
-        """Gives what documents are checked against; looked up when asked."""
+        """Returns what documents are checked against; looked up when asked."""
         return _Availability(self)
 
     def parameters(self, name: str) -> tuple[ParameterDescription, ...] | None:
-        """Gives the parameters that an agent takes; ``None`` where it does not declare them.
+        """Returns the parameters that an agent takes; ``None`` where it does not declare them.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -186,7 +186,7 @@ class AgentCatalogue:
         return parameter_problems(type_, parameters, of=f"agent {name!r}")
 
     def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
-        """Gives the lane-change model that one of SUMO's drivers needs; "" of any other agent.
+        """Returns the lane-change model that one of SUMO's drivers needs; "" of any other agent.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -229,7 +229,7 @@ class AgentCatalogue:
             ) from error
 
     def is_in_process(self, name: str) -> bool:
-        """Tells whether the code of an agent runs in the process that makes it.
+        """Returns whether the code of an agent runs in the process that makes it.
 
         Raises:
             AgentError: If its manifest cannot be used.

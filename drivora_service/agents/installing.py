@@ -26,7 +26,7 @@ _LOG_CHARACTERS = 4000
 
 
 def environment_python(manifest: AgentManifest, agents: Path | None) -> Path | None:
-    """Gives the interpreter for an ADS: of its environment, or ours if it asks for none.
+    """Returns the interpreter for an ADS: of its environment, or ours if it asks for none.
 
     Returns:
         ``None`` if its environment is not installed.
@@ -77,7 +77,7 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
 
 
 def installed_files(name: str, files: Sequence[PackageFile], agents: Path | None) -> Path | None:
-    """Gives the folder with the fetched files of an agent, ``None`` if they are not there."""
+    """Returns the folder with the fetched files of an agent, ``None`` if they are not there."""
     if agents is None:
         return None
     folder = agents / name / "files"

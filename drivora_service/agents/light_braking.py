@@ -18,7 +18,7 @@ _HARDEST_BRAKING = 7.5
 
 
 def light_acceleration(observation: Observation, max_braking: float) -> float:
-    """Gives the most acceleration that the next light on the route allows, m/s².
+    """Returns the most acceleration that the next light on the route allows, m/s².
 
     Args:
         observation: Of this step.

@@ -209,7 +209,7 @@ def _problems(document: _Manifest, name: str) -> list[Problem]:
 
 
 def command_line(manifest: AgentManifest, python: Path) -> list[str]:
-    """Gives the command with its placeholders filled in."""
+    """Returns the command with its placeholders filled in."""
     values: Mapping[str, str] = {"python": str(python), "folder": str(manifest.folder)}
     return [_PLACEHOLDER.sub(lambda match: values[match[1]], word) for word in manifest.command]
 

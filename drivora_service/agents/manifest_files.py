@@ -15,12 +15,12 @@ _SHIPPED = Path(__file__).resolve().parent / "adapters"
 
 
 def shipped_manifests() -> dict[str, Path]:
-    """Gives the manifests of the built-in agents that need an environment, by name."""
+    """Returns the manifests of the built-in agents that need an environment, by name."""
     return {path.stem: path for path in sorted(_SHIPPED.glob("*/*.yaml"))}
 
 
 def operator_manifests(folder: Path | None) -> dict[str, Path]:
-    """Gives the manifests in a folder of agents (``NAME/agent.yaml``), by name."""
+    """Returns the manifests in a folder of agents (``NAME/agent.yaml``), by name."""
     if folder is None or not folder.is_dir():
         return {}
     return {

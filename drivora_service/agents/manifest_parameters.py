@@ -95,7 +95,7 @@ class ParameterDocument(BaseModel):
         return self
 
     def parameter(self, name: str) -> ManifestParameter:
-        """Gives the parameter under its name."""
+        """Returns the parameter under its name."""
         return ManifestParameter(
             name=name,
             kind=self.type,

@@ -114,7 +114,7 @@ def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
 
 
 def _unpacked_source(scratch: Path) -> Path | None:
-    """Gives the folder into which pip unpacked a source archive, if it did.
+    """Returns the folder into which pip unpacked a source archive, if it did.
 
     pip compares an archive's hash, unpacks it, and then has the package's build name its
     dependencies, which fails where what building needs is not there. The files are all the same.

@@ -72,7 +72,7 @@ def find_corridor(network: RoadNetwork, route: LaneRoute) -> RouteCorridor:
 
 
 def _blocks(network: RoadNetwork, route: LaneRoute) -> list[tuple[int, int]]:
-    """Gives the first point and the one behind the last of each stay on an edge."""
+    """Returns the first point and the one behind the last of each stay on an edge."""
     edges = [network.lanes[lane].edge_id for lane in route.point_lanes.tolist()]
     starts = [0, *(i for i, (one, two) in enumerate(pairwise(edges), 1) if one != two)]
     return list(pairwise([*starts, len(edges)]))
@@ -84,7 +84,7 @@ def _runs_of_equal(values: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 
 def _next_edge(network: RoadNetwork, route: LaneRoute, blocks: list[tuple[int, int]]) -> str:
-    """Gives the next edge outside a junction, "" behind the last."""
+    """Returns the next edge outside a junction, "" behind the last."""
     for first, _ in blocks:
         lane = network.lanes[int(route.point_lanes[first])]
         if not lane.is_internal:
@@ -93,7 +93,7 @@ def _next_edge(network: RoadNetwork, route: LaneRoute, blocks: list[tuple[int, i
 
 
 def _usable(network: RoadNetwork, edge: str, following: str) -> frozenset[int]:
-    """Gives the lanes of an edge from which the following one is reached; of the last edge, all."""
+    """Returns the lanes of an edge that lead to the following edge; all lanes of the last edge."""
     lanes = [lane for lane in network.edge_lanes[edge] if network.lanes[lane].drivable]
     if not following:
         return frozenset(lanes)
@@ -111,14 +111,14 @@ def _leads_to(network: RoadNetwork, lane: int, edge: str) -> bool:
 
 
 def _side_by_side(network: RoadNetwork, lane: int, usable: frozenset[int]) -> tuple[int, ...]:
-    """Gives the lanes from right to left that reach from ``lane`` over all usable ones."""
+    """Returns the lanes from right to left that reach from ``lane`` over all usable ones."""
     edge = [i for i in network.edge_lanes[network.lanes[lane].edge_id] if network.lanes[i].drivable]
     chosen = [place for place, i in enumerate(edge) if i in usable or i == lane]
     return tuple(edge[min(chosen) : max(chosen) + 1])
 
 
 def _borders(network: RoadNetwork, lane: int, usable: frozenset[int]) -> tuple[float, float]:
-    """Gives the metres from a lane's centre to the right and to the left border."""
+    """Returns the metres from a lane's centre to the right and to the left border."""
     chosen = _side_by_side(network, lane, usable)
     at = chosen.index(lane)
     half = 0.5 * network.lanes[lane].width
@@ -128,7 +128,7 @@ def _borders(network: RoadNetwork, lane: int, usable: frozenset[int]) -> tuple[f
 
 
 def _along(network: RoadNetwork, lane: int, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Gives the (n, 2) foot points on a lane's centre, and the (n,) direction there."""
+    """Returns the (n, 2) foot points on a lane's centre, and the (n,) direction there."""
     shape = network.lanes[lane].shape
     arc = arc_lengths(shape)
     steps = np.diff(shape, axis=0)

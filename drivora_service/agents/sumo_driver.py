@@ -43,7 +43,7 @@ class SumoDriver:
 
 
 def common_lane_change_model(agents: Iterable[object]) -> LaneChangeModel:
-    """Gives the lane-change model of a run: SUMO has one for all whom it drives.
+    """Returns the lane-change model of a run: SUMO has one for all whom it drives.
 
     Args:
         agents: All of the run; those that are not SUMO's drivers have no say.

@@ -25,7 +25,7 @@ RawBody = Annotated[bytes, Depends(_read_body)]
 
 
 def media_type(request: Request, allowed: frozenset[str]) -> str:
-    """Gives the body's media type.
+    """Returns the body's media type.
 
     Raises:
         ApiError: It is not among those allowed (415).
@@ -47,7 +47,7 @@ def document_format(request: Request) -> Literal["json", "yaml"]:
 
 
 def split_batch(request: Request, body: bytes, *, most: int) -> list[bytes | dict[str, Any]]:
-    """Gives the documents of a batch, unparsed where they came as lines.
+    """Returns the documents of a batch, unparsed where they came as lines.
 
     Raises:
         InvalidDocument: The body is no list, is empty, or holds more than ``most`` documents.

@@ -41,7 +41,7 @@ def is_known(request: Request, etag: str) -> bool:
 
 
 def cache_headers(etag: str) -> dict[str, str]:
-    """Gives the headers that let a client ask again cheaply."""
+    """Returns the headers that let a client ask again cheaply."""
     return {
         "ETag": f'"{etag}"',
         "Cache-Control": "private, no-cache",
@@ -50,5 +50,5 @@ def cache_headers(etag: str) -> dict[str, str]:
 
 
 def digest(content: bytes) -> str:
-    """Gives a short hash of an answer."""
+    """Returns a short hash of an answer."""
     return hashlib.sha256(content).hexdigest()[:32]

@@ -46,7 +46,7 @@ class ApiContext:
         tokens: Who may use the service; ``None``: everyone who reaches it.
         trace_path: Where the trace of a run lies, by the run's id.
         gene_spaces: Names the genes of campaigns.
-        campaign_folder: Gives the folder of a campaign, by its id.
+        campaign_folder: Returns the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
         campaigns: Runs campaigns.
         reserve: Gets ready for so many runs; returns the process that they are for, "" for any
@@ -88,7 +88,7 @@ class ApiContext:
 
 
 def context_of(request: Request) -> ApiContext:
-    """Gives the context of the application that serves a request."""
+    """Returns the context of the application that serves a request."""
     context: ApiContext = request.app.state.context
     return context
 

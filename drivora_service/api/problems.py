@@ -70,7 +70,7 @@ class ApiError(Exception):
 
 
 def problem_items(problems: tuple[Problem, ...]) -> list[ProblemItem]:
-    """Gives problems in the shape of the answer; a document that is all wrong is cut short."""
+    """Returns problems in the shape of the answer; a document that is all wrong is cut short."""
     return [
         ProblemItem(pointer=p.pointer, code=p.code, message=p.message)
         for p in problems[:_MAX_PROBLEMS]

@@ -54,6 +54,6 @@ async def submitter(request: Request, credentials: Credentials) -> None:
 
 
 def client_name(request: Request) -> str:
-    """Gives the name of the token that a request came with, or ""."""
+    """Returns the name of the token that a request came with, or ""."""
     name: str = getattr(request.state, "client", "")
     return name

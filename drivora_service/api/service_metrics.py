@@ -22,7 +22,7 @@ CONTENT_TYPE = CONTENT_TYPE_LATEST
 
 
 def metrics_text(context: ApiContext, times: RequestTimes) -> bytes:
-    """Gives the metrics in Prometheus' text form."""
+    """Returns the metrics in Prometheus' text form."""
     registry = CollectorRegistry(auto_describe=False)
     registry.register(_FaultCollector(context))
     registry.register(_StoreCollector(context))

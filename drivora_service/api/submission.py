@@ -73,7 +73,7 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
 
 
 def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:
-    """Gives the run of a scenario that can be run."""
+    """Returns the run of a scenario that can be run."""
     scenario = valid.scenario
     document = canonical_json(scenario)
     names = dict.fromkeys(ego.agent.name for ego in scenario.ego_vehicles)

@@ -58,7 +58,7 @@ class TokenFile:
         self._loaded = _Loaded(mtime_ns=-1, by_hash={})
 
     def all(self) -> tuple[StoredToken, ...]:
-        """Gives all tokens, without their secrets."""
+        """Returns all tokens, without their secrets."""
         return tuple(self._current().values())
 
     def create(self, name: str, scope: Scope) -> str:
@@ -90,7 +90,7 @@ class TokenFile:
         self._write(rest)
 
     def find(self, secret: str) -> StoredToken | None:
-        """Gives the token that a request carries, or ``None`` if it is not one of ours."""
+        """Returns the token that a request carries, or ``None`` if it is not one of ours."""
         return self._current().get(_hash(secret))
 
     def _current(self) -> dict[str, StoredToken]:

@@ -65,7 +65,7 @@ class BenchmarkRun:
         return math.fsum(costs) if costs else None
 
     def metric(self, name: str) -> float | None:
-        """Gives a metric; ``None`` if it could not be measured."""
+        """Returns a metric; ``None`` if it could not be measured."""
         value = self.report.metrics.get(name)
         return value if value is not None and math.isfinite(value) else None
 
@@ -253,7 +253,7 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
 
 
 def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
-    """Gives the judged run in which most went wrong; of runs alike in that, the longest.
+    """Returns the judged run in which most went wrong; of runs alike in that, the longest.
 
     A collision at the ego's fault weighs most, then how many rules were broken.
     """
@@ -309,7 +309,7 @@ def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
 
 
 def _values(runs: Iterable[BenchmarkRun], metric: str) -> list[float]:
-    """Gives a metric of the runs in which it could be measured."""
+    """Returns a metric of the runs in which it could be measured."""
     return [value for run in runs if (value := run.metric(metric)) is not None]
 
 

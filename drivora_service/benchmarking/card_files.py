@@ -17,7 +17,7 @@ from drivora_service.benchmarking.courses import COURSES, VERSION
 def cards_content(
     cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, runs: int
 ) -> dict[str, Any]:
-    """Gives cards as plain data; the keys are a contract with scripts.
+    """Returns cards as plain data; the keys are a contract with scripts.
 
     Args:
         cards: Of the agents that drove.

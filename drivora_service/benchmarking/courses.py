@@ -69,7 +69,7 @@ class Heat:
 
 
 def heats(networks: NetworkCatalogue, runs: int) -> Iterator[Heat]:
-    """Gives the scenarios of all courses; fewer are the first ones of more.
+    """Returns the scenarios of all courses; fewer are the first ones of more.
 
     Args:
         networks: Has the shipped networks.

@@ -36,7 +36,7 @@ class Clustering:
     least: int = 1
 
     def label(self, verdicts: Sequence[Verdict]) -> tuple[int, ...]:
-        """Gives the number of the group of each violation, from 0 within its oracle.
+        """Returns the number of the group of each violation, from 0 within its oracle.
 
         Failures that are in no group (there are none with ``least`` = 1) get -1.
         """
@@ -77,7 +77,7 @@ class Clustering:
 
 
 def situation_features(verdicts: Sequence[Verdict]) -> FloatArray:
-    """Gives (n, d) features of violations of one oracle: those that all of them have.
+    """Returns (n, d) features of violations of one oracle: those that all of them have.
 
     A feature is kept if it is measured, and finite, in every violation.
     """

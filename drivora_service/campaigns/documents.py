@@ -161,7 +161,7 @@ class CampaignDocument(EntityDocument):
 
 
 def to_campaign(document: CampaignDocument) -> Campaign:
-    """Gives the campaign that a document stands for."""
+    """Returns the campaign that a document stands for."""
     tester, agent = document.tester, document.agent
     space = {
         option.name: getattr(document.space, option.name)

@@ -57,7 +57,7 @@ class Search:
     Attributes:
         run_prefix: Begins the ids of the runs; the number follows.
         feedback: What the tester wants measured.
-        key_of: Gives the kind of failure of a violation.
+        key_of: Returns the kind of failure of a violation.
     """
 
     run_prefix: str

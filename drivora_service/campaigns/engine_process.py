@@ -53,16 +53,16 @@ class EngineSetup:
     agents: Path | None = None
 
     def folder(self, campaign_id: str) -> CampaignFolder:
-        """Gives the folder of a campaign."""
+        """Returns the folder of a campaign."""
         return CampaignFolder(self.campaigns, campaign_id)
 
     def log(self, campaign_id: str) -> Path:
-        """Gives the file that takes what the process of a campaign prints."""
+        """Returns the file that takes what the process of a campaign prints."""
         return self.folder(campaign_id).path / "engine.log"
 
 
 def log_tail(path: Path, lines: int) -> str:
-    """Gives the last lines of a log; "" where there is none."""
+    """Returns the last lines of a log; "" where there is none."""
     try:
         with path.open("rb") as log:
             log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))

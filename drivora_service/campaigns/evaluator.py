@@ -33,9 +33,9 @@ class Evaluator(Protocol):
         ...
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
-        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most.
+        """Returns the answers since the last call; waits for one, ``timeout`` seconds at most.
 
-        Gives none at once where nothing is under way.
+        Returns none at once where nothing is under way.
 
         Raises:
             WorkersCannotStart: Nothing can be run.
@@ -43,7 +43,7 @@ class Evaluator(Protocol):
         ...
 
     def close(self) -> None:
-        """Gives up what is under way and lets go of everything; may be called again."""
+        """Cancels what is under way and releases all resources; may be called again."""
         ...
 
 

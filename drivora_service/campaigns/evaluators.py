@@ -11,7 +11,7 @@ BUILT_IN = (LOCAL,)
 
 
 def evaluator_plugins() -> PluginTable[EvaluatorPlugin]:
-    """Gives the evaluators by name."""
+    """Returns the evaluators by name."""
     return PluginTable(
         kind="evaluator",
         group="drivora_service.evaluators",

@@ -20,12 +20,12 @@ _SEPARATOR = "|"
 
 @dataclass(frozen=True, slots=True)
 class FailureKeys:
-    """Gives keys of violations on one road network."""
+    """Returns keys of violations on one road network."""
 
     network: RoadNetwork
 
     def __call__(self, verdict: Verdict) -> str:
-        """Gives the key of a violation."""
+        """Returns the key of a violation."""
         parts = (verdict.oracle, self.place(verdict), relation(verdict.evidence))
         return _SEPARATOR.join(part for part in parts if part)
 
@@ -44,7 +44,7 @@ class FailureKeys:
 
 
 def junction_of(internal_edge_id: str) -> str:
-    """Gives the junction of an internal edge: SUMO calls them ``:JUNCTION_NUMBER``."""
+    """Returns the junction of an internal edge: SUMO calls them ``:JUNCTION_NUMBER``."""
     return internal_edge_id.removeprefix(":").rpartition("_")[0]
 
 

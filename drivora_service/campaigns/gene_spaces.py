@@ -31,7 +31,7 @@ class GeneSpaces:
         self._lock = threading.Lock()
 
     def of(self, record: CampaignRecord) -> GeneSpace | None:
-        """Gives the genes of a campaign; ``None`` if what it was made on is not there any more."""
+        """Returns the genes of a campaign; ``None`` if its network is no longer available."""
         with self._lock:
             if record.id not in self._known:
                 built = self._build(record)

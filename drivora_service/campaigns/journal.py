@@ -14,7 +14,7 @@ class Journal(Protocol):
     """The record of a campaign, from which it can be resumed."""
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Gives what was appended, in order; may be read while more is appended behind it."""
+        """Returns what was appended, in order; may be read while more is appended behind it."""
         ...
 
     def append(self, record: EvaluationRecord, document: str) -> None:
@@ -27,7 +27,7 @@ class Journal(Protocol):
         ...
 
     def document(self, number: int) -> str:
-        """Gives the canonical JSON text of an evaluation's scenario.
+        """Returns the canonical JSON text of an evaluation's scenario.
 
         Raises:
             UnknownName: There is none.
@@ -35,7 +35,7 @@ class Journal(Protocol):
         ...
 
     def failures(self) -> tuple[Failure, ...]:
-        """Gives every violation of every evaluation, in order."""
+        """Returns every violation of every evaluation, in order."""
         ...
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
@@ -48,7 +48,7 @@ class Journal(Protocol):
 
 
 def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
-    """Gives the failures that an evaluation found."""
+    """Returns the failures that an evaluation found."""
     return tuple(
         Failure(evaluation=record.number, place=place, key=key, verdict=verdict)
         for place, (verdict, key) in enumerate(
@@ -67,7 +67,7 @@ class MemoryJournal:
         self._failures = [failure for record in evaluations for failure in failures_of(record)]
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Gives what was appended, in order."""
+        """Returns what was appended, in order."""
         return iter(tuple(self._evaluations))
 
     def append(self, record: EvaluationRecord, document: str) -> None:
@@ -80,7 +80,7 @@ class MemoryJournal:
             self._failures += failures_of(record)
 
     def document(self, number: int) -> str:
-        """Gives the scenario of an evaluation that was appended here and violates a rule.
+        """Returns the scenario of an evaluation that was appended here and violates a rule.
 
         Raises:
             UnknownName: There is none.
@@ -90,7 +90,7 @@ class MemoryJournal:
         return self._documents[number]
 
     def failures(self) -> tuple[Failure, ...]:
-        """Gives every violation of every evaluation, in order."""
+        """Returns every violation of every evaluation, in order."""
         return tuple(self._failures)
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:

@@ -34,7 +34,7 @@ def refuse_lost(number: int, report: RunReport) -> None:
 
 
 def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:
-    """Gives the verdicts that count as failures, in the order of their times.
+    """Returns the verdicts that count as failures, in the order of their times.
 
     Those are of a campaign's oracles and say that a rule was violated, and not by somebody else's
     fault.
@@ -50,7 +50,7 @@ def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict,
 
 
 def evaluation_of(record: EvaluationRecord) -> Evaluation:
-    """Gives what a tester is told of a candidate."""
+    """Returns what a tester is told of a candidate."""
     judged = record.status is EvaluationStatus.JUDGED
     return Evaluation(
         number=record.number,

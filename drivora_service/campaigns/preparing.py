@@ -62,7 +62,7 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
 
 
 def search_versions() -> dict[str, str]:
-    """Gives the versions of what decides how a search goes, by name."""
+    """Returns the versions of what decides how a search goes, by name."""
     packages = ("drivora", "numpy", "scipy", "scikit-learn", "pymoo", "libsumo")
     return {name: version(name) for name in packages}
 

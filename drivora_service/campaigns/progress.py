@@ -48,7 +48,7 @@ class ProgressMeter:
 
         Args:
             budget: Simulations of the campaign.
-            clock: Gives seconds.
+            clock: Returns seconds.
         """
         self._budget, self._clock = budget, clock
         self._statuses = dict.fromkeys(EvaluationStatus, 0)
@@ -81,7 +81,7 @@ class ProgressMeter:
         self._answers[number] = confirmation
 
     def progress(self) -> Progress:
-        """Gives how it stands now."""
+        """Returns how it stands now."""
         counts = CampaignCounts(
             evaluations=sum(self._statuses.values()),
             judged=self._statuses[EvaluationStatus.JUDGED],

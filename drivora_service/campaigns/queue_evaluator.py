@@ -61,7 +61,7 @@ class QueueEvaluator:
         self._queue()
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
-        """Gives the answers since the last call; waits for one, ``timeout`` seconds at most."""
+        """Returns the answers since the last call; waits for one, ``timeout`` seconds at most."""
         until = None if timeout is None else time.monotonic() + timeout
         pause = _FIRST_POLL_S
         while self._open:
@@ -121,7 +121,7 @@ class QueueEvaluator:
 
 
 def _share(written: Path, wanted: Path) -> None:
-    """Gives a trace a second name, or a copy where files cannot have two."""
+    """Links a trace under a second name, or copies it where links are impossible."""
     wanted.parent.mkdir(parents=True, exist_ok=True)
     wanted.unlink(missing_ok=True)
     # A trace that was pruned meanwhile is missed by nobody but its readers.

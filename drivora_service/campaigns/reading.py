@@ -57,7 +57,7 @@ class ValidCampaign:
     versions: Mapping[str, str]
 
     def notes_for(self, workers: int | None) -> tuple[str, ...]:
-        """Gives the notes, and one more if the search cannot keep so many workers busy.
+        """Returns the notes, and one more if the search cannot keep so many workers busy.
 
         Args:
             workers: That will run it; ``None``: not known.
@@ -136,7 +136,7 @@ def _versions(campaign: Campaign, seed: Scenario, catalogues: Catalogues) -> dic
 
 
 def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, list[Problem]]:
-    """Gives the document if it is one, and what is wrong with its structure."""
+    """Returns the document if it is one, and what is wrong with its structure."""
     try:
         return CampaignDocument.model_validate(content), []
     except ValidationError as error:
@@ -150,7 +150,7 @@ def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, lis
 def _scenario(
     content: Mapping[str, Any], catalogues: Catalogues, driven_by: str
 ) -> tuple[ValidScenario | None, list[Problem]]:
-    """Gives the scenario if it can be run, and what is wrong with it.
+    """Returns the scenario if it can be run, and what is wrong with it.
 
     Args:
         content: The campaign.
@@ -173,7 +173,7 @@ def _scenario(
 
 
 def _part(model: type[M], content: Mapping[str, Any], key: str) -> M | None:
-    """Gives a part of a document whose other parts are wrong; ``None`` where it is wrong itself."""
+    """Returns a valid part of a document that may be invalid elsewhere, else ``None``."""
     try:
         return model.model_validate(content.get(key))
     except ValidationError:

@@ -42,7 +42,7 @@ def schema_path() -> Path:
 
 
 def campaign_schema() -> dict[str, Any]:
-    """Gives the schema (JSON Schema, draft 2020-12) of a file, which may name its scenario's."""
+    """Returns the schema (JSON Schema, draft 2020-12) of a file, which may name its scenario's."""
     schema = CampaignDocument.model_json_schema()
     scenario = schema["properties"]["scenario"]
     schema["properties"]["scenario"] = {
@@ -59,5 +59,5 @@ def campaign_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Gives the text of the schema file."""
+    """Returns the text of the schema file."""
     return json.dumps(campaign_schema(), indent=2, ensure_ascii=False) + "\n"

@@ -27,7 +27,7 @@ class StoreJournal:
         self._counted_until = time.monotonic()
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Gives what was appended, in order, a page at a time."""
+        """Returns what was appended, in order, a page at a time."""
         after = -1
         while True:
             with self._database.read() as transaction:
@@ -45,12 +45,12 @@ class StoreJournal:
             )
 
     def document(self, number: int) -> str:
-        """Gives the canonical JSON text of an evaluation's scenario."""
+        """Returns the canonical JSON text of an evaluation's scenario."""
         with self._database.read() as transaction:
             return transaction.evaluations.document(self._campaign_id, number)
 
     def failures(self) -> tuple[Failure, ...]:
-        """Gives every violation of every evaluation, in order."""
+        """Returns every violation of every evaluation, in order."""
         with self._database.read() as transaction:
             return transaction.evaluations.failures(self._campaign_id)
 
@@ -70,7 +70,7 @@ class StoreJournal:
             return transaction.campaigns.request_of(self._campaign_id)
 
     def active_s(self) -> float:
-        """Gives the seconds of work since it was last asked."""
+        """Returns the seconds of work since it was last asked."""
         now = time.monotonic()
         elapsed, self._counted_until = now - self._counted_until, now
         return elapsed

@@ -24,7 +24,7 @@ from drivora_service.store.database import Database
 
 
 def new_campaign(valid: ValidCampaign) -> NewCampaign:
-    """Gives what the store wants to know of a campaign."""
+    """Returns what the store wants to know of a campaign."""
     campaign = valid.campaign
     return NewCampaign(
         name=campaign.name,
@@ -55,7 +55,7 @@ def run_stored(
         campaign_id: Which.
         folder: Of this campaign.
         catalogues: Where its names are looked up.
-        evaluator: Gives what evaluates, for the number of workers that the campaign wants.
+        evaluator: Returns what evaluates, for the number of workers that the campaign wants.
         watcher: Whom to ask and to tell; the database is asked besides.
         if_wanted: Whether to run it only if it waits to be run; see ``CampaignRepository.begin``.
 

@@ -161,7 +161,7 @@ def _row(card: AgentCard) -> tuple[str, ...]:
 
 
 def _ready(wanted: Iterable[Heat], settings: Settings) -> Iterator[tuple[Heat, str]]:
-    """Gives each scenario with the document that workers read."""
+    """Returns each scenario with the document that workers read."""
     networks = network_catalogue(settings)
     for heat in wanted:
         valid = validate_document(heat.document, networks, None)

@@ -32,7 +32,7 @@ class CampaignDisplay:
         self._found = Text()
 
     def __rich__(self) -> Group:
-        """Gives what is to be seen."""
+        """Returns what is to be seen."""
         return Group(self._bar, self._found)
 
     def on_told(self, told: Told) -> None:

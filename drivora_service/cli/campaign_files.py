@@ -13,7 +13,7 @@ from drivora_service.scenario.plain_data import plain_data, refusal
 
 
 def shipped_campaigns() -> Path:
-    """Gives the folder of the example campaigns, in a checkout or in an installed package."""
+    """Returns the folder of the example campaigns, in a checkout or in an installed package."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "_data" / "openscenario_schemas"
     schemas = installed if installed.is_dir() else package.parent / "openscenario_schemas"

@@ -39,7 +39,7 @@ class CampaignFindings:
 
 
 def campaign_result(found: CampaignFindings) -> dict[str, Any]:
-    """Gives the printed form of a campaign; the keys are a contract with scripts."""
+    """Returns the printed form of a campaign; the keys are a contract with scripts."""
     return {
         **summary(found.record, running=found.is_running),
         "kinds": [asdict(kind) for kind in found.kinds],
@@ -48,7 +48,7 @@ def campaign_result(found: CampaignFindings) -> dict[str, Any]:
 
 
 def summary(record: CampaignSummary, *, running: bool) -> dict[str, Any]:
-    """Gives the printed form of a campaign in a list."""
+    """Returns the printed form of a campaign in a list."""
     return {
         "id": record.id,
         "name": record.name,
@@ -75,7 +75,7 @@ def state_of(record: CampaignSummary, *, running: bool) -> str:
 
 
 def failure_result(failure: Failure) -> dict[str, Any]:
-    """Gives the printed form of a failure."""
+    """Returns the printed form of a failure."""
     return {
         "evaluation": failure.evaluation,
         "key": failure.key,
@@ -89,7 +89,7 @@ def failure_result(failure: Failure) -> dict[str, Any]:
 
 
 def evaluation_result(record: EvaluationRecord) -> dict[str, Any]:
-    """Gives the printed form of an evaluation."""
+    """Returns the printed form of an evaluation."""
     return {
         "number": record.number,
         "origin": record.proposal.origin,

@@ -20,7 +20,7 @@ class Campaigns(Protocol):
     """What commands ask for; a context manager that lets go of it."""
 
     def __enter__(self) -> Self:
-        """Gives the object itself."""
+        """Returns the object itself."""
         ...
 
     def __exit__(self, *_exception: object) -> None:
@@ -28,11 +28,11 @@ class Campaigns(Protocol):
         ...
 
     def found(self, campaign_id: str) -> CampaignFindings:
-        """Gives a campaign with what it has found."""
+        """Returns a campaign with what it has found."""
         ...
 
     def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
-        """Gives the newest campaigns first."""
+        """Returns the newest campaigns first."""
         ...
 
     def is_running(self, record: CampaignSummary) -> bool:
@@ -40,11 +40,11 @@ class Campaigns(Protocol):
         ...
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Gives an evaluation, last, and its ancestors."""
+        """Returns an evaluation, last, and its ancestors."""
         ...
 
     def scenario(self, campaign_id: str, number: int) -> str:
-        """Gives the scenario of an evaluation as the text of a document."""
+        """Returns the scenario of an evaluation as the text of a document."""
         ...
 
     def save_trace(self, campaign_id: str, failure: Failure, target: Path) -> None:
@@ -57,7 +57,7 @@ class Campaigns(Protocol):
 
 
 def open_campaigns(server: str, data_dir: Path | None) -> Campaigns:
-    """Gives the campaigns of a service, or of a data folder if ``server`` is ""."""
+    """Returns the campaigns of a service, or of a data folder if ``server`` is ""."""
     if server:
         from drivora_service.cli.service_campaigns import ServiceCampaigns
 

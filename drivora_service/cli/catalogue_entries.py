@@ -22,7 +22,7 @@ def entries_of_service(server: str, path: str) -> list[dict[str, Any]]:
 
 
 def entry_named(kind: str, name: str, entries: Iterable[dict[str, Any]]) -> dict[str, Any]:
-    """Gives the entry of a name.
+    """Returns the entry of a name.
 
     Args:
         kind: What is listed, for the message.

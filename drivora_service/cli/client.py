@@ -34,7 +34,7 @@ class ServiceClient:
         )
 
     def __enter__(self) -> Self:
-        """Gives the client itself."""
+        """Returns the client itself."""
         return self
 
     def __exit__(
@@ -144,7 +144,7 @@ class ServiceClient:
         return self._send("POST", path).json()
 
     def items(self, path: str, **parameters: object) -> Iterator[Any]:
-        """Gives all items of a list, page by page.
+        """Returns all items of a list, page by page.
 
         Raises:
             ServiceError: The service refused or did not answer.
@@ -158,7 +158,7 @@ class ServiceClient:
                 return
 
     def jobs(self, batch_id: str) -> Iterator[Any]:
-        """Gives the jobs of a batch, last to first."""
+        """Returns the jobs of a batch, last to first."""
         return self.items("/jobs", batch=batch_id)
 
     def _post(self, path: str, body: str | bytes, form: str, **parameters: object) -> Any:
@@ -204,7 +204,7 @@ def worker_fault(readiness: httpx.Response) -> str:
 
 
 def _given(parameters: dict[str, object]) -> list[tuple[str, str]]:
-    """Gives the parameters of a request; a list stands for a parameter that is repeated."""
+    """Returns the parameters of a request; a list stands for a parameter that is repeated."""
     return [
         (name, str(value))
         for name, values in parameters.items()

@@ -14,5 +14,5 @@ def settings_for(data_dir: Path | None, **overrides: object) -> Settings:
 
 
 def network_catalogue(settings: Settings) -> NetworkCatalogue:
-    """Gives the networks that are shipped and those that were imported here."""
+    """Returns the networks that are shipped and those that were imported here."""
     return NetworkCatalogue(shipped_networks(), settings.imported_networks_dir)

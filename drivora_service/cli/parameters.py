@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def parameter_contents(parameters: Iterable[ParameterDescription]) -> list[dict[str, Any]]:
-    """Gives the printed form of parameters, which is that of the HTTP API."""
+    """Returns the printed form of parameters, which is that of the HTTP API."""
     return [
         {
             "name": parameter.name,

@@ -68,7 +68,7 @@ def run_remotely(
 
 
 def _of_item(problems: Sequence[Problem], item: int) -> list[Problem]:
-    """Gives the problems of one scenario of a batch; those of the whole belong to each."""
+    """Returns the problems of one scenario of a batch; those of the whole belong to each."""
     prefix = f"/{item}"
     return [
         Problem(pointer=p.pointer.removeprefix(prefix), code=p.code, message=p.message)

@@ -25,7 +25,7 @@ _FAULT = {
 
 
 def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str]) -> dict[str, Any]:
-    """Gives the printed form of a report; the keys are a contract with scripts."""
+    """Returns the printed form of a report; the keys are a contract with scripts."""
     content: dict[str, Any] = json.loads(report_to_json(report))
     failure = content["failure"]
     return {
@@ -50,7 +50,7 @@ def result_of(report: RunReport, *, name: str, trace: str, notes: Sequence[str])
 
 
 def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, Any]:
-    """Gives the printed form of a run that a service performed."""
+    """Returns the printed form of a run that a service performed."""
     return {
         "scenario": name,
         "run_id": run["id"],
@@ -74,7 +74,7 @@ def result_of_run(run: dict[str, Any], *, name: str, trace: str) -> dict[str, An
 
 
 def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
-    """Gives the printed form of a scenario that cannot be run."""
+    """Returns the printed form of a scenario that cannot be run."""
     listed = [{"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems]
     return {
         "scenario": name,
@@ -103,7 +103,7 @@ def invalid_result(name: str, problems: Sequence[Any]) -> dict[str, Any]:
 
 
 def violations(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """Gives the verdicts that say a rule was broken."""
+    """Returns the verdicts that say a rule was broken."""
     return [verdict for verdict in result["verdicts"] if verdict["outcome"] == "violated"]
 
 

@@ -47,7 +47,7 @@ class UnreadableFile:
 
 
 def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
-    """Gives the files themselves, and those inside folders, in order of name.
+    """Returns the files themselves, and those inside folders, in order of name.
 
     Raises:
         ConfigurationError: A path does not exist, or a folder holds no scenario file.

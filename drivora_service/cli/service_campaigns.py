@@ -45,7 +45,7 @@ class ServiceCampaigns:
         self._client = ServiceClient(url)
 
     def __enter__(self) -> Self:
-        """Gives the object itself."""
+        """Returns the object itself."""
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -88,7 +88,7 @@ class ServiceCampaigns:
         return record
 
     def found(self, campaign_id: str) -> CampaignFindings:
-        """Gives a campaign with what it has found."""
+        """Returns a campaign with what it has found."""
         answer = self._client.get(f"/campaigns/{campaign_id}")
         record = _record(answer)
         return CampaignFindings(
@@ -101,14 +101,14 @@ class ServiceCampaigns:
         )
 
     def figures(self, campaign_id: str) -> tuple[CampaignFigures | None, str]:
-        """Gives the figures of a campaign, or ``None`` and why they are not known."""
+        """Returns the figures of a campaign, or ``None`` and why they are not known."""
         answer = self._client.get(f"/campaigns/{campaign_id}/figures")
         figures = answer["figures"]
         found = None if figures is None else adapter(CampaignFigures).validate_python(figures)
         return found, answer["note"]
 
     def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
-        """Gives the newest campaigns first."""
+        """Returns the newest campaigns first."""
         records: list[CampaignSummary] = []
         for item in self._client.items("/campaigns"):
             if len(records) == limit:
@@ -121,14 +121,14 @@ class ServiceCampaigns:
         return record.state is CampaignState.RUNNING
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Gives an evaluation, last, and its ancestors."""
+        """Returns an evaluation, last, and its ancestors."""
         url = f"/campaigns/{campaign_id}/evaluations"
         last = self._client.get(f"{url}/{number}")
         ancestors = (self._client.get(f"{url}/{one['number']}") for one in last["lineage"])
         return tuple(_evaluation(detail) for detail in (*ancestors, last))
 
     def scenario(self, campaign_id: str, number: int) -> str:
-        """Gives the scenario of an evaluation as the text of a document."""
+        """Returns the scenario of an evaluation as the text of a document."""
         url = f"/campaigns/{campaign_id}/evaluations/{number}/scenario"
         return self._client.download(url, accept="application/json").decode()
 

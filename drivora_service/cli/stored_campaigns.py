@@ -33,7 +33,7 @@ class StoredCampaigns:
         self.database: Database = open_database(self.settings.resolved_database_url)
 
     def __enter__(self) -> StoredCampaigns:
-        """Gives the object itself."""
+        """Returns the object itself."""
         return self
 
     def __exit__(self, *_exception: object) -> None:
@@ -41,7 +41,7 @@ class StoredCampaigns:
         self.database.close()
 
     def record(self, campaign_id: str) -> CampaignRecord:
-        """Gives a campaign.
+        """Returns a campaign.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -50,7 +50,7 @@ class StoredCampaigns:
             return transaction.campaigns.get(campaign_id)
 
     def found(self, campaign_id: str) -> CampaignFindings:
-        """Gives a campaign with what it has found.
+        """Returns a campaign with what it has found.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -65,12 +65,12 @@ class StoredCampaigns:
             )
 
     def newest(self, limit: int) -> tuple[CampaignSummary, ...]:
-        """Gives the newest campaigns first."""
+        """Returns the newest campaigns first."""
         with self.database.read() as transaction:
             return transaction.campaigns.page(limit=limit).items
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Gives an evaluation, last, and its ancestors.
+        """Returns an evaluation, last, and its ancestors.
 
         Raises:
             UnknownName: There is no such campaign or evaluation.
@@ -79,7 +79,7 @@ class StoredCampaigns:
             return transaction.evaluations.lineage(campaign_id, number)
 
     def scenario(self, campaign_id: str, number: int) -> str:
-        """Gives the scenario of an evaluation as the text of a document.
+        """Returns the scenario of an evaluation as the text of a document.
 
         Raises:
             UnknownName: There is no such campaign or evaluation, or it is invalid.
@@ -108,7 +108,7 @@ class StoredCampaigns:
         return ask_for(self.database, campaign_id, self.folder(campaign_id), request)
 
     def folder(self, campaign_id: str) -> CampaignFolder:
-        """Gives the folder of a campaign."""
+        """Returns the folder of a campaign."""
         return CampaignFolder(self.settings.campaigns_dir, campaign_id)
 
     def is_running(self, record: CampaignSummary) -> bool:

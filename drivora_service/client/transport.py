@@ -66,7 +66,7 @@ class AsyncApplicationTransport(httpx.AsyncBaseTransport):
         return exchange, status, headers
 
     async def aclose(self) -> None:
-        """Gives up what goes on and shuts the application down, whatever is cancelled meanwhile.
+        """Cancels pending requests and shuts the application down, even if cancelled meanwhile.
 
         Raises:
             Exception: The application raised it at its shutdown.
@@ -129,7 +129,7 @@ class ApplicationTransport(httpx.BaseTransport):
         )
 
     def close(self) -> None:
-        """Gives up what goes on and shuts the application down.
+        """Cancels pending requests and shuts the application down.
 
         An interrupt waits until that is done.
 

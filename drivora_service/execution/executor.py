@@ -70,7 +70,7 @@ class Executor(Protocol):
         ...
 
     def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
-        """Gives the attempts that have ended since the last call.
+        """Returns the attempts that have ended since the last call.
 
         Waits for one if there is none, until :meth:`wake` or for ``timeout`` seconds.
         """

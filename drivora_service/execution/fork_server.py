@@ -112,7 +112,7 @@ def _run(environment: dict[str, str], target: Callable[..., None], args: tuple[A
 
 
 def exit_code(process: BaseProcess) -> int | None:
-    """Gives the code with which a process has ended, minus the signal's number where one did it."""
+    """Returns the exit code of a process; the negative number of the signal that ended it."""
     with _looking:
         return process.exitcode
 

@@ -101,7 +101,7 @@ class LocalExecutor:
                     return
 
     def is_cancelled(self, run_id: str) -> bool:
-        """Tells whether a run that a slot has taken is to end."""
+        """Returns whether a run that a slot has taken is to end."""
         return run_id in self._cancelled
 
     def _end_cancelled(self, run_id: str) -> None:
@@ -119,7 +119,7 @@ class LocalExecutor:
         return run_ids
 
     def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
-        """Gives the attempts that have ended since the last call.
+        """Returns the attempts that have ended since the last call.
 
         Waits for one if there is none, until :meth:`wake` or for ``timeout`` seconds.
         """

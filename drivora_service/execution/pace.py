@@ -28,7 +28,7 @@ class Pace:
             self._mean_s += _WEIGHT * (seconds - self._mean_s)
 
     def wanted_in_flight(self) -> int:
-        """Gives how many runs should be running or ready."""
+        """Returns how many runs should be running or ready."""
         if self._mean_s is None:
             return 2 * self._slots
         ahead = math.ceil(_AHEAD_S / max(self._mean_s, 1e-3))

@@ -53,7 +53,7 @@ class Source(Protocol):
         ...
 
     def is_cancelled(self, run_id: str) -> bool:
-        """Tells whether a run that was taken is to end."""
+        """Returns whether a run that was taken is to end."""
         ...
 
 
@@ -284,7 +284,7 @@ class Slot:
 
 
 def _leaves_a_mark(report: RunReport, *, in_process: bool) -> bool:
-    """Tells whether a run may have left the worker in a state that no other run should find.
+    """Returns whether a run may have left the worker in a state that no other run should find.
 
     Args:
         report: How the run ended.

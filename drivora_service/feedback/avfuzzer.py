@@ -98,7 +98,7 @@ class AvfuzzerFeedback:
 
 
 def braking_distance(speed: FloatArray) -> FloatArray:
-    """Gives the metres that a car needs to stop from a speed in m/s, by the paper's polynomial."""
+    """Returns the stopping distance in metres from a speed in m/s, by the paper's polynomial."""
     needed: FloatArray = np.maximum(0.0467 * speed**2 + 0.4116 * speed - 1.4913, 0.0)
     return needed
 

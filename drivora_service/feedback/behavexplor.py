@@ -110,7 +110,7 @@ class BehavexplorFeedback:
 
 
 def _goal_distance(ego: EgoView) -> float:
-    """Gives the metres from its box to its destination at the end; 0 where it arrived."""
+    """Returns the metres from its box to its destination at the end; 0 where it arrived."""
     if ego.end is TerminalEvent.ARRIVED:
         return 0.0
     x, y, yaw = ego.states[-1, [Col.X, Col.Y, Col.YAW]]
@@ -121,7 +121,7 @@ def _goal_distance(ego: EgoView) -> float:
 
 
 def _border_distances(ego: EgoView) -> tuple[float, float]:
-    """Gives the least metres to the line on the left and to the edge of the road on the right.
+    """Returns the least metres to the line on the left and to the edge of the road on the right.
 
     On the left of a carriageway is the line that parts it from the oncoming traffic; lines between
     lanes of one direction may be crossed and do not count. Inside junctions there are no lines;

@@ -28,11 +28,11 @@ class FeedbackCatalogue:
         )
 
     def names(self) -> tuple[str, ...]:
-        """Gives the names of all feedbacks, sorted."""
+        """Returns the names of all feedbacks, sorted."""
         return self._table.names()
 
     def plugin(self, name: str) -> FeedbackPlugin:
-        """Gives a feedback's plug-in.
+        """Returns a feedback's plug-in.
 
         Raises:
             UnknownName: If there is none of that name.

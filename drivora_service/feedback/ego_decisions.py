@@ -101,7 +101,7 @@ def find_decisions(
 
 
 def _stops(ego: EgoView, rules: DecisionRules) -> Iterator[Decision]:
-    """Gives a decision for every time that the ego came to a stand."""
+    """Returns a decision for every time that the ego came to a stand."""
     for first, stop in stretches(ego.speed < STANDING_SPEED):
         # An ego stands where it starts: that is no decision.
         if first > 0 and (stop - first) * ego.step_length >= rules.stop_time:
@@ -109,7 +109,7 @@ def _stops(ego: EgoView, rules: DecisionRules) -> Iterator[Decision]:
 
 
 def _reason(ego: EgoView, k: int, rules: DecisionRules) -> Decision:
-    """Gives why an ego stopped at its row ``k``: the nearest who is before it, else the signal."""
+    """Returns why an ego stopped at its row ``k``: the nearest actor ahead, else the signal."""
     trace = ego.trace
     step = ego.first + k
     nearest, decision = math.inf, Decision.STOP_ELSEWHERE
@@ -178,7 +178,7 @@ def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
 def _precedence(
     run: RunView, meeting: Meeting, rules: DecisionRules
 ) -> Iterator[tuple[int, Decision]]:
-    """Gives who went first and who yielded, where one passed and the other was near."""
+    """Returns who went first and who yielded, where one passed and the other was near."""
     pair = [run.egos[meeting.first], run.egos[meeting.second]]
     entries = [
         _step_at(ego, zone[0] - 0.5 * ego.actor.length)
@@ -209,7 +209,7 @@ def _precedence(
 
 
 def _step_at(ego: EgoView, route_s: float) -> float:
-    """Gives the row of the trace at which an ego's centre had come so far, inf if it never had."""
+    """Returns the row of the trace at which an ego's centre had come this far; inf if never."""
     driven: FloatArray = ego.value(EgoCol.ROUTE_S)
     come = driven >= route_s
     return float(ego.first + int(np.argmax(come))) if come.any() else math.inf

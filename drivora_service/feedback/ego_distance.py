@@ -12,7 +12,7 @@ from drivora_service.observations.trace import LEVEL_GAP, Col
 
 
 def least_ego_distance(run: RunView) -> float | None:
-    """Gives the least gap between the boxes of any two egos in metres, 0 where they touch.
+    """Returns the least gap between the boxes of any two egos in metres, 0 where they touch.
 
     Counts while at least one of the two drives its part: an ego that waits for its start, or stands
     where its part ended, is in the other's way. On different levels of a bridge nobody is near.

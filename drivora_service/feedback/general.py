@@ -15,7 +15,7 @@ from drivora_service.parameters import read_parameters
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class General:
-    """Gives every general objective, that of the ego which was nearest to a failure."""
+    """Returns every general objective, that of the ego which was nearest to a failure."""
 
     @property
     def objectives(self) -> tuple[str, ...]:

@@ -138,7 +138,7 @@ class GoalDistance:
 
 
 def default_objectives() -> tuple[Objective, ...]:
-    """Gives the built-in objectives with their default scales."""
+    """Returns the built-in objectives with their default scales."""
     return (MinGap(), TimeToCollision(), Progress(), StuckTime(), GoalDistance())
 
 

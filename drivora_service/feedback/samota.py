@@ -114,7 +114,7 @@ class SamotaFeedback:
 
 
 def least_gap(ego: EgoView, roles: tuple[Role, ...]) -> float | None:
-    """Gives the least distance in metres between an ego's box and any of these roles.
+    """Returns the least distance in metres between an ego's box and any of these roles.
 
     Actors on another level of a bridge are not there.
 
@@ -187,7 +187,7 @@ def _progress(ego: EgoView) -> float | None:
 
 
 def _seconds_of(ego: EgoView, light: Light) -> FloatArray:
-    """Gives for how long (n,) the signal has been showing this, 0 where it is not."""
+    """Returns for how long (n,) the signal has been showing this, 0 where it is not."""
     shows = ego.lights == light
     row = np.arange(ego.count)
     since = np.maximum.accumulate(np.where(shows, -1, row))

@@ -41,7 +41,7 @@ normalising would make noise of full size of them."""
 
 
 def motion_signals(ego: EgoView, sample: float) -> FloatArray:
-    """Gives an ego's signals at even times, interpolated linearly.
+    """Returns an ego's signals at even times, interpolated linearly.
 
     Args:
         ego: An ego that has at least one row.
@@ -71,7 +71,7 @@ def motion_signals(ego: EgoView, sample: float) -> FloatArray:
 
 
 def window_statistics(signals: FloatArray, window: int, stride: int) -> FloatArray:
-    """Gives the statistics of each signal in each window.
+    """Returns the statistics of each signal in each window.
 
     A window that the samples do not fill is filled up with the last of them, so that the end of a
     run, where it failed, is in a window too.

@@ -22,7 +22,7 @@ def overlap_depth(
     length2: float,
     width2: float,
 ) -> float:
-    """Gives the least overlap over the four separating axes: positive only if the boxes overlap.
+    """Returns the least overlap over the four separating axes: positive only if the boxes overlap.
 
     Args:
         dx: Metres from the first centre to the second, east.
@@ -81,7 +81,7 @@ def _least_corner_distance(
     length2: float,
     width2: float,
 ) -> float:
-    """Gives the squared distance of the first box to the nearest corner of the second."""
+    """Returns the squared distance of the first box to the nearest corner of the second."""
     c1, s1 = math.cos(yaw1), math.sin(yaw1)
     c2, s2 = math.cos(yaw2), math.sin(yaw2)
     least = math.inf
@@ -107,7 +107,7 @@ def box_gap(
     length2: float,
     width2: float,
 ) -> float:
-    """Gives the least distance between two boxes in metres, 0 where they touch or overlap.
+    """Returns the least distance between two boxes in metres, 0 where they touch or overlap.
 
     Of two separate convex shapes, one of the nearest points is a corner. Arguments as
     ``overlap_depth``.
@@ -124,7 +124,7 @@ def box_gap(
 
 @compiled
 def _axis_times(separation: float, speed: float, reach: float) -> tuple[float, float]:
-    """Gives when two intervals on an axis begin and cease to overlap, seconds from now."""
+    """Returns when two intervals on an axis begin and cease to overlap, seconds from now."""
     if abs(speed) < 1e-12:
         if abs(separation) >= reach:
             return math.inf, -math.inf
@@ -147,7 +147,7 @@ def time_to_contact(
     length2: float,
     width2: float,
 ) -> float:
-    """Gives the seconds until two boxes overlap that keep their velocities and headings.
+    """Returns the seconds until two boxes overlap that keep their velocities and headings.
 
     Exact, by separating axes over time: they overlap while their shadows on all four axes do.
 

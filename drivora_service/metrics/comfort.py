@@ -12,7 +12,7 @@ SEGMENT = 20
 
 
 def comfort(ego: EgoView) -> float | None:
-    """Gives the share of 20-row segments in which all six signals keep to their bounds.
+    """Returns the share of 20-row segments in which all six signals keep to their bounds.
 
     Rows after the last whole segment are left out; ``None`` if there is none.
     """

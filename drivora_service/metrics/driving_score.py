@@ -114,7 +114,7 @@ def driving_score(ego: EgoView, judgement: Judgement, version: Version) -> Drivi
 
 
 def infraction_penalty(ego: EgoView, judgement: Judgement, tariff: Tariff) -> float | None:
-    """Gives the penalty that a tariff makes of an ego's infractions."""
+    """Returns the penalty that a tariff makes of an ego's infractions."""
     collisions = judgement.violations("collision")
     red_lights = judgement.violations("red_light")
     stop_signs = judgement.violations("stop_sign")

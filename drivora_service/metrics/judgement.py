@@ -24,14 +24,14 @@ class Judgement:
         return Judgement(verdicts=tuple(v for v in verdicts if v.ego == ego_id))
 
     def by(self, oracle: str) -> tuple[Verdict, ...] | None:
-        """Gives an oracle's verdicts; ``None`` if it could not judge or was not asked."""
+        """Returns an oracle's verdicts; ``None`` if it could not judge or was not asked."""
         found = tuple(v for v in self.verdicts if v.oracle == oracle)
         if not found or any(v.outcome is Outcome.NOT_MEASURABLE for v in found):
             return None
         return found
 
     def violations(self, oracle: str) -> tuple[Verdict, ...] | None:
-        """Gives an oracle's verdicts of violation; ``None`` as in ``by``."""
+        """Returns an oracle's verdicts of violation; ``None`` as in ``by``."""
         found = self.by(oracle)
         if found is None:
             return None

@@ -11,7 +11,7 @@ from drivora_service.oracles.verdict import Outcome
 
 
 def route_completion(ego: EgoView, judgement: Judgement) -> float | None:
-    """Gives per cent of the route (Leaderboard): 100 on arrival, 0 for an ego that never started.
+    """Returns per cent of the route (Leaderboard): 100 on arrival, 0 for an ego that never started.
 
     Beyond the first deviation from the route nothing more is completed.
     """

@@ -19,7 +19,7 @@ RULES = (
 
 
 def success(judgement: Judgement) -> float | None:
-    """Gives 1 for arrival without infraction, else 0 (Bench2Drive).
+    """Returns 1 for arrival without infraction, else 0 (Bench2Drive).
 
     Collisions that the ego is not at fault for are infractions too, as in that benchmark.
 

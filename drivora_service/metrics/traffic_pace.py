@@ -63,12 +63,12 @@ def _pace_ratios(ego: EgoView) -> FloatArray:
 
 
 def efficiency(ego: EgoView) -> float | None:
-    """Gives Bench2Drive's driving efficiency in per cent; ``None`` without traffic around."""
+    """Returns Bench2Drive's driving efficiency in per cent; ``None`` without traffic around."""
     ratios = pace_ratios(ego)
     return 100.0 * float(ratios.mean()) if len(ratios) else None
 
 
 def minimum_speed(ego: EgoView) -> float | None:
-    """Gives the Leaderboard's minimum-speed percentage, at most 100; ``None`` without traffic."""
+    """Returns the Leaderboard's minimum-speed percentage, at most 100; ``None`` without traffic."""
     ratios = pace_ratios(ego)
     return 100.0 * float(np.minimum(ratios, 1.0).mean()) if len(ratios) else None

@@ -18,7 +18,7 @@ from drivora_service.networks.provenance import FILE_NAME, read_provenance
 
 
 def sources(networks: Path) -> tuple[Path, ...]:
-    """Gives the directories below ``networks`` that hold plain sources, by name."""
+    """Returns the directories below ``networks`` that hold plain sources, by name."""
     return tuple(sorted(path.parent for path in networks.glob("*/plain") if path.is_dir()))
 
 
@@ -46,7 +46,7 @@ def built_files(directory: Path) -> Mapping[Path, bytes]:
 
 
 def differing(networks: Path) -> tuple[str, ...]:
-    """Gives the files below ``networks`` that a rebuild would change, as relative paths.
+    """Returns the files below ``networks`` that a rebuild would change, as relative paths.
 
     Raises:
         NetworkError: netconvert is missing or refuses the sources.

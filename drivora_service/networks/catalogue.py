@@ -18,14 +18,14 @@ _SUFFIX = ".net.xml"
 
 
 def shipped_networks() -> Path:
-    """Gives the folder of the shipped networks, in a checkout or in an installed package."""
+    """Returns the folder of the shipped networks, in a checkout or in an installed package."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "_data" / "sumo_nets"
     return installed if installed.is_dir() else package.parent / "sumo_nets"
 
 
 def is_network_name(name: str) -> bool:
-    """Tells whether a name is made of letters, digits, ``_`` and ``-`` only, 64 at most."""
+    """Returns whether a name is made of letters, digits, ``_`` and ``-`` only, 64 at most."""
     return _NAME.fullmatch(name) is not None
 
 
@@ -55,7 +55,7 @@ class NetworkCatalogue:
         self._locks: dict[str, threading.Lock] = {}
 
     def names(self) -> tuple[str, ...]:
-        """Gives all names in alphabetical order."""
+        """Returns all names in alphabetical order."""
         names: set[str] = set()
         for folder in self._folders:
             if folder.is_dir():
@@ -66,7 +66,7 @@ class NetworkCatalogue:
         return tuple(sorted(filter(is_network_name, names)))
 
     def path(self, name: str) -> Path:
-        """Gives the ``.net.xml`` file of a network.
+        """Returns the ``.net.xml`` file of a network.
 
         Raises:
             UnknownName: There is no such network; a name is never taken as a path.
@@ -84,7 +84,7 @@ class NetworkCatalogue:
         )
 
     def get(self, name: str) -> RoadNetwork:
-        """Gives a network, read on the first call and again when its file has changed.
+        """Returns a network, read on the first call and again when its file has changed.
 
         Raises:
             UnknownName: There is no such network.
@@ -102,7 +102,7 @@ class NetworkCatalogue:
             return known[1]
 
     def provenance(self, name: str) -> Provenance | None:
-        """Gives where a network comes from; None where no ``provenance.yaml`` lies beside it.
+        """Returns where a network comes from; None where no ``provenance.yaml`` lies beside it.
 
         Raises:
             UnknownName: There is no such network.

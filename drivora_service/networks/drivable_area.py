@@ -30,12 +30,12 @@ Tree = shapely.STRtree
 
 
 def drivable_area(network: RoadNetwork) -> BaseGeometry:
-    """Gives the area as one polygon or several, metres."""
+    """Returns the area as one polygon or several, metres."""
     return _area(network)[0]
 
 
 def outside_distance(network: RoadNetwork, points: FloatArray) -> FloatArray:
-    """Gives how far each of (n, 2) points is outside the drivable area.
+    """Returns how far each of (n, 2) points is outside the drivable area.
 
     Returns:
         (n,) metres; 0 inside. NaN for a point that is not finite.

@@ -12,12 +12,12 @@ from drivora_service.networks.road_network import RoadNetwork
 
 @lru_cache(maxsize=128)
 def is_flat(network: RoadNetwork) -> bool:
-    """Tells whether all lanes lie at height 0."""
+    """Returns whether all lanes lie at height 0."""
     return not any(lane.heights.any() for lane in network.lanes)
 
 
 def line_heights(network: RoadNetwork, line: FloatArray, lanes: IntArray) -> FloatArray:
-    """Gives the heights of points on known lanes.
+    """Returns the heights of points on known lanes.
 
     Args:
         network: The road network.

@@ -173,7 +173,7 @@ def _read(source: Path, max_bytes: int) -> tuple[bytes, _Format]:
 
 
 def _root_element(data: bytes, file_name: str) -> str:
-    """Gives the root element's name of a well-formed document without a document type."""
+    """Returns the root element's name of a well-formed document without a document type."""
     roots: list[str] = []
 
     def start(tag: str, _attributes: dict[str, str]) -> None:
@@ -197,7 +197,7 @@ def _root_element(data: bytes, file_name: str) -> str:
 def _network_bytes(
     data: bytes, form: _Format, stage: Path, max_seconds: float
 ) -> tuple[bytes, str | None]:
-    """Gives the network and the version of netconvert that made it, if one did."""
+    """Returns the network and the version of netconvert that made it, if one did."""
     if form.reader is None:
         return data, None
     version = netconvert_version()
@@ -212,7 +212,7 @@ def _network_bytes(
 
 @contextmanager
 def _staging(into: Path) -> Iterator[Path]:
-    """Gives a directory beside the final one, and removes what is left of it."""
+    """Returns a directory beside the final one, and removes what is left of it."""
     try:
         into.mkdir(parents=True, exist_ok=True)
         # A dot cannot begin a network's name, so that no catalogue shows it.

@@ -63,7 +63,7 @@ class LaneGraph:
 
 
 def change_cost(changes: int, room: float) -> float | None:
-    """Gives the cost of ``changes`` lane changes in ``room`` metres; None where they do not fit."""
+    """Returns the cost of ``changes`` lane changes in ``room`` metres; None if they do not fit."""
     if changes == 0:
         return 0.0
     each = room / changes
@@ -74,7 +74,7 @@ def change_cost(changes: int, room: float) -> float | None:
 
 @lru_cache(maxsize=128)
 def lane_graph(network: RoadNetwork) -> LaneGraph:
-    """Gives the graph of a network, built on the first call for this network object."""
+    """Returns the graph of a network, built on the first call for this network object."""
     lengths = tuple(float(lane.arc[-1]) for lane in network.lanes)
     siblings = tuple(_siblings(network, lane) for lane in network.lanes)
     behind = tuple(
@@ -108,7 +108,7 @@ def leaving(
     lane: int,
     s: float,
 ) -> tuple[Step, ...]:
-    """Gives the cheapest ways from arc length ``s`` of a lane to each lane behind its edge."""
+    """Returns the cheapest ways from arc length ``s`` of a lane to each lane behind its edge."""
     room = lengths[lane] - s
     best: dict[int, Step] = {}
     for sibling in siblings[lane]:

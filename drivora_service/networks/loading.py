@@ -229,7 +229,7 @@ def _without_backward_pieces(points: FloatArray) -> FloatArray:
 
 
 def _heights(shape: Sequence[tuple[float, float, float]], line: FloatArray) -> FloatArray:
-    """Gives the (n,) heights of a line, by the share of its length, from the lane's 3D shape."""
+    """Returns the (n,) heights of a line, by the share of its length, from the lane's 3D shape."""
     points = np.asarray(shape, dtype=np.float64).reshape(-1, 3)
     if len(points) < 2 or not points[:, 2].any():
         return np.full(len(line), points[0, 2] if len(points) else 0.0)
@@ -241,7 +241,7 @@ def _heights(shape: Sequence[tuple[float, float, float]], line: FloatArray) -> F
 def _usable_shapes(
     points: Sequence[FloatArray], connections: Sequence[tuple[Connection, ...]]
 ) -> list[FloatArray]:
-    """Gives every lane whose points coincide a short straight in the direction of its neighbours.
+    """Replaces lanes of coinciding points by a short straight in their neighbours' direction.
 
     Some converters write internal lanes of 0.1 m whose two points are rounded to the same place,
     or to places in the wrong order.
@@ -268,7 +268,7 @@ def _usable_shapes(
 
 
 def _direction(neighbours: Iterable[tuple[FloatArray, int]]) -> FloatArray:
-    """Gives the unit direction of the first usable neighbour at its last (-1) or first (0) step."""
+    """Returns the unit direction of the first usable neighbour's last (-1) or first (0) step."""
     for line, end in neighbours:
         steps = np.diff(line, axis=0)
         if len(steps):

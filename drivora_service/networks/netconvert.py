@@ -38,7 +38,7 @@ _READ_BYTES = 1_000_000
 
 
 def netconvert_version() -> str:
-    """Gives the version of the installed netconvert, such as ``1.28.0``.
+    """Returns the version of the installed netconvert, such as ``1.28.0``.
 
     Raises:
         NetworkError: It is not installed.

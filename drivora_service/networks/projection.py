@@ -50,7 +50,7 @@ def nearest_lane_position(
     heading: float | None = None,
     drivable: bool = True,
 ) -> LanePosition | None:
-    """Gives the position on the nearest lane; see :func:`lane_positions_near`.
+    """Returns the position on the nearest lane; see :func:`lane_positions_near`.
 
     Returns:
         None where no lane is within ``max_distance``.
@@ -70,7 +70,7 @@ def lane_positions_near(
     heading: float | None = None,
     drivable: bool = True,
 ) -> tuple[LanePosition, ...]:
-    """Gives the position on every lane near a place, nearest first.
+    """Returns the position on every lane near a place, nearest first.
 
     Args:
         network: The network.
@@ -100,7 +100,7 @@ def lane_positions_near(
 def project_points(
     network: RoadNetwork, xy: FloatArray, headings: FloatArray | None = None
 ) -> LaneProjections:
-    """Gives the drivable lane that each point of a trajectory is on.
+    """Returns the drivable lane that each point of a trajectory is on.
 
     A point is on a lane up to half its width from the centre line. Of several lanes the nearest
     whose heading agrees is taken, with a preference for the lane of the point before.
@@ -143,7 +143,7 @@ def _arrays(index: SegmentIndex) -> _Arrays:
 
 @compiled
 def _distance(segments: FloatArray, i: int, x: float, y: float) -> tuple[float, float, float]:
-    """Gives the squared distance from a segment, the foot point and its unclamped place on it."""
+    """Returns the squared distance from a segment, the foot point and its unclamped place on it."""
     dx, dy = x - segments[i, 0], y - segments[i, 1]
     along = dx * segments[i, 2] + dy * segments[i, 3]
     t = min(max(along, 0.0), segments[i, 4])
@@ -166,7 +166,7 @@ def _place(segments: FloatArray, i: int, t: float, x: float, y: float, out: Floa
 
 @compiled
 def _cells(low: float, high: float, count: int) -> tuple[int, int]:
-    """Gives the first and the last of ``count`` cells that a range of metres touches."""
+    """Returns the first and the last of ``count`` cells that a range of metres touches."""
     return max(int(np.floor(low / CELL)), 0), min(int(np.floor(high / CELL)), count - 1)
 
 
@@ -184,7 +184,7 @@ def _near(
     y: float,
     radius: float,
 ) -> tuple[Int32Array, FloatArray]:
-    """Gives the lanes within ``radius`` and the place on each: arc length, lateral, heading."""
+    """Returns the lanes within ``radius`` and the place on each: arc length, lateral, heading."""
     found = np.empty(lane_count, np.int32)
     segment = np.empty(lane_count, np.int64)
     squared = np.empty(lane_count)
@@ -228,7 +228,7 @@ def _project(
     points: FloatArray,
     headings: FloatArray,
 ) -> tuple[Int32Array, FloatArray]:
-    """Gives the lane of each point and the place on it: arc length, lateral, heading."""
+    """Returns the lane of each point and the place on it: arc length, lateral, heading."""
     chosen = np.full(len(points), -1, np.int32)
     places = np.full((len(points), 3), np.nan)
     found = np.empty(lane_count, np.int32)

@@ -36,7 +36,7 @@ class Provenance(BaseModel):
     options: tuple[str, ...] = ()
 
     def to_yaml(self) -> str:
-        """Gives the text of the file."""
+        """Returns the text of the file."""
         data = self.model_dump(mode="json", exclude_defaults=True)
         return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=100)
 

@@ -43,7 +43,7 @@ class RightOfWay:
 
 @lru_cache(maxsize=128)
 def right_of_way(network: RoadNetwork) -> RightOfWay:
-    """Gives the right-of-way table of a network, read once."""
+    """Returns the right-of-way table of a network, read once."""
     into: dict[int, list[int]] = {}
     # Where there are sidewalks, the walking areas and crossings of a junction form a ring.
     drivable = [lane for lane in network.lanes if lane.drivable]
@@ -78,7 +78,7 @@ def right_of_way(network: RoadNetwork) -> RightOfWay:
 
 
 def _marked(bits: str, lanes: list[int]) -> tuple[int, ...]:
-    """Gives the lanes whose bit is set; the rightmost character is link 0."""
+    """Returns the lanes whose bit is set; the rightmost character is link 0."""
     return tuple(
         lane for lane, bit in zip(lanes, reversed(bits), strict=False) if bit == "1" and lane >= 0
     )

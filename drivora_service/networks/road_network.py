@@ -92,7 +92,7 @@ class Lane:
         make_read_only(self.shape, self.arc, self.heights)
 
     def position_at(self, s: float) -> tuple[float, float, float]:
-        """Gives x, y (metres) and heading (radians) of the centre line at arc length ``s``."""
+        """Returns x, y (metres) and heading (radians) of the centre line at arc length ``s``."""
         s = min(max(s, 0.0), float(self.arc[-1]))
         i = min(max(int(np.searchsorted(self.arc, s, side="right")) - 1, 0), len(self.arc) - 2)
         (x0, y0), (x1, y1) = self.shape[i], self.shape[i + 1]
@@ -175,5 +175,5 @@ class RoadNetwork:
         make_read_only(*self.junction_shapes.values())
 
     def lane(self, lane_id: str) -> Lane:
-        """Gives the lane with SUMO's id ``lane_id``; KeyError where there is none."""
+        """Returns the lane with SUMO's id ``lane_id``; KeyError where there is none."""
         return self.lanes[self.lane_by_id[lane_id]]

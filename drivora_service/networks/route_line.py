@@ -79,13 +79,13 @@ class _Draft:
             self.points.append(kept)
 
     def u_of(self, s: float) -> float:
-        """Gives the place of arc length ``s`` of the last lane."""
+        """Returns the place of arc length ``s`` of the last lane."""
         lane = self.network.lanes[self.lanes[-1]]
         return float(np.interp(s, lane.arc, self.lane_u[-1]))
 
 
 def _point_before(points: Sequence[FloatArray]) -> FloatArray:
-    """Gives the last point but one of a line in parts."""
+    """Returns the last point but one of a line in parts."""
     before: FloatArray = points[-1][-2] if len(points[-1]) > 1 else points[-2][-1]
     return before
 
@@ -107,13 +107,13 @@ class _Line:
     starts: FloatArray
 
     def at(self, u: FloatArray) -> FloatArray:
-        """Gives the (k, 2) points at places (k,)."""
+        """Returns the (k, 2) points at places (k,)."""
         return np.column_stack(
             (np.interp(u, self.u, self.points[:, 0]), np.interp(u, self.u, self.points[:, 1]))
         )
 
     def lanes_at(self, u: FloatArray) -> IntArray:
-        """Gives the (k,) lane indices at places (k,)."""
+        """Returns the (k,) lane indices at places (k,)."""
         nth = np.searchsorted(self.starts, u, side="right") - 1
         return self.lanes[np.maximum(nth, 0)]
 
@@ -208,7 +208,7 @@ def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:
 
 
 def _lanes_between(network: RoadNetwork, first: int, last: int) -> list[int]:
-    """Gives the lanes of one edge from ``first`` to ``last``, both included."""
+    """Returns the lanes of one edge from ``first`` to ``last``, both included."""
     leftwards = network.lanes[last].lane_number > network.lanes[first].lane_number
     chain = [first]
     while chain[-1] != last:
@@ -228,7 +228,7 @@ def _exact_line(draft: _Draft) -> _Line:
 
 
 def _spaced(begin: float, end: float) -> FloatArray:
-    """Gives places from ``begin`` to ``end``, both included, at most the spacing apart."""
+    """Returns places from ``begin`` to ``end``, both included, at most the spacing apart."""
     count = max(math.ceil((end - begin) / SPACING - 1e-9), 1)
     return np.linspace(begin, end, count + 1)
 
@@ -237,7 +237,7 @@ _Range = tuple[float, float]
 
 
 def _blend_places(draft: _Draft, following: _Draft, speed_limit: float) -> tuple[_Range, _Range]:
-    """Gives where the reference line changes lanes: its range on the one and on the other run."""
+    """Returns where the reference line changes lanes: its range on the one and on the other run."""
     room = draft.window[1] - draft.window[0]
     shortest, longest = CHANGE_LENGTHS
     length = min(max(CHANGE_TIME * speed_limit, shortest), longest, room)
@@ -253,7 +253,7 @@ def _blend_places(draft: _Draft, following: _Draft, speed_limit: float) -> tuple
 def _blend(
     line: _Line, following: _Line, here: _Range, there: _Range
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gives the (n,) weight of the following run along a change, and the places on both runs.
+    """Returns the (n,) weight of the following run along a change, and the places on both runs.
 
     The weight is half a cosine wave. The points are near enough to each other that neither going
     ahead nor moving sideways, at most pi / 2 times faster than on average, exceeds the spacing.
@@ -301,7 +301,7 @@ def _signals(
     places: NDArray[np.float64],
     arc: FloatArray,
 ) -> tuple[RouteSignal, ...]:
-    """Gives the signals whose stop lines lie behind the start and before the destination."""
+    """Returns the signals whose stop lines lie behind the start and before the destination."""
     signals = []
     for k, draft in enumerate(drafts):
         own = runs == k

@@ -85,7 +85,7 @@ def meeting_matrix(network: RoadNetwork, lines: Sequence[FloatArray]) -> BoolArr
 
 @lru_cache(maxsize=128)
 def _junctions(network: RoadNetwork) -> shapely.STRtree:
-    """Gives the outlines of the junctions; those that enclose nothing are left out."""
+    """Returns the outlines of the junctions; those that enclose nothing are left out."""
     outlines = [
         shapely.make_valid(shapely.Polygon(shape))
         for shape in network.junction_shapes.values()
@@ -97,7 +97,7 @@ def _junctions(network: RoadNetwork) -> shapely.STRtree:
 
 
 def _passages(network: RoadNetwork, lines: Sequence[FloatArray]) -> list[list[_Passage]]:
-    """Gives each route's ways through junctions, in order along it."""
+    """Returns each route's ways through junctions, in order along it."""
     counts = [len(line) for line in lines]
     owner = np.repeat(np.arange(len(lines)), counts)
     place = np.concatenate([np.arange(count) for count in counts]) if counts else np.empty(0)
@@ -130,7 +130,7 @@ def _passages(network: RoadNetwork, lines: Sequence[FloatArray]) -> list[list[_P
 def _zones(
     one: _Passage, other: _Passage
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """Gives where two ways through a junction are too near for both, ``None`` if they are not."""
+    """Returns where two ways through a junction are too near for both, ``None`` if they are not."""
     gaps = np.hypot(*(one.points[:, None] - other.points[None]).transpose(2, 0, 1))
     if gaps[0, 0] < SAME_LINE or gaps.min() >= SAME_LINE:
         return None

@@ -231,7 +231,7 @@ def _leads_into(graph: LaneGraph, lane: int, ends: Container[int]) -> bool:
 
 
 def _straight_on(graph: LaneGraph, source: Candidate, target: Candidate) -> float:
-    """Gives the cost of reaching ``target`` on the edge of ``source``; infinite if impossible."""
+    """Returns the cost of reaching ``target`` on the edge of ``source``; infinite if impossible."""
     for sibling in graph.siblings[source.lane]:
         if sibling.lane == target.lane:
             ahead = target.s * graph.lengths[source.lane] / graph.lengths[target.lane] - source.s

@@ -45,7 +45,7 @@ class SegmentIndex:
 
 @lru_cache(maxsize=128)
 def segment_index(network: RoadNetwork, drivable_only: bool) -> SegmentIndex:
-    """Gives the index of a network's lanes, built on the first call for this network object."""
+    """Returns the index of a network's lanes, built on the first call for this network object."""
     chosen = [lane for lane in network.lanes if lane.drivable or not drivable_only]
     parts = [_lane_segments(lane) for lane in chosen]
     counts = [len(part) for part in parts]
@@ -89,7 +89,7 @@ def segment_index(network: RoadNetwork, drivable_only: bool) -> SegmentIndex:
 
 
 def _lane_segments(lane: Lane) -> FloatArray:
-    """Gives the (m, 6) segments of a lane, none longer than a cell."""
+    """Returns the (m, 6) segments of a lane, none longer than a cell."""
     steps = np.diff(lane.shape, axis=0)
     lengths = np.diff(lane.arc)
     pieces = np.maximum(np.ceil(lengths / CELL).astype(np.int64), 1)

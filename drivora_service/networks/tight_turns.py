@@ -63,13 +63,13 @@ def tight_turns(network: RoadNetwork) -> frozenset[tuple[int, int]]:
 
 
 def uses_tight_turn(network: RoadNetwork, route: LaneRoute) -> bool:
-    """Tells whether a route leads through a turn that no car can drive."""
+    """Returns whether a route leads through a turn that no car can drive."""
     turns = tight_turns(network)
     return any(step in turns for run in route.runs for step in pairwise(run.lanes))
 
 
 def is_tight(network: RoadNetwork, lane: Lane, link: Connection) -> bool:
-    """Tells whether a connection turns more tightly than a car can.
+    """Returns whether a connection turns more tightly than a car can.
 
     Args:
         network: The network.

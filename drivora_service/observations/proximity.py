@@ -90,7 +90,7 @@ class Proximity:
 
 
 def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
-    """Gives the (T,) distance between two actors' boxes in metres, NaN where one is absent."""
+    """Returns the (T,) distance between two actors' boxes in metres, NaN where one is absent."""
     return _gaps(
         trace.states,
         trace.present,
@@ -348,7 +348,7 @@ def _least_lag(
 
 @compiled
 def _longest_step(states: FloatArray, present: BoolArray, j: int, start: int, stop: int) -> float:
-    """Gives the longest way of an actor between two rows, metres; at least a micrometre."""
+    """Returns the longest way of an actor between two rows, metres; at least a micrometre."""
     longest = 1e-6
     last = -1
     for t in range(start, stop):

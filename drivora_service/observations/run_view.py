@@ -100,11 +100,11 @@ class EgoView:
         return float(self.times[-1] - self.times[0]) if self.count else 0.0
 
     def value(self, column: EgoCol) -> FloatArray:
-        """Gives a column (n,) of ``values``."""
+        """Returns a column (n,) of ``values``."""
         return self.values[:, column]
 
     def location(self, k: int) -> tuple[float, float]:
-        """Gives x and y in metres at row ``k``."""
+        """Returns x and y in metres at row ``k``."""
         return float(self.states[k, Col.X]), float(self.states[k, Col.Y])
 
     @cached_property
@@ -208,7 +208,7 @@ class EgoView:
 
 
 def _road_beside(network: RoadNetwork, index: int) -> tuple[float, float]:
-    """Gives the metres of road of the same edge, left and right of a lane's centre line."""
+    """Returns the metres of road of the same edge, left and right of a lane's centre line."""
     lane = network.lanes[index]
     left = right = 0.5 * lane.width
     beside = lane.left

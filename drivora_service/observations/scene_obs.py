@@ -36,14 +36,14 @@ _BLOCK = 256
 
 
 def ndjson(trace: Trace, first: int, last: int) -> Iterator[bytes]:
-    """Gives the frames of rows ``first`` to ``last`` (exclusive), a line of JSON each."""
+    """Returns the frames of rows ``first`` to ``last`` (exclusive), a line of JSON each."""
     encode = json.JSONEncoder(separators=(",", ":"), allow_nan=False, check_circular=False).encode
     for frame in scene_frames(trace, first, last):
         yield encode(frame).encode() + b"\n"
 
 
 def scene_frames(trace: Trace, first: int, last: int) -> Iterator[dict[str, Any]]:
-    """Gives the frames of rows ``first`` to ``last`` (exclusive), as far as the trace has them.
+    """Returns the frames of rows ``first`` to ``last`` (exclusive), as far as the trace has them.
 
     Egos are listed at every step, other actors while they are present.
     """
@@ -58,7 +58,7 @@ def scene_frames(trace: Trace, first: int, last: int) -> Iterator[dict[str, Any]
 def _frames(
     trace: Trace, first: int, last: int, events: dict[int, list[tuple[int, str]]]
 ) -> Iterator[dict[str, Any]]:
-    """Gives the frames of a block of rows: arrays become lists once a block, not once a value."""
+    """Returns the frames of a block of rows: arrays become lists once a block, not once a value."""
     rows = slice(first, last)
     times = _numbers(trace.times[rows])
     states = _numbers(_in_degrees(trace.states[rows], (Col.YAW, Col.YAW_RATE)))
@@ -147,7 +147,7 @@ def _in_degrees(values: NDArray[np.float64], columns: tuple[int, ...]) -> NDArra
 
 
 def _numbers(values: NDArray[np.float64]) -> Any:
-    """Gives nested lists of rounded numbers, with ``None`` for what is not finite."""
+    """Returns nested lists of rounded numbers, with ``None`` for what is not finite."""
     rounded = np.round(values, _DECIMALS)
     finite = np.isfinite(rounded)
     if finite.all():

@@ -26,7 +26,7 @@ def is_hidden(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> bool:
-    """Tells whether nothing of ``other`` is in sight of the sensor on the roof of ``ego``.
+    """Returns whether nothing of ``other`` is in sight of the sensor on the roof of ``ego``.
 
     Args:
         ego: Row of the ego.
@@ -100,7 +100,7 @@ def _cuts(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> bool:
-    """Tells whether the line from the eye to a point passes through the box of actor ``k``."""
+    """Returns whether the line from the eye to a point passes through the box of actor ``k``."""
     cos, sin = math.cos(states[k, 2]), math.sin(states[k, 2])
     dx, dy = states[ego, 0] - states[k, 0], states[ego, 1] - states[k, 1]
     from_x, from_y = dx * cos + dy * sin, dy * cos - dx * sin

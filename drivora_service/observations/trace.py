@@ -213,5 +213,5 @@ class Trace:
         return len(self.times)
 
     def speeds(self, row: int) -> FloatArray:
-        """Gives the (T,) speed over ground of the actor in ``row``, m/s."""
+        """Returns the (T,) speed over ground of the actor in ``row``, m/s."""
         return np.hypot(self.states[:, row, Col.VX], self.states[:, row, Col.VY])

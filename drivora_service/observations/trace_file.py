@@ -92,7 +92,7 @@ def read_steps(path: Path, first: int, last: int) -> Trace:
 
 
 def _table(trace: Trace) -> pa.Table:
-    """Gives the rows in order of step, then actor."""
+    """Returns the rows in order of step, then actor."""
     egos = trace.ego_count
     written = trace.present.copy()
     written[:, :egos] = True
@@ -152,7 +152,7 @@ def _read(path: Path, steps: tuple[int, int] | None) -> Trace:
 
 
 def _header(file: pq.ParquetFile, path: Path) -> dict[str, Any]:
-    """Gives the static part of a trace file, checked for its version."""
+    """Returns the static part of a trace file, checked for its version."""
     text = (file.schema_arrow.metadata or {}).get(_KEY)
     if text is None:
         raise StoreError(f"{path.name} is a Parquet file, but not a trace of Drivora")
@@ -167,7 +167,7 @@ def _header(file: pq.ParquetFile, path: Path) -> dict[str, Any]:
 
 
 def _row_groups(metadata: pq.FileMetaData, steps: tuple[int, int] | None) -> list[int]:
-    """Gives the row groups that hold any of the steps; all of them for ``None``."""
+    """Returns the row groups that hold any of the steps; all of them for ``None``."""
     groups = range(metadata.num_row_groups)
     if steps is None:
         return list(groups)

@@ -15,7 +15,7 @@ _VERSION = "trace-hash-1"
 
 
 def trace_sha256(trace: Trace) -> str:
-    """Gives the SHA-256 of a trace, hexadecimal.
+    """Returns the SHA-256 of a trace, hexadecimal.
 
     Covered: times, actors, states, presence, ego values, lanes, lights, routes, ends, contacts,
     traffic lights, agent logs, the network's and the scenario's hash. Left out: ``meta`` and
@@ -43,7 +43,7 @@ def trace_sha256(trace: Trace) -> str:
 
 
 def _header(trace: Trace) -> bytes:
-    """Gives the facts that are not arrays, in one canonical spelling."""
+    """Returns the facts that are not arrays, in one canonical spelling."""
     facts = [
         _VERSION,
         trace.network,
@@ -70,7 +70,7 @@ def _header(trace: Trace) -> bytes:
 
 
 def _canonical_floats(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Gives a contiguous little-endian copy with one bit pattern for NaN and one for zero."""
+    """Returns a contiguous little-endian copy with one bit pattern for NaN and one for zero."""
     copy = np.add(values, 0.0, order="C", dtype="<f8")
     copy[np.isnan(copy)] = np.nan
     return copy

@@ -20,7 +20,7 @@ from drivora_service.observations.trace import (
 
 
 def header_of(trace: Trace) -> dict[str, Any]:
-    """Gives everything in a trace but the values of single steps, ready for JSON.
+    """Returns everything in a trace but the values of single steps, ready for JSON.
 
     The traffic lights are in it: they change so rarely that ``[step, state]`` pairs are enough.
     """
@@ -161,7 +161,7 @@ def _route(data: dict[str, Any]) -> EgoRoute:
 
 
 def _encode(values: NDArray[np.float64]) -> str:
-    """Gives little-endian doubles in base64: exact, and a tenth of the cost of JSON numbers."""
+    """Returns little-endian doubles in base64: exact, and a tenth of the cost of JSON numbers."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
 
 
@@ -170,7 +170,7 @@ def _decode(text: str) -> NDArray[np.float64]:
 
 
 def _changes(states: NDArray[np.int32]) -> list[list[int]]:
-    """Gives ``[step, state]`` at the start and wherever the state differs from the step before."""
+    """Returns ``[step, state]`` at the start and at each step at which the state changes."""
     if not len(states):
         return []
     steps = np.concatenate(([0], np.flatnonzero(np.diff(states)) + 1))

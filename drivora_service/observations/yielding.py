@@ -134,7 +134,7 @@ def _foes(ego: EgoView, crossing: Crossing, way: WayThrough) -> frozenset[int]:
 
 
 def _may_go(ego: EgoView, incoming: int, lanes: tuple[int, ...], row: int) -> bool:
-    """Tells whether the signal of a movement is green."""
+    """Returns whether the signal of a movement is green."""
     if incoming < 0:
         return False
     for connection in ego.network.lanes[incoming].connections:
@@ -160,7 +160,7 @@ def _leaves(ego: EgoView, crossing: Crossing) -> int:
 
 
 def _drives_on(ego: EgoView, other: int, first: int, last: int, lanes: frozenset[int]) -> bool:
-    """Tells whether an actor is on one of some lanes in rows ``first`` to ``last``."""
+    """Returns whether an actor is on one of some lanes in rows ``first`` to ``last``."""
     rows = slice(ego.first + first, ego.first + last + 1)
     states = ego.trace.states[rows, other]
     here = ego.trace.present[rows, other]

@@ -51,7 +51,7 @@ class Blocked:
         return "blocked"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for every time that an ego was stuck."""
+        """Returns a verdict for every time that an ego was stuck."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:
@@ -110,7 +110,7 @@ def standing_clock(
     standing_speed: float = STANDING_SPEED,
     queue_reach: float = QUEUE_REACH,
 ) -> FloatArray:
-    """Gives the (n,) seconds that the ego has stood without a signal to wait for, 0 in motion."""
+    """Returns the (n,) seconds that the ego has stood without a signal to wait for, 0 in motion."""
     standing = ego.speed < standing_speed
     counted = standing & ~waiting_at_signal(ego, queue_reach)
     total = np.cumsum(counted) * ego.step_length

@@ -27,7 +27,7 @@ from drivora_service.oracles.wrong_way import WrongWay
 
 
 def default_oracles() -> tuple[Oracle, ...]:
-    """Gives the built-in oracles with their default thresholds."""
+    """Returns the built-in oracles with their default thresholds."""
     return (
         Collision(),
         RedLight(),

@@ -60,11 +60,11 @@ class OracleCatalogue:
         self._installed: dict[str, InstalledOracle | OracleError] = {}
 
     def names(self) -> tuple[str, ...]:
-        """Gives all names in the order of judging: built-in ones, then the others, sorted."""
+        """Returns all names in the order of judging: built-in ones, then the others, sorted."""
         return (*self._built_in, *self._installed_names())
 
     def oracles(self) -> tuple[Oracle, ...]:
-        """Gives all oracles in the order of judging.
+        """Returns all oracles in the order of judging.
 
         Raises:
             OracleError: As :meth:`installed`.
@@ -72,7 +72,7 @@ class OracleCatalogue:
         return (*self._built_in.values(), *self.installed())
 
     def installed(self) -> tuple[InstalledOracle, ...]:
-        """Gives the oracles of installed packages, by name.
+        """Returns the oracles of installed packages, by name.
 
         Raises:
             OracleError: One of them cannot be loaded or made.
@@ -80,11 +80,11 @@ class OracleCatalogue:
         return tuple(self._installed_oracle(name) for name in self._installed_names())
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Gives the package that brings an oracle, with its version; nothing if it is built in."""
+        """Returns the package of an oracle with its version; empty if the oracle is built in."""
         return self._table.versions(name)
 
     def oracle(self, name: str) -> Oracle:
-        """Gives an oracle.
+        """Returns an oracle.
 
         Raises:
             UnknownName: If there is none of that name.
@@ -97,7 +97,7 @@ class OracleCatalogue:
         return self._installed_oracle(name)
 
     def entry(self, name: str) -> OracleEntry:
-        """Gives what is known of an oracle; of one that cannot judge, why.
+        """Returns what is known of an oracle; of one that cannot judge, why.
 
         Raises:
             UnknownName: If there is none of that name.
@@ -164,7 +164,7 @@ def _plugin(oracle: Oracle) -> OraclePlugin:
 
 
 def _thresholds(oracle: object) -> dict[str, Any]:
-    """Gives the fields of an oracle that is a dataclass; as text what JSON has not."""
+    """Returns the fields of an oracle that is a dataclass; as text what JSON has not."""
     if not is_dataclass(oracle):
         return {}
     return {

@@ -35,7 +35,7 @@ class Collision:
         return "collision"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for every actor that an ego collided with."""
+        """Returns a verdict for every actor that an ego collided with."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:

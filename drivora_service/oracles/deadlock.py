@@ -41,7 +41,7 @@ class Deadlock:
         return "deadlock"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives one verdict an ego."""
+        """Returns one verdict an ego."""
         clocks = [standing_clock(ego, self.standing_speed) for ego in run.egos]
         found = self._first_cycles(run, clocks)
         verdicts = []
@@ -70,7 +70,7 @@ class Deadlock:
     def _first_cycles(
         self, run: RunView, clocks: Sequence[np.ndarray[tuple[int], np.dtype[np.float64]]]
     ) -> dict[int, tuple[int, tuple[int, ...]]]:
-        """Gives (row of the trace, cycle) for every ego that is in one, at its first time."""
+        """Returns (row of the trace, cycle) for every ego that is in one, at its first time."""
         found: dict[int, tuple[int, tuple[int, ...]]] = {}
         if len(run.egos) < 2:
             return found
@@ -117,7 +117,7 @@ class Deadlock:
 
 
 def _cycles(waits_for: dict[int, list[int]]) -> list[tuple[int, ...]]:
-    """Gives a shortest cycle through every node that is in one, each cycle once."""
+    """Returns a shortest cycle through every node that is in one, each cycle once."""
     cycles: list[tuple[int, ...]] = []
     for start in waits_for:
         if any(start in cycle for cycle in cycles):

@@ -39,7 +39,7 @@ class Destination:
         return "destination"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives one verdict an ego."""
+        """Returns one verdict an ego."""
         return tuple(self._judge(ego) for ego in run.egos)
 
     def time_limit(self, ego: EgoView) -> float:

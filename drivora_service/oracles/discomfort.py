@@ -50,7 +50,7 @@ class Discomfort:
         return "discomfort"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives one verdict an ego."""
+        """Returns one verdict an ego."""
         return tuple(self._judge(ego) for ego in run.egos)
 
     def _judge(self, ego: EgoView) -> Verdict:

@@ -57,7 +57,7 @@ class InstalledOracle:
         return verdicts
 
     def _plain(self, answer: Any) -> tuple[Verdict, ...]:
-        """Gives an answer as it comes back from storage, if it is one."""
+        """Returns an answer as it comes back from storage, if it is one."""
         if not isinstance(answer, tuple):
             raise self._refusal(f"a {type(answer).__name__}; allowed: a tuple of Verdict")
         for part in answer:
@@ -99,7 +99,7 @@ class InstalledOracle:
 
 
 def traceback_of(error: BaseException) -> str:
-    """Gives the end of an error's traceback."""
+    """Returns the end of an error's traceback."""
     return "".join(traceback.format_exception(error))[-_LOG:]
 
 

@@ -74,7 +74,7 @@ class NearMiss:
         return moves
 
     def _came_near(self, ego: EgoView, k: int, other: int) -> bool:
-        """Tells whether an actor on the ego's course from row ``k`` on was in its way in fact."""
+        """Returns whether an actor on the ego's course from row ``k`` on was in its way in fact."""
         trace, row = ego.trace, ego.first + k
         state = trace.states[row, other]
         moves = np.hypot(state[Col.VX], state[Col.VY]) >= self.standing_speed

@@ -25,7 +25,7 @@ class OffRoad:
         return "off_road"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for every time that an ego left the road."""
+        """Returns a verdict for every time that an ego left the road."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:

@@ -38,7 +38,7 @@ class Speeding:
         return "speeding"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for every time that an ego was too fast for too long."""
+        """Returns a verdict for every time that an ego was too fast for too long."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:
@@ -77,6 +77,6 @@ class Speeding:
 
 
 def overspeed(ego: EgoView) -> FloatArray:
-    """Gives the (n,) m/s by which the ego was over the limit, 0 where none is known."""
+    """Returns the (n,) m/s by which the ego was over the limit, 0 where none is known."""
     excess: FloatArray = np.nan_to_num(ego.speed - ego.value(EgoCol.SPEED_LIMIT), nan=0.0)
     return np.maximum(excess, 0.0)

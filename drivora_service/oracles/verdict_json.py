@@ -22,7 +22,7 @@ def verdict_from_json(text: str | bytes) -> Verdict:
 
 
 def plain_verdict(verdict: Verdict) -> Verdict:
-    """Gives a verdict as it comes back from storage: nothing but Python's own types.
+    """Returns a verdict as it comes back from storage: nothing but Python's own types.
 
     Raises:
         ValueError: A field is of a wrong type, or the evidence cannot be written as JSON.

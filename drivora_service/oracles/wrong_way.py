@@ -36,7 +36,7 @@ class WrongWay:
         return "wrong_way"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Gives a verdict for every time that an ego drove against its lane."""
+        """Returns a verdict for every time that an ego drove against its lane."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:
@@ -73,7 +73,7 @@ class WrongWay:
 
 
 def backwards(ego: EgoView, window: float) -> FloatArray:
-    """Gives the (n,) metres moved against the lane within the last ``window`` seconds.
+    """Returns the (n,) metres moved against the lane within the last ``window`` seconds.
 
     Negative where the ego moved along its lane.
     """

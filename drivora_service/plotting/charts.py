@@ -53,7 +53,7 @@ class Look:
 
 
 def looks_of(groups: Sequence[str], baseline: str) -> dict[str, Look]:
-    """Gives each group its look, the baseline first: it is grey, the others have colours."""
+    """Returns the look of each group: the baseline, first, is grey, the others have colours."""
     looks: dict[str, Look] = {}
     if baseline in groups:
         looks[baseline] = Look(color=colors.FAINT_INK, line=(0, (2.5, 1.2)), marker="x")
@@ -75,7 +75,7 @@ def chart_style() -> Iterator[None]:
 
 
 def panels(count: int, *, width: float = 4.6, height: float = 3.3) -> tuple[Figure, list[Axes]]:
-    """Gives a figure with ``count`` panels, up to three beside one another.
+    """Returns a figure with ``count`` panels, up to three beside one another.
 
     Args:
         count: At least 1.

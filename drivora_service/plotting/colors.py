@@ -33,5 +33,5 @@ LIGHTS = {
 
 
 def ego_color(index: int) -> str:
-    """Gives the colour of the ego in row ``index``."""
+    """Returns the colour of the ego in row ``index``."""
     return EGOS[index % len(EGOS)]

@@ -103,7 +103,7 @@ def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
 
 
 def counts_after(repetitions: Sequence[Repetition]) -> FloatArray:
-    """Gives (r, n + 1) different failures that each repetition had after 0 to n simulations.
+    """Returns (r, n + 1) different failures that each repetition had after 0 to n simulations.
 
     n is that of the shortest repetition.
     """

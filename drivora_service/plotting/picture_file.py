@@ -20,7 +20,7 @@ _DPI = 150
 
 @contextmanager
 def picture_file(target: Path, *, width_in: float, height_in: float) -> Iterator[Figure]:
-    """Gives an empty figure and writes it when the block ends without an error.
+    """Returns an empty figure and writes it when the block ends without an error.
 
     Args:
         target: Where to write; ends in ``.svg`` or ``.png``.

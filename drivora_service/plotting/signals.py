@@ -53,7 +53,7 @@ def draw_signals(
 
 
 def _first_passage(trace: Trace, lane: Lane) -> int:
-    """Gives the row at which the first ego was at the lane's end, or the last row."""
+    """Returns the row at which the first ego was at the lane's end, or the last row."""
     offsets = trace.states[:, : trace.ego_count, [Col.X, Col.Y]] - lane.shape[-1]
     close = np.hypot(offsets[..., 0], offsets[..., 1]) < max(_PASSED_WITHIN_M, 0.5 * lane.width)
     rows = np.flatnonzero(close.any(axis=1))

@@ -140,7 +140,7 @@ def draw_strip(
 
 
 def _presence(trace: Trace, ego: int) -> tuple[int, int]:
-    """Gives the first and the last row in which an ego has a part."""
+    """Returns the first and the last row in which an ego has a part."""
     rows = np.flatnonzero(trace.present[:, ego])
     return int(rows[0]), int(min(rows[-1], trace.ego_end_steps[ego]))
 

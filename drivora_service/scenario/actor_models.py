@@ -175,7 +175,7 @@ def model_names(kind: ActorKind) -> tuple[str, ...]:
 
 
 def actor_model(kind: ActorKind, name: str) -> ActorModel:
-    """Gives the model that ``name`` means for an actor of ``kind``.
+    """Returns the model that ``name`` means for an actor of ``kind``.
 
     Case, hyphens and underscores do not count, and the prefix (``vehicle.``,
     ``walker.pedestrian.``, ``static.prop.``) may be left out; older and newer names of CARLA's
@@ -195,7 +195,7 @@ def actor_model(kind: ActorKind, name: str) -> ActorModel:
 
 
 def resized(model: ActorModel, length: float | None, width: float | None) -> ActorModel:
-    """Gives the model with another size where one is given, metres."""
+    """Returns the model with another size where one is given, metres."""
     return replace(
         model,
         length=model.length if length is None else length,

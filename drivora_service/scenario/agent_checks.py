@@ -31,7 +31,7 @@ class AgentDirectory(Mapping[str, str]):
 
     @abstractmethod
     def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
-        """Gives the lane-change model that SUMO must have in a run of this agent; "": any."""
+        """Returns the lane-change model that SUMO must have in a run of this agent; "": any."""
 
 
 def check_agents(

@@ -45,7 +45,7 @@ def canonical_json(scenario: model.Scenario) -> str:
 
 
 def scenario_sha256(scenario: model.Scenario) -> str:
-    """Gives the SHA-256 of the canonical JSON, hexadecimal: the scenario's identity."""
+    """Returns the SHA-256 of the canonical JSON, hexadecimal: the scenario's identity."""
     return hashlib.sha256(canonical_json(scenario).encode()).hexdigest()
 
 
@@ -61,7 +61,7 @@ def _reader() -> TypeAdapter[model.Scenario]:
 
 @lru_cache(maxsize=64)
 def _field_names(kind: type) -> tuple[str, ...]:
-    """Gives the names of the fields of a dataclass; none for any other class."""
+    """Returns the names of the fields of a dataclass; none for any other class."""
     return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
 
 

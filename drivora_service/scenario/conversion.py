@@ -44,7 +44,7 @@ def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Wayp
 
 
 def background_count(background: entities.BackgroundTrafficDocument, network: RoadNetwork) -> int:
-    """Gives the number of vehicles that ``count`` or ``density`` asks for."""
+    """Returns the number of vehicles that ``count`` or ``density`` asks for."""
     if background.count is not None:
         return background.count
     return round((background.density or 0.0) * drivable_kilometres(network))

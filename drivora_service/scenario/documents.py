@@ -169,7 +169,7 @@ def parse_document(
 
 
 def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
-    """Gives the document with every ego driven by agent ``name`` without parameters.
+    """Returns the document with every ego driven by agent ``name`` without parameters.
 
     Raises:
         InvalidDocument: ``name`` cannot be the name of an agent.
@@ -186,7 +186,7 @@ def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
 
 
 def with_background(document: ScenarioDocument, count: int) -> ScenarioDocument:
-    """Gives the document with ``count`` vehicles of background traffic.
+    """Returns the document with ``count`` vehicles of background traffic.
 
     Raises:
         InvalidDocument: That many are not allowed.

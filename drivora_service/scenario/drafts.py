@@ -132,7 +132,7 @@ def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft
 
 
 def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
-    """Gives the places to take out or replace for one mistake."""
+    """Returns the places to take out or replace for one mistake."""
     place = tokens(problem.pointer, content)
     if problem.code in _CONTRADICTIONS:
         return [(*place, key) for key in _CONTRADICTIONS[problem.code]]
@@ -143,7 +143,7 @@ def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
 
 
 def _widened(place: Place) -> Place:
-    """Gives the smallest part around a place without which a document is still one."""
+    """Returns the smallest part around a place without which a document is still one."""
     if len(place) > 2 and place[0] in ACTOR_LISTS and place[2] in _WHOLES:
         return place[:3]
     for end in range(len(place), 0, -1):
@@ -159,7 +159,7 @@ def _widened(place: Place) -> Place:
 
 
 def _meant(place: Place, content: Any) -> Place:
-    """Gives the place of the key that an unknown one was probably meant for."""
+    """Returns the place of the key that an unknown one was probably meant for."""
     *above, key = place
     for token in above:
         content = content[token]
@@ -171,7 +171,7 @@ def _meant(place: Place, content: Any) -> Place:
 
 
 def _repaired(content: Any, place: Place, rest: Place) -> Any:
-    """Gives a copy without, or with a stand-in for, what is at a place; shares all else.
+    """Returns a copy without, or with a stand-in for, what is at a place; shares all else.
 
     Args:
         content: The document, or what is at the beginning of the place.
@@ -198,7 +198,7 @@ def _repaired(content: Any, place: Place, rest: Place) -> Any:
 
 
 def _upwards(place: str) -> Iterable[str]:
-    """Gives a pointer and those to everything around it, the document left out."""
+    """Returns a pointer and those to everything around it, the document left out."""
     while place:
         yield place
         place = place.rpartition("/")[0]

@@ -26,16 +26,16 @@ class FrameTransform:
     mirrored: bool = False
 
     def to_network(self, x: float, y: float) -> tuple[float, float]:
-        """Gives the place in the network's plane, metres."""
+        """Returns the place in the network's plane, metres."""
         return x + self.offset_x, (-y if self.mirrored else y) + self.offset_y
 
     def from_network(self, x: float, y: float) -> tuple[float, float]:
-        """Gives the place in the document's frame, metres."""
+        """Returns the place in the document's frame, metres."""
         north = y - self.offset_y
         return x - self.offset_x, (0.0 - north if self.mirrored else north)
 
     def yaw_to_network(self, degrees: float) -> float:
-        """Gives radians counter-clockwise from east in [-pi, pi).
+        """Returns radians counter-clockwise from east in [-pi, pi).
 
         Wrapped while still in degrees, which is exact, so that either frame gives the same numbers.
         Never minus zero, which equals zero and is written differently.
@@ -45,6 +45,6 @@ class FrameTransform:
         return math.radians(-180.0 if wrapped == 180.0 else wrapped) + 0.0
 
     def yaw_from_network(self, radians: float) -> float:
-        """Gives degrees as the document counts them, in [-180, 180]."""
+        """Returns degrees as the document counts them, in [-180, 180]."""
         degrees = math.degrees(math.remainder(radians, math.tau))
         return 0.0 - degrees if self.mirrored else degrees

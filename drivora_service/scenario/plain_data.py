@@ -45,7 +45,7 @@ def plain_data(
     *,
     what: str = "a scenario",
 ) -> tuple[dict[str, Any], list[Problem]]:
-    """Gives the top-level object of a text, or of parsed data, and what is odd in it.
+    """Returns the top-level object of a text, or of parsed data, and what is odd in it.
 
     Odd are repeated keys and values that JSON, UTF-8 or the store cannot hold. ``what`` it is
     meant to be is for messages.
@@ -84,7 +84,7 @@ def refusal(code: str, message: str) -> InvalidDocument:
 
 
 def decoded(data: str | bytes, limit: int) -> str:
-    """Gives the text of at most ``limit`` bytes of UTF-8, without a byte-order mark."""
+    """Returns the text of at most ``limit`` bytes of UTF-8, without a byte-order mark."""
     if len(data) > limit:
         raise refusal("too_large", f"found {len(data)} bytes; at most {limit} are allowed")
     if isinstance(data, str):

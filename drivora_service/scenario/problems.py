@@ -31,7 +31,7 @@ _EXPECTED: Mapping[str, str] = {
 
 
 def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[Problem]:
-    """Gives a problem for each error that pydantic found in a document of type ``model``."""
+    """Returns a problem for each error that pydantic found in a document of type ``model``."""
     return [
         Problem(
             pointer=pointer(_tokens(details)),
@@ -98,7 +98,7 @@ def tokens(place: str, content: Any) -> tuple[str | int, ...]:
 
 
 def close_keys(key: str, known: Iterable[str], *, similar: float = 0.6) -> list[str]:
-    """Gives the one of some keys, if any, that another was probably meant to be."""
+    """Returns the one of some keys, if any, that another was probably meant to be."""
     # Of a longer one none was meant, and the search takes time with its length.
     return list(_close(key, tuple(known), similar)) if len(key) <= _LONGEST_GUESS else []
 
@@ -110,7 +110,7 @@ def _close(key: str, known: tuple[str, ...], similar: float) -> tuple[str, ...]:
 
 
 def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
-    """Gives the model that describes the object at a place of a document of type ``model``.
+    """Returns the model that describes the object at a place of a document of type ``model``.
 
     Indices of lists and keys of free data are passed.
     """
@@ -127,7 +127,7 @@ def _is_echo(details: ErrorDetails) -> bool:
 
 
 def _rank(place: str, content: Any, positions: dict[int, dict[str, int]]) -> tuple[int, ...]:
-    """Gives where a place stands; ``positions`` keeps those of the keys of each object."""
+    """Returns where a place stands; ``positions`` keeps those of the keys of each object."""
     rank: list[int] = []
     for key in tokens(place, content):
         if isinstance(key, int):

@@ -55,7 +55,7 @@ def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem]
 
 
 def route_points(places: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
-    """Gives waypoints as the points of a route."""
+    """Returns waypoints as the points of a route."""
     return tuple(RoutePoint(x=place.x, y=place.y, yaw=place.yaw) for place in places)
 
 

@@ -40,7 +40,7 @@ def schema_path() -> Path:
 
 
 def document_schema() -> dict[str, Any]:
-    """Gives the schema (JSON Schema, draft 2020-12); ``x-unit`` is the unit of a number."""
+    """Returns the schema (JSON Schema, draft 2020-12); ``x-unit`` is the unit of a number."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": f"urn:drivora:openscenario:{VERSION}",
@@ -51,5 +51,5 @@ def document_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """Gives the text of the schema file."""
+    """Returns the text of the schema file."""
     return json.dumps(document_schema(), indent=2, ensure_ascii=False) + "\n"

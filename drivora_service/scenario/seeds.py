@@ -47,7 +47,7 @@ def generate_seeds(
     seed: int,
     agent: str,
 ) -> Iterator[ScenarioDocument]:
-    """Gives ``count`` distinct scenarios of one ego, the same ones for the same arguments.
+    """Returns ``count`` distinct scenarios of one ego, the same ones for the same arguments.
 
     Args:
         network: Where to drive.

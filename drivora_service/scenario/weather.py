@@ -75,7 +75,7 @@ class WeatherEffects:
 
 
 def weather_effects(weather: Weather) -> WeatherEffects:
-    """Gives the effects of a weather; clear weather gives no noise, drop-out, latency or wind."""
+    """Returns the effects of a weather; clear weather gives no noise, drop-out, latency or wind."""
     perception_range = _perception_range(weather)
     lost = 1.0 - perception_range / CLEAR_RANGE
     return WeatherEffects(

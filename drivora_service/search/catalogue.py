@@ -37,11 +37,11 @@ class TesterCatalogue:
         )
 
     def names(self) -> tuple[str, ...]:
-        """Gives the names of all testers, sorted."""
+        """Returns the names of all testers, sorted."""
         return self._table.names()
 
     def plugin(self, name: str) -> TesterPlugin[Any]:
-        """Gives a tester's plug-in.
+        """Returns a tester's plug-in.
 
         Raises:
             UnknownName: If there is none of that name.
@@ -50,7 +50,7 @@ class TesterCatalogue:
         return self._table.plugin(name)
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Gives the package that brings a tester, with its version; nothing if it is built in."""
+        """Returns the package that brings a tester, with its version; nothing if it is built in."""
         return self._table.versions(name)
 
     def create(
@@ -79,7 +79,7 @@ class TesterCatalogue:
 
 
 def mutation_plugins() -> PluginTable[MutationPlugin]:
-    """Gives the mutations by name."""
+    """Returns the mutations by name."""
     return PluginTable(
         kind="mutation",
         group="drivora_service.mutations",
@@ -90,7 +90,7 @@ def mutation_plugins() -> PluginTable[MutationPlugin]:
 
 
 def selection_plugins() -> PluginTable[SelectionPlugin]:
-    """Gives the selections by name."""
+    """Returns the selections by name."""
     return PluginTable(
         kind="selection",
         group="drivora_service.selections",

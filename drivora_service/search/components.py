@@ -28,7 +28,7 @@ class Mutation(Protocol):
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy, within the bounds.
+        """Returns a changed copy, within the bounds.
 
         Args:
             values: (d,) genes of the parent; left as they are.

@@ -12,7 +12,7 @@ _ABSENT = -1.0
 
 
 def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace) -> FloatArray:
-    """Gives the distances between candidates, 0 for equals, at most 1.
+    """Returns the distances between candidates, 0 for equals, at most 1.
 
     An actor's distance is the root mean square over its genes: of magnitudes the difference as a
     share of the range, of categories 1 where they differ. The candidates' distance is the mean over
@@ -47,7 +47,7 @@ def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace)
 
 
 def _coordinates(values: FloatArray, space: GeneSpace) -> FloatArray:
-    """Gives magnitudes from 0 to 1 and categories as they are; the same for all absent actors."""
+    """Returns magnitudes from 0 to 1 and categories as they are; the same for all absent actors."""
     span = np.where(space.varies, space.highs - space.lows, 1.0)
     shares = np.where(space.is_category, values, (values - space.lows) / span)
     effective = effective_genes(values, space)

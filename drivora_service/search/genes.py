@@ -100,7 +100,7 @@ class Block:
         return first.name == "present" and first.low < first.high
 
     def index(self, gene: str) -> int:
-        """Gives the index in the vector of one of its genes.
+        """Returns the index in the vector of one of its genes.
 
         Raises:
             SearchError: If the block has no such gene.
@@ -112,7 +112,7 @@ class Block:
         raise SearchError(f"block {self.name!r} has no gene {gene!r}; it has {names}")
 
     def indices(self, prefix: str) -> tuple[int, ...]:
-        """Gives the indices of its genes ``prefix_0``, ``prefix_1`` and so on, in order."""
+        """Returns the indices of its genes ``prefix_0``, ``prefix_1`` and so on, in order."""
         return tuple(
             self.start + offset
             for offset, gene in enumerate(self.genes)
@@ -145,7 +145,7 @@ class GeneSpace:
         self.genes = tuple(gene for block in blocks for gene in block.genes)
 
     def __len__(self) -> int:
-        """Gives the number of genes."""
+        """Returns the number of genes."""
         return len(self.genes)
 
     @cached_property
@@ -175,7 +175,7 @@ class GeneSpace:
         return varies
 
     def of(self, part: Part) -> tuple[Block, ...]:
-        """Gives the blocks of one part."""
+        """Returns the blocks of one part."""
         return tuple(block for block in self.blocks if block.part is part)
 
     def sample(self, random: np.random.Generator, count: int | None = None) -> FloatArray:

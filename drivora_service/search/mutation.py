@@ -35,7 +35,7 @@ def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
 def redrawn(
     values: FloatArray, space: GeneSpace, random: np.random.Generator, which: BoolArray
 ) -> FloatArray:
-    """Gives a copy in which some genes are drawn anew; whole ones get another value than before.
+    """Returns a copy in which some genes are drawn anew; whole ones get another value than before.
 
     Args:
         values: (d,) genes of the parent.
@@ -58,7 +58,7 @@ def shifted(
     which: BoolArray,
     sigma: FloatArray | float,
 ) -> FloatArray:
-    """Gives a copy in which some genes are moved by normal draws; whole ones by at least 1.
+    """Returns a copy in which some genes are moved by normal draws; whole ones by at least 1.
 
     What would leave the bounds is reflected at them, so that the bounds do not fill up.
 
@@ -100,7 +100,7 @@ class GaussianMutation:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy."""
+        """Returns a changed copy."""
         effective = effective_genes(values, space)
         rates = np.where(space.is_category, self.category_rate * strength, self.rate)
         which = effective & (random.random(len(space)) < rates)
@@ -123,7 +123,7 @@ class RedrawGene:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy."""
+        """Returns a changed copy."""
         choices = np.flatnonzero(effective_genes(values, space))
         chosen = random.permutation(choices)[: _number(strength, random)]
         return redrawn(values, space, random, _mask(chosen, space))
@@ -144,7 +144,7 @@ class RedrawBlock:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy."""
+        """Returns a changed copy."""
         blocks = varying_blocks(space)
         fresh = space.sample(random)
         changed = values.copy()
@@ -176,7 +176,7 @@ class RedrawSlice:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy."""
+        """Returns a changed copy."""
         changed = values
         for _ in range(_number(strength, random)):
             effective = effective_genes(changed, space)
@@ -190,7 +190,7 @@ class RedrawSlice:
 
 
 def varying_blocks(space: GeneSpace) -> tuple[Block, ...]:
-    """Gives the blocks in which anything can vary."""
+    """Returns the blocks in which anything can vary."""
     return tuple(block for block in space.blocks if space.varies[block.slice].any())
 
 

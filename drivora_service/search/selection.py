@@ -32,7 +32,7 @@ def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
 
 
 def crowding_distances(objectives: FloatArray) -> FloatArray:
-    """Gives how much room (n,) each candidate of one front has around it; inf at its ends.
+    """Returns how much room (n,) each candidate of one front has around it; inf at its ends.
 
     Source: Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II" (2002).
     """
@@ -57,7 +57,7 @@ def best_first(objectives: FloatArray) -> IntArray:
 
 
 def measurable(objectives: FloatArray) -> FloatArray:
-    """Gives a copy in which what is not finite is a number worse than all others of its column.
+    """Returns a copy in which what is not finite is a number worse than all others of its column.
 
     Raises:
         SearchError: If there is no candidate or no objective.
@@ -131,7 +131,7 @@ class Roulette:
         return drawn[np.argsort(-chances[drawn], kind="stable")]
 
     def chances(self, objectives: FloatArray) -> FloatArray:
-        """Gives the probability (n,) of each candidate to be drawn."""
+        """Returns the probability (n,) of each candidate to be drawn."""
         known = np.isfinite(objectives).any(axis=1)
         if not known.any():
             return np.full(len(objectives), 1.0 / len(objectives))

@@ -32,7 +32,7 @@ def _offsets(counts: Sequence[int]) -> IntArray:
 
 
 def vehicle_limits(models: Sequence[ActorModel], dynamic: Sequence[bool]) -> FloatArray:
-    """Gives the (M, 8) limits of vehicles under control, columns ``Limit``."""
+    """Returns the (M, 8) limits of vehicles under control, columns ``Limit``."""
     limits = np.zeros((len(models), len(Limit)))
     for row, model, is_dynamic in zip(limits, models, dynamic, strict=True):
         row[Limit.WHEELBASE] = model.wheelbase
@@ -83,7 +83,7 @@ def append_follower(followers: Followers, plan: FollowerPlan, row: int) -> None:
 
 
 def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int) -> FloatArray:
-    """Gives what never moves as (count, 10): when it appears, inf for all others, and its state."""
+    """Returns what never moves as (count, 10): when it appears, inf for others, and its state."""
     static = np.full((count, 1 + len(Col)), np.inf)
     for plan, row in zip(plans, rows, strict=True):
         static[row] = (plan.obstacle.start_time, *plan.pose, 0.0, 0.0, 0.0, 0.0, 0.0, plan.height)
@@ -91,7 +91,7 @@ def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int
 
 
 def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
-    """Gives (M,) columns ``perception.Sense`` of an ego that sees what the weather lets through."""
+    """Returns the (M,) columns ``perception.Sense`` of an ego whose sight the weather limits."""
     senses = np.zeros(len(Sense))
     senses[Sense.RANGE] = weather.perception_range
     senses[Sense.POSITION_NOISE] = weather.position_noise
@@ -103,14 +103,14 @@ def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
 
 
 def privileged_senses() -> FloatArray:
-    """Gives the senses of an ego from which nothing is kept."""
+    """Returns the senses of an ego from which nothing is kept."""
     senses = np.zeros(len(Sense))
     senses[Sense.RANGE] = np.inf
     return senses
 
 
 def wind_of(weather: WeatherEffects) -> FloatArray:
-    """Gives (2,) the acceleration by the wind, m/s²."""
+    """Returns (2,) the acceleration by the wind, m/s²."""
     return weather.wind_acceleration * np.array(
         [math.cos(weather.wind_direction), math.sin(weather.wind_direction)]
     )

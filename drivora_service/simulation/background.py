@@ -79,7 +79,7 @@ class Wanderers:
 
 
 def clearance_points(x: float, y: float) -> FloatArray:
-    """Gives points around a start that keep others a safe distance away: (9, 2) metres."""
+    """Returns points around a start that keep others a safe distance away: (9, 2) metres."""
     angles = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
     ring = np.column_stack((np.cos(angles), np.sin(angles))) * (_CLEARANCE - _SPACING)
     return np.concatenate((np.array([(x, y)]), ring + np.array([x, y])))

@@ -31,7 +31,7 @@ class Cast:
 
 
 def cast_actors(plan: EpisodePlan) -> Cast:
-    """Gives every actor of a plan its row."""
+    """Assigns a row to each actor of a plan."""
     actors: list[Actor] = []
     bodies: list[Body] = []
 
@@ -83,7 +83,7 @@ def cast_actors(plan: EpisodePlan) -> Cast:
 
 
 def follower_actor(plan: FollowerPlan, row: int) -> Actor:
-    """Gives a follower as an actor."""
+    """Returns a follower as an actor."""
     return Actor(
         row=row,
         id=plan.id,

@@ -129,7 +129,7 @@ class EgoTeam:
         self._cells[0], self._cells[1] = RunPhase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
-        """Gives where a log's columns stand among all; a slice, which is faster, where it can."""
+        """Returns where a log's columns stand among all; a slice, which is faster, where it can."""
         columns = [self.log_names.index(name) for name in log.names]
         if columns and columns == list(range(columns[0], columns[0] + len(columns))):
             return slice(columns[0], columns[0] + len(columns))

@@ -139,7 +139,7 @@ class Episode:
         return self._k * self._dt
 
     def agent_seconds(self) -> dict[str, float]:
-        """Gives by ego the wall seconds that its agent took in ``run_step`` so far.
+        """Returns by ego the wall seconds that its agent took in ``run_step`` so far.
 
         Egos that SUMO drives are left out: nobody is asked for them.
         """
@@ -284,7 +284,7 @@ class Episode:
         self._team.end(m, event, step)
 
     def look(self) -> Look:
-        """Gives the episode as it is now."""
+        """Returns the episode as it is now."""
         return look_at(self._world, self._k, self.time, done=self.done)
 
     def add_vehicle(self, npc: NpcVehicle) -> None:
@@ -337,7 +337,7 @@ class Episode:
         self._bind()
 
     def finish(self) -> Trace:
-        """Gives the trace of all steps so far."""
+        """Returns the trace of all steps so far."""
         return assemble_trace(
             self.plan,
             self._world,

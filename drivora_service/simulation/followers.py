@@ -116,7 +116,7 @@ def _gap_ahead(
     sizes: FloatArray,
     present: BoolArray,
 ) -> tuple[float, float, int]:
-    """Gives the free metres in the corridor ahead, and the speed along it and row of its end."""
+    """Returns the free metres in the corridor ahead, and the speed along it and row of its end."""
     best, best_speed, best_row = np.inf, 0.0, -1
     x0, y0 = way[cursor, _X], way[cursor, _Y]
     for j in range(states.shape[0]):
@@ -201,7 +201,7 @@ def advance_followers(
 
 @compiled
 def _waits_in_ring(f: int, places: IntArray, followers: FloatArray) -> bool:
-    """Gives whether a follower waits for one that waits for one … that waits for it."""
+    """Returns whether a follower waits for one that waits for one … that waits for it."""
     at = f
     for _ in range(places.shape[0]):
         if followers[at, _PHASE] != _MOVING or followers[at, _WAITED] <= PATIENCE:
@@ -228,7 +228,7 @@ def _acceleration(
     sizes: FloatArray,
     present: BoolArray,
 ) -> float:
-    """Gives what the follower does to its speed, m/s², and notes whom it waits for."""
+    """Returns what the follower does to its speed, m/s², and notes whom it waits for."""
     grip = friction * GRAVITY
     v = me[_SPEED]
     cursor = int(me[_CURSOR])

@@ -50,14 +50,14 @@ class RunningProgram:
     offset: float
 
     def phase_at(self, times: FloatArray) -> NDArray[np.int64]:
-        """Gives the (n,) index of the stage shown at each of (n,) times, seconds."""
+        """Returns the (n,) index of the stage shown at each of (n,) times, seconds."""
         in_cycle = np.mod(times - self.offset + 1e-9, self.ends[-1])
         phases = np.searchsorted(self.ends, in_cycle, side="right")
         shown: NDArray[np.int64] = np.minimum(phases, len(self.phases) - 1).astype(np.int64)
         return shown
 
     def stage_at(self, time: float) -> tuple[int, float]:
-        """Gives the index of the stage shown at ``time``, and the seconds to its end."""
+        """Returns the index of the stage shown at ``time``, and the seconds to its end."""
         ends: list[float] = self.ends.tolist()
         in_cycle = (time - self.offset + 1e-9) % ends[-1]
         phase = min(bisect_right(ends, in_cycle), len(self.phases) - 1)
@@ -93,7 +93,7 @@ def _is_green(phase: SignalPhase) -> bool:
 def run_program(
     program: SignalProgram, times: LightTimes, *, step_length: float = 0.05
 ) -> RunningProgram:
-    """Gives a network's programme the times of a document.
+    """Returns a network's programme the times of a document.
 
     Stages that show green (and no yellow) and follow one another, as where the walkers' green ends
     before the cars', last ``green`` together, in the proportions that they had; every stage with a
@@ -134,7 +134,7 @@ def run_program(
 
 
 def _greens(program: SignalProgram) -> list[list[int]]:
-    """Gives the stages of each green: runs of stages that show green and no yellow."""
+    """Returns the stages of each green: runs of stages that show green and no yellow."""
     greens: list[list[int]] = []
     for i, phase in enumerate(program.phases):
         if not _is_green(phase):
@@ -160,7 +160,7 @@ def _share(durations: list[float], stages: Sequence[int], together: float) -> No
 def run_programs(
     programs: Mapping[str, SignalProgram], lights: TrafficLights, *, step_length: float = 0.05
 ) -> tuple[RunningProgram, ...]:
-    """Gives every programme of a network its times; a junction's own times come before the common.
+    """Returns the times of each programme of a network; a junction's own precede the common ones.
 
     Raises:
         KeyError: If ``lights`` names a junction without a programme; validation rules that out.

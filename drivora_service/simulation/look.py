@@ -43,7 +43,7 @@ class Look:
 
 
 def look_at(world: World, step: int, time: float, *, done: bool) -> Look:
-    """Gives a frame of the world with all who are in it."""
+    """Returns a frame of the world with all who are in it."""
     frame, present = world.states[step], world.present[step]
     return Look(
         time=time,

@@ -371,7 +371,7 @@ def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
 
 
 def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
-    """Gives where on a lane the front bumper of a vehicle with its centre at ``point`` is."""
+    """Returns where on a lane the front bumper of a vehicle with its centre at ``point`` is."""
     if lane.is_internal:
         # SUMO lets nobody start or arrive inside a junction.
         return min(length, lane.length)

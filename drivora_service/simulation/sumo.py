@@ -128,7 +128,7 @@ class SumoWorld:
             libsumo.trafficlight.setPhaseDuration(program.id, left)
 
     def light_state(self, light_id: str) -> str:
-        """Gives the signals that SUMO shows now, one letter a link."""
+        """Returns the signals that SUMO shows now, one letter a link."""
         return str(libsumo.trafficlight.getRedYellowGreenState(light_id))
 
     def set_friction(self, edges: Sequence[str], friction: float) -> None:
@@ -345,7 +345,7 @@ class SumoWorld:
             present[actor.row] = True
 
     def remaining_edges(self, actor_id: str) -> int:
-        """Gives how many edges of its route a vehicle still has before it."""
+        """Returns how many edges of its route a vehicle still has before it."""
         route = libsumo.vehicle.getRoute(actor_id)
         return len(route) - 1 - int(libsumo.vehicle.getRouteIndex(actor_id))
 
@@ -356,7 +356,7 @@ class SumoWorld:
         libsumo.vehicle.setRoute(actor_id, [*route[index:], *more])
 
     def last_edge(self, actor_id: str) -> str:
-        """Gives the last edge of a vehicle's route."""
+        """Returns the last edge of a vehicle's route."""
         return str(libsumo.vehicle.getRoute(actor_id)[-1])
 
     def knows(self, actor_id: str) -> bool:
@@ -385,7 +385,7 @@ def _at_route_end(actor_id: str) -> bool:
 
 @lru_cache(maxsize=256)
 def _logic(phases: tuple[SignalPhase, ...]) -> libsumo.trafficlight.Logic:
-    """Gives a programme as SUMO takes it, which is slow to make; the same in every run."""
+    """Returns a programme as SUMO takes it, which is slow to make; the same in every run."""
     return libsumo.trafficlight.Logic(
         _PROGRAM, 0, 0, [libsumo.trafficlight.Phase(p.duration, p.state) for p in phases]
     )

@@ -53,7 +53,7 @@ class BatchRepository:
         return self._records([row])[0]
 
     def get(self, batch_id: str) -> Batch:
-        """Gives a batch.
+        """Returns a batch.
 
         Raises:
             UnknownName: There is none of this id.
@@ -61,7 +61,7 @@ class BatchRepository:
         return self._records([self._row(batch_id)])[0]
 
     def page(self, *, limit: int = 50, page_token: str = "") -> Page[Batch]:
-        """Gives batches, newest first.
+        """Returns batches, newest first.
 
         Raises:
             InvalidDocument: The token is not one of this list.
@@ -96,7 +96,7 @@ class BatchRepository:
         return self._set_state(batch_id, BatchState.OPEN)
 
     def cancel(self, batch_id: str) -> Batch:
-        """Gives up all runs of a batch that have not ended; cancelling again changes nothing.
+        """Cancels all runs of a batch that have not ended; cancelling again changes nothing.
 
         Raises:
             UnknownName: There is none of this id.

@@ -77,7 +77,7 @@ class CampaignRunRepository:
             self._queue_again(row)
 
     def ended(self, run_ids: Sequence[str]) -> tuple[str, ...]:
-        """Gives those of some runs that have ended."""
+        """Returns those of some runs that have ended."""
         unfinished = (RunStatus.QUEUED, RunStatus.RUNNING)
         query = select(RunRow.id).where(RunRow.id.in_(run_ids), RunRow.status.not_in(unfinished))
         return tuple(self._session.scalars(query))

@@ -128,7 +128,7 @@ def _evaluations_if(condition: ColumnElement[bool]) -> ColumnElement[int]:
 
 
 def traced_failures(session: Session) -> tuple[TracedFailure, ...]:
-    """Gives the traces of all failures that have one, each once."""
+    """Returns the traces of all failures that have one, each once."""
     query = (
         select(CampaignRow.id, FailureRow.trace, FailureRow.confirmation, EvaluationRow.report)
         .join(FailureRow, FailureRow.campaign_seq == CampaignRow.seq)

@@ -48,7 +48,7 @@ class CampaignViewRepository:
         limit: int = 50,
         page_token: str = "",
     ) -> Page[EvaluationSummary]:
-        """Gives the evaluations that a filter lets through, in the order of their numbers.
+        """Returns the evaluations that a filter lets through, in the order of their numbers.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -68,7 +68,7 @@ class CampaignViewRepository:
         return Page(items=tuple(ordered), next_page_token=more)
 
     def evaluation(self, campaign_id: str, number: int) -> EvaluationSummary:
-        """Gives one evaluation.
+        """Returns one evaluation.
 
         Raises:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
@@ -80,7 +80,7 @@ class CampaignViewRepository:
     def ancestors(
         self, campaign_id: str, number: int, *, most: int
     ) -> tuple[EvaluationSummary, ...]:
-        """Gives what an evaluation descends from, in the order of their numbers.
+        """Returns what an evaluation descends from, in the order of their numbers.
 
         Args:
             campaign_id: Which campaign.
@@ -108,7 +108,7 @@ class CampaignViewRepository:
         limit: int = 50,
         page_token: str = "",
     ) -> Page[Failure]:
-        """Gives the failures that a filter lets through, in the order of their evaluations.
+        """Returns the failures that a filter lets through, in the order of their evaluations.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -146,7 +146,7 @@ class CampaignViewRepository:
         return Page(items=tuple(failure_of(rows[key]) for key in shown), next_page_token=more)
 
     def kinds(self, campaign_id: str) -> tuple[FailureKind, ...]:
-        """Gives the kinds of failures of a campaign, in the order of their first evaluations.
+        """Returns the kinds of failures of a campaign, in the order of their first evaluations.
 
         Raises:
             UnknownName: There is no such campaign.

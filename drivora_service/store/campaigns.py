@@ -63,7 +63,7 @@ class CampaignRepository:
         return _record(row)
 
     def get(self, campaign_id: str) -> CampaignRecord:
-        """Gives a campaign.
+        """Returns a campaign.
 
         Raises:
             UnknownName: There is none of this id.
@@ -77,7 +77,7 @@ class CampaignRepository:
         limit: int = 50,
         page_token: str = "",
     ) -> Page[CampaignSummary]:
-        """Gives campaigns, newest first.
+        """Returns campaigns, newest first.
 
         Args:
             states: Only those in one of these states; none: all.
@@ -109,7 +109,7 @@ class CampaignRepository:
         return Page(items=tuple(_summary(row) for row in shown), next_page_token=more)
 
     def to_run(self) -> tuple[CampaignToRun, ...]:
-        """Gives the campaigns that the service is to run, those that ran already first."""
+        """Returns the campaigns that the service is to run, those that ran already first."""
         query = (
             select(CampaignRow.id, CampaignRow.state, CampaignRow.request)
             .where(CampaignRow.batch_id != "", CampaignRow.state.in_(_TO_RUN))
@@ -209,7 +209,7 @@ class CampaignRepository:
         return _record(row)
 
     def request_of(self, campaign_id: str) -> CampaignRequest:
-        """Gives what somebody wants of a campaign.
+        """Returns what somebody wants of a campaign.
 
         Raises:
             UnknownName: There is none of this id.
@@ -232,7 +232,7 @@ class CampaignRepository:
 
 
 def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
-    """Gives the row of a campaign.
+    """Returns the row of a campaign.
 
     Raises:
         UnknownName: There is none of this id.
@@ -244,7 +244,7 @@ def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
 
 
 def _unknown(session: Session, wanted: str) -> UnknownName:
-    """Gives the refusal of what is no campaign's id, with the ids that may have been meant."""
+    """Returns the refusal of what is no campaign's id, with the ids that may have been meant."""
     ids = select(CampaignRow.id).order_by(CampaignRow.seq.desc()).limit(_MOST_NAMED + 1)
     found = session.scalars(ids.where(CampaignRow.name == wanted)).all()
     hint = "That is a name, and here an id is needed" if found else ""

@@ -17,7 +17,7 @@ from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
 
 def run_state(row: RunRow) -> RunState:
-    """Gives a row's place in the life cycle."""
+    """Returns a row's place in the life cycle."""
     return RunState(
         status=RunStatus(row.status),
         infrastructure_failures=row.infrastructure_failures,

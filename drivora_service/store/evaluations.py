@@ -92,7 +92,7 @@ class EvaluationRepository:
     def page(
         self, campaign_id: str, *, after: int = -1, limit: int = 100, violating: bool = False
     ) -> tuple[EvaluationRecord, ...]:
-        """Gives evaluations in order.
+        """Returns evaluations in order.
 
         Args:
             campaign_id: Which campaign.
@@ -115,7 +115,7 @@ class EvaluationRepository:
         return self._records(campaign.seq, self._session.scalars(query).all())
 
     def get(self, campaign_id: str, number: int) -> EvaluationRecord:
-        """Gives one evaluation.
+        """Returns one evaluation.
 
         Raises:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
@@ -125,7 +125,7 @@ class EvaluationRepository:
         return self._records(campaign.seq, [row])[0]
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Gives an evaluation and all that it descends from, in the order of their numbers.
+        """Returns an evaluation and all that it descends from, in the order of their numbers.
 
         Raises:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
@@ -156,7 +156,7 @@ class EvaluationRepository:
         return self._records(campaign.seq, rows)
 
     def document(self, campaign_id: str, number: int) -> str:
-        """Gives the scenario of an evaluation as canonical JSON text.
+        """Returns the scenario of an evaluation as canonical JSON text.
 
         Raises:
             UnknownName: There is no such evaluation, or it has no scenario because it is invalid.
@@ -177,7 +177,7 @@ class EvaluationRepository:
     def documents(
         self, campaign_id: str, *, after: int = -1, limit: int = 100
     ) -> tuple[tuple[int, str], ...]:
-        """Gives numbers and scenarios (canonical JSON text) of evaluations that have one, in order.
+        """Returns the numbers and scenarios (canonical JSON) of valid evaluations, in order.
 
         Args:
             campaign_id: Which campaign.
@@ -198,7 +198,7 @@ class EvaluationRepository:
         return tuple((number, body) for number, body in rows)
 
     def failures(self, campaign_id: str) -> tuple[Failure, ...]:
-        """Gives every failure of a campaign, in the order of their evaluations.
+        """Returns every failure of a campaign, in the order of their evaluations.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -262,7 +262,7 @@ class EvaluationRepository:
 
 
 def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> EvaluationRow:
-    """Gives the row of an evaluation.
+    """Returns the row of an evaluation.
 
     Raises:
         UnknownName: There is none of this number.
@@ -324,7 +324,7 @@ def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
 def _better(
     best: dict[str, list[float]], number: int, measurement: Measurement
 ) -> dict[str, list[float]]:
-    """Gives the least value of each objective, and the number of its evaluation."""
+    """Returns the least value of each objective, and the number of its evaluation."""
     found = {
         name: [value, number]
         for name, value in measurement.objectives.items()

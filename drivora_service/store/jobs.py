@@ -82,7 +82,7 @@ class JobRepository:
         page_token: str = "",
         newest_first: bool = True,
     ) -> Page[RunSummary]:
-        """Gives the jobs that a filter lets through, in the order of their submission.
+        """Returns the jobs that a filter lets through, in the order of their submission.
 
         Raises:
             InvalidDocument: The token is not one of this query.
@@ -98,17 +98,17 @@ class JobRepository:
         return Page(items=summaries(self._session.execute(query)), next_page_token=more)
 
     def changed_since(self, revision: int, *, limit: int = 500) -> tuple[RunSummary, ...]:
-        """Gives the jobs that changed after a revision, oldest change first, as they are now."""
+        """Returns the jobs that changed after a revision, oldest change first, as they are now."""
         query = run_query().where(RunRow.revision > revision).order_by(RunRow.revision).limit(limit)
         return summaries(self._session.execute(query))
 
     def latest_revision(self) -> int:
-        """Gives the revision of the newest change, 0 if nothing has ever happened."""
+        """Returns the revision of the newest change, 0 if nothing has ever happened."""
         query = select(RunRow.revision).order_by(RunRow.revision.desc()).limit(1)
         return self._session.scalar(query) or 0
 
     def document(self, job_id: str) -> str:
-        """Gives the scenario of a job as JSON text.
+        """Returns the scenario of a job as JSON text.
 
         Raises:
             UnknownName: There is no such job.
@@ -123,7 +123,7 @@ class JobRepository:
         return body
 
     def report(self, job_id: str) -> RunReport | None:
-        """Gives the report of a job, ``None`` until it has ended.
+        """Returns the report of a job, ``None`` until it has ended.
 
         Raises:
             UnknownName: There is no such job.
@@ -139,7 +139,7 @@ class JobRepository:
         return None if body is None else report_from_json(body)
 
     def reports(self, job_ids: Sequence[str]) -> dict[str, RunReport]:
-        """Gives the reports of those of the jobs that have ended."""
+        """Returns the reports of those of the jobs that have ended."""
         reports: dict[str, RunReport] = {}
         for chunk in batched(job_ids, 500):
             rows = self._session.execute(
@@ -161,7 +161,7 @@ class JobRepository:
         return read_all(Attempt, (row._asdict() for row in self._session.execute(query)))
 
     def cancel(self, job_id: str) -> RunSummary:
-        """Gives a job up; one that has ended stays as it is.
+        """Returns a job up; one that has ended stays as it is.
 
         Raises:
             UnknownName: There is no such job.

@@ -42,7 +42,7 @@ def revisions() -> tuple[str, ...]:
 
 
 def schema_version(engine: Engine) -> str:
-    """Gives the schema revision of a database, or "" for an empty one."""
+    """Returns the schema revision of a database, or "" for an empty one."""
     with engine.connect() as connection:
         return MigrationContext.configure(connection).get_current_revision() or ""
 

@@ -44,7 +44,7 @@ class QuarantineRepository:
         self._session = session
 
     def find(self, keys: frozenset[str]) -> dict[str, QuarantineRecord]:
-        """Gives those of ``keys`` that are quarantined."""
+        """Returns those of ``keys`` that are quarantined."""
         found: dict[str, QuarantineRecord] = {}
         wanted = sorted(keys)
         for start in range(0, len(wanted), 500):
@@ -54,7 +54,7 @@ class QuarantineRepository:
         return found
 
     def newest(self, limit: int = 100) -> tuple[QuarantineRecord, ...]:
-        """Gives the newest entries first."""
+        """Returns the newest entries first."""
         query = select(QuarantineRow).order_by(QuarantineRow.created_at.desc()).limit(limit)
         return tuple(_record(row) for row in self._session.scalars(query))
 

@@ -126,7 +126,7 @@ class QueueRepository:
         return tuple(final)
 
     def release(self, owner_id: str, run_ids: Sequence[str]) -> None:
-        """Gives runs back to the queue because their owner stops."""
+        """Returns runs back to the queue because their owner stops."""
         now = datetime.now(UTC)
         changes = self._changes()
         for row, attempt in self._leases(owner_id, run_ids).values():
@@ -135,7 +135,7 @@ class QueueRepository:
             self._follow(row, transition, now, revision=next(changes))
 
     def reclaim(self, dead_owner_id: str, policy: RetryPolicy) -> int:
-        """Gives the runs of an owner that died back to the queue, and counts them."""
+        """Returns the runs of an owner that died back to the queue, and counts them."""
         now = datetime.now(UTC)
         changes = self._changes()
         leases = self._leases(dead_owner_id, None)
@@ -160,7 +160,7 @@ class QueueRepository:
         return bool(numbers) and held.due(datetime.now(UTC), reserved_to) is not None
 
     def to_cancel(self) -> tuple[str, ...]:
-        """Gives the running runs that somebody wants to end."""
+        """Returns the running runs that somebody wants to end."""
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
         return tuple(self._session.scalars(query))
 
@@ -218,7 +218,7 @@ class QueueRepository:
         return {row.id: (row, attempt) for row, attempt in self._session.execute(query)}
 
     def _changes(self) -> Iterator[int]:
-        """Gives revisions for the changes of this transaction."""
+        """Returns revisions for the changes of this transaction."""
         return itertools.count(latest_revision(self._session) + 1)
 
     def _follow(

@@ -9,5 +9,5 @@ from drivora_service.store.tables import RunRow
 
 
 def latest_revision(session: Session) -> int:
-    """Gives the greatest revision of any run, 0 if there is none."""
+    """Returns the greatest revision of any run, 0 if there is none."""
     return session.scalar(select(func.max(RunRow.revision))) or 0

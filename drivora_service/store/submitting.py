@@ -80,7 +80,7 @@ def _batch(session: Session, batch_id: str) -> BatchRow:
 def _already_over(
     session: Session, runs: Sequence[NewRun], ids: Sequence[str]
 ) -> dict[str, RunReport]:
-    """Gives the reports of the runs that are not to be run, by run id."""
+    """Returns the reports of the runs that are not to be run, by run id."""
     keys = [
         quarantine_key(run.scenario_sha256, run.agent_override, run.seed_override) for run in runs
     ]

@@ -17,7 +17,7 @@ class TraceFolder:
         self.root = root
 
     def path(self, run_id: str) -> Path:
-        """Gives where the trace of a run lies, if it has one."""
+        """Returns where the trace of a run lies, if it has one."""
         return self.root / run_id[-2:] / f"{run_id}.parquet"
 
     def prepare(self, run_id: str) -> str:
@@ -31,12 +31,12 @@ class TraceFolder:
         return str(path)
 
     def run_ids(self) -> Iterator[str]:
-        """Gives the ids of all runs that have a trace file."""
+        """Returns the ids of all runs that have a trace file."""
         for path in sorted(self.root.glob("??/*.parquet")):
             yield path.stem
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
-        """Gives the same ids, those of one folder at a time."""
+        """Returns the same ids, those of one folder at a time."""
         for folder in sorted(self.root.glob("??")):
             yield tuple(sorted(path.stem for path in folder.glob("*.parquet")))
 
@@ -49,9 +49,9 @@ class CampaignTraces:
         self.root = root
 
     def folder(self, campaign_id: str) -> Path:
-        """Gives the folder of a campaign's traces."""
+        """Returns the folder of a campaign's traces."""
         return self.root / campaign_id / "traces"
 
     def path(self, campaign_id: str, name: str) -> Path:
-        """Gives where the trace of a failure lies, whose record names it."""
+        """Returns where the trace of a failure lies, whose record names it."""
         return self.folder(campaign_id) / name

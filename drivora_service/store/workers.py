@@ -84,7 +84,7 @@ class WorkerRepository:
         return {row.id: row.heartbeat_at for row in self._session.execute(query)}
 
     def living(self) -> tuple[OwnerRecord, ...]:
-        """Gives the owners that have not left, with their slots."""
+        """Returns the owners that have not left, with their slots."""
         owners = self._session.scalars(
             select(OwnerRow).where(OwnerRow.ended_at.is_(None)).order_by(OwnerRow.started_at)
         ).all()

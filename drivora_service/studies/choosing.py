@@ -14,7 +14,7 @@ _MOST_NAMED = 20
 
 
 def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[CampaignRecord, ...]:
-    """Gives the campaigns that are wanted, oldest first, each once.
+    """Returns the campaigns that are wanted, oldest first, each once.
 
     Args:
         database: Where to look.

@@ -117,7 +117,7 @@ def compare_stored(
 
 
 def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
-    """Gives the evaluations of a campaign, without failures that did not happen again.
+    """Returns the evaluations of a campaign, without failures that did not happen again.
 
     Of the runs' reports little is kept, such as how long they took: hundreds of campaigns must fit
     in memory.
@@ -147,7 +147,7 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
 def network_coverage(
     database: Database, campaign_id: str, network: RoadNetwork, *, until: int | None = None
 ) -> float:
-    """Gives the share of the network that a campaign's simulations took place on.
+    """Returns the share of the network that a campaign's simulations took place on.
 
     Args:
         database: Holds their scenarios.
@@ -204,7 +204,7 @@ def _figures(
 def check_genes(
     records: Sequence[EvaluationRecord], ground: Ground, campaign: CampaignRecord
 ) -> Sequence[EvaluationRecord]:
-    """Gives evaluations whose genes are those of the space as it is now.
+    """Returns evaluations whose genes are those of the space as it is now.
 
     Raises:
         CampaignError: They are not.

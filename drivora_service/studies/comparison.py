@@ -25,7 +25,7 @@ class Measure:
     """Something that campaigns are compared by.
 
     Attributes:
-        value: Gives it; ``None`` where a campaign does not have it.
+        value: Returns it; ``None`` where a campaign does not have it.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Measure:
 
 
 def _until_first(figures: CampaignFigures) -> float | None:
-    """Gives the simulations up to the first failure; one more than allowed where there was none.
+    """Returns the simulations up to the first failure; one more than allowed where there was none.
 
     A tester may have ended before its budget: with one more than it made, who gave up soonest would
     seem to have found soonest. At equal time campaigns have made different numbers of simulations
@@ -49,7 +49,7 @@ def _until_first(figures: CampaignFigures) -> float | None:
 
 
 def _seconds_until_first(figures: CampaignFigures) -> float | None:
-    """Gives the seconds up to the first failure; at equal time all of them where there was none."""
+    """Returns the seconds to the first failure; at equal time all seconds if there was none."""
     found = figures.first_failure_s
     return figures.time_limit_s if found is None else found
 
@@ -137,7 +137,7 @@ MEASURES = (
 
 
 def measure(name: str) -> Measure:
-    """Gives a measure by its name.
+    """Returns a measure by its name.
 
     Raises:
         UnknownName: If there is none of that name.

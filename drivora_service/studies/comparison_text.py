@@ -95,5 +95,5 @@ def measures_of(comparison: Comparison) -> tuple[Measure, ...]:
 
 
 def groups_of(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:
-    """Gives the names of the groups, in their order."""
+    """Returns the names of the groups, in their order."""
     return tuple(dict.fromkeys(f.group for f in figures))

@@ -181,18 +181,18 @@ def figures_of(
 
 
 def cost_s(record: EvaluationRecord) -> float:
-    """Gives the seconds of one worker that an evaluation took, the method's own included."""
+    """Returns the seconds of one worker that an evaluation took, the method's own included."""
     return record.report.wall_time_s + record.search_s + record.prepare_s
 
 
 def duration_s(records: Sequence[EvaluationRecord]) -> float:
-    """Gives the seconds that one worker would have taken for all evaluations."""
+    """Returns the seconds that one worker would have taken for all evaluations."""
     # Added up as `within_time` does: a limit that comes from here leaves nothing out.
     return max(itertools.accumulate(map(cost_s, records)), default=0.0)
 
 
 def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[EvaluationRecord]:
-    """Gives the evaluations that one worker ends within some seconds of wall time.
+    """Returns the evaluations that one worker ends within some seconds of wall time.
 
     The method's own time counts, so that methods can be compared at equal time.
     """
@@ -201,7 +201,7 @@ def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[Eva
 
 
 def pairwise_coverage(values: FloatArray, space: GeneSpace) -> float:
-    """Gives the share of two-way combinations that were tried.
+    """Returns the share of two-way combinations that were tried.
 
     Every range is cut into four equal levels (fewer where a whole gene has fewer values). Of all
     pairs of genes that vary, and all combinations of their levels, it counts those that some

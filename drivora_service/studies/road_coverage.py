@@ -111,7 +111,7 @@ class RoadCoverage:
 
 
 def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
-    """Gives (n, 3) places of each vehicle that follows lanes between them."""
+    """Returns (n, 3) places of each vehicle that follows lanes between them."""
     for ego in scenario.ego_vehicles:
         yield _places(ego.route)
     for npc in scenario.npc_vehicles:
@@ -120,7 +120,7 @@ def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
 
 
 def _straight_ways(scenario: Scenario) -> Iterator[FloatArray]:
-    """Gives (n, 2) places of each actor that moves in straight lines, or not at all."""
+    """Returns (n, 2) places of each actor that moves in straight lines, or not at all."""
     for npc in scenario.npc_vehicles:
         if npc.behavior is NpcBehavior.REPLAY:
             yield _walked(npc.route)
@@ -146,7 +146,7 @@ def _walked(route: Sequence[Waypoint]) -> FloatArray:
 
 @lru_cache(maxsize=65536)
 def _roads_between(network: RoadNetwork, start: int, end: int) -> tuple[Road, ...]:
-    """Gives the roads from one lane to another; none where no way leads there."""
+    """Returns the roads from one lane to another; none where no way leads there."""
     lanes = network.lanes
     if start == end:
         return ((start,),)

@@ -48,7 +48,7 @@ def count_situations(samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
 
 
 def nearest_centres(points: FloatArray) -> tuple[int, ...]:
-    """Gives for each of (n, d) points the number of its centre; n >= 1.
+    """Returns for each of (n, d) points the number of its centre; n >= 1.
 
     Centres are points; no two of them are nearer than the radius, and no point is farther from one.
     """

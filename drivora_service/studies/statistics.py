@@ -66,7 +66,7 @@ def compare_samples(first: Sample, second: Sample) -> Effect:
 
 
 def a12_interval(a12: float, n: int, m: int) -> tuple[float, float]:
-    """Gives the 95 % confidence interval of A12 for samples of ``n`` and ``m`` values.
+    """Returns the 95 % confidence interval of A12 for samples of ``n`` and ``m`` values.
 
     Method 5 of Newcombe 2006 ("Confidence intervals for an effect size measure based on the
     Mann-Whitney statistic", part 2): all values whose distance from ``a12`` is within z standard

@@ -105,7 +105,7 @@ def _refuse_differences(first: Compared, other: Compared) -> None:
 
 
 def _conditions(campaign: Compared) -> dict[str, Any]:
-    """Gives what must be the same for all campaigns on a scenario, by name."""
+    """Returns what must be the same for all campaigns on a scenario, by name."""
     document = campaign.document
     return {
         "budget": document.budget.simulations,
@@ -118,7 +118,7 @@ def _conditions(campaign: Compared) -> dict[str, Any]:
 
 
 def _agent_parameters(document: CampaignDocument) -> list[Mapping[str, Any]]:
-    """Gives the different parameters that egos are driven with."""
+    """Returns the different parameters that egos are driven with."""
     egos = document.scenario.ego_vehicles
     agents = [ego.agent if document.agent is None else document.agent for ego in egos]
     different: list[Mapping[str, Any]] = []
@@ -142,7 +142,7 @@ def _scenario_names(documents: Sequence[CampaignDocument]) -> list[str]:
 
 
 def _scenario_hash(document: CampaignDocument) -> str:
-    """Gives the identity of a seed scenario, whoever drives in it."""
+    """Returns the identity of a seed scenario, whoever drives in it."""
     drivers = {"agent": True, "config_path": True}
     content = document.scenario.model_dump(
         mode="json", exclude={"ego_vehicles": {"__all__": drivers}}
@@ -176,7 +176,7 @@ def _group_name(document: CampaignDocument, traits: Mapping[str, str]) -> str:
 
 
 def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, str]:
-    """Gives what may set campaigns of one tester apart, as text by name."""
+    """Returns what may set campaigns of one tester apart, as text by name."""
     tester = document.tester
     return {
         **{name: _said(value) for name, value in _parameters(tester, testers).items()},
@@ -187,7 +187,7 @@ def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, s
 
 
 def _parameters(tester: TesterDocument, testers: TesterCatalogue) -> Mapping[str, Any]:
-    """Gives all parameters; only those that are written down where the tester is not here."""
+    """Returns all parameters; only those that are written down where the tester is not here."""
     try:
         plugin = testers.plugin(tester.name)
         known = read_parameters(plugin.parameters, tester.parameters, of=f"tester {tester.name!r}")

@@ -60,7 +60,7 @@ class AgentContract(ABC):
 
     @abstractmethod
     def make_agent(self) -> Agent:
-        """Gives a fresh agent."""
+        """Returns a fresh agent."""
 
     def test_it_drives_its_route_to_the_end(self) -> None:
         trace = _drive(self.make_agent(), _scenario(self.seconds))

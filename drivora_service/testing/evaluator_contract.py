@@ -37,12 +37,12 @@ class EvaluatorContract:
         raise NotImplementedError
 
     def document(self, number: int) -> str:
-        """Gives the canonical JSON text of a short scenario, another one for each number."""
+        """Returns the canonical JSON text of a short scenario, another one for each number."""
         scenario = warm_up_checks(NetworkCatalogue(shipped_networks()))
         return canonical_json(replace(scenario, max_sim_time=1.0 + 0.5 * number))
 
     def broken_document(self) -> str:
-        """Gives a document that cannot be run."""
+        """Returns a document that cannot be run."""
         scenario = warm_up_checks(NetworkCatalogue(shipped_networks()))
         nowhere = replace(scenario.map_region, town="no-town")
         return canonical_json(replace(scenario, map_region=nowhere))
@@ -60,7 +60,7 @@ class EvaluatorContract:
             yield made
 
     def spec(self, number: int, document: str = "") -> RunSpec:
-        """Gives what is to be run."""
+        """Returns what is to be run."""
         return RunSpec(
             run_id=f"contract-{number}",
             document=document or self.document(number),

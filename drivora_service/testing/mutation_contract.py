@@ -27,7 +27,7 @@ class MutationContract:
     plugin: ClassVar[MutationPlugin]
 
     def spaces(self) -> tuple[GeneSpace, ...]:
-        """Gives the spaces to work in: a full one, and ones in which parts are missing."""
+        """Returns the spaces to work in: a full one, and ones in which parts are missing."""
         return (
             small_space(),
             small_space(egos=0, vehicles=0, walkers=0),

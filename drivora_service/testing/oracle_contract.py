@@ -35,7 +35,7 @@ class OracleContract(ABC):
 
     @abstractmethod
     def make_oracle(self) -> Oracle:
-        """Gives the oracle under test."""
+        """Returns the oracle under test."""
 
     def test_its_name_is_in_snake_case(self) -> None:
         assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", self.make_oracle().name)
@@ -115,7 +115,7 @@ class OracleContract(ABC):
 
 
 def example_runs() -> tuple[Trace, ...]:
-    """Gives runs on ``straight_road`` that oracles must be able to judge."""
+    """Returns runs on ``straight_road`` that oracles must be able to judge."""
     return (
         _orderly(),
         _wild(),

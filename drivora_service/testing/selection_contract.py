@@ -31,7 +31,7 @@ class SelectionContract:
     looks: ClassVar[bool] = True
 
     def objectives(self) -> tuple[FloatArray, ...]:
-        """Gives objectives of one or several columns; some are not measurable."""
+        """Returns objectives of one or several columns; some are not measurable."""
         random = np.random.default_rng(1)
         several = random.normal(size=(12, 3))
         several[3] = np.nan

@@ -56,7 +56,7 @@ class TesterContract:
         cls.__test__ = True
 
     def space(self) -> GeneSpace:
-        """Gives the space to search."""
+        """Returns the space to search."""
         return small_space()
 
     def measure(self, unit: FloatArray) -> Measurement:

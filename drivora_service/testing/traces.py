@@ -230,6 +230,6 @@ def make_trace(
 
 
 def with_contact(trace: Trace, *, step: int, ego: int, other: int) -> Trace:
-    """Gives the trace with one more contact, as if the recorder had found it."""
+    """Returns the trace with one more contact, as if the recorder had found it."""
     contact = Contact(step=step, ego=ego, other=other)
     return replace(trace, contacts=(*trace.contacts, contact))

@@ -46,7 +46,7 @@ COURSES = (
 def plans(
     networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int, leaders: bool = False
 ) -> Iterator[EpisodePlan]:
-    """Gives the runs of all courses.
+    """Returns the runs of all courses.
 
     Args:
         networks: Has the shipped networks.

@@ -21,7 +21,7 @@ W = TypeVar("W", bound="DataclassInstance")
 
 
 def weights_of(type_: type[W], parts: Mapping[str, Parts]) -> W:
-    """Gives copies of parameters as a network's dataclass, matrices with the inputs first.
+    """Returns copies of parameters as a network's dataclass, matrices with the inputs first.
 
     Args:
         type_: The dataclass.

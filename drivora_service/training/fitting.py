@@ -28,11 +28,11 @@ class Trainee(Protocol):
     modules: torch.nn.Module
 
     def waypoints(self, seen: Tensor) -> Tensor:
-        """Gives (n, 4, 2) waypoints in metres for (n, K) numbers."""
+        """Returns (n, 4, 2) waypoints in metres for (n, K) numbers."""
         ...
 
     def parts(self) -> dict[str, Parts]:
-        """Gives the parameters by the agent's names for them."""
+        """Returns the parameters by the agent's names for them."""
         ...
 
 
@@ -87,7 +87,7 @@ def fit(
 
 
 def errors_of(trainee: Trainee, samples: Samples) -> DisplacementErrors:
-    """Gives the errors of a network."""
+    """Returns the errors of a network."""
     trainee.modules.eval()
     with torch.no_grad():
         parts = [trainee.waypoints(part) for part in torch.from_numpy(samples.seen).split(1024)]
@@ -95,7 +95,7 @@ def errors_of(trainee: Trainee, samples: Samples) -> DisplacementErrors:
 
 
 def errors_at_constant_velocity(samples: Samples) -> DisplacementErrors:
-    """Gives the errors of who says that the ego goes straight on at its speed."""
+    """Returns the errors of who says that the ego goes straight on at its speed."""
     points = np.zeros(samples.waypoints.shape)
     speed = samples.seen[:, 0].astype(np.float64) / SPEED_SCALE
     points[:, :, 0] = speed[:, None] * INTERVAL * np.arange(1, WAYPOINTS + 1)

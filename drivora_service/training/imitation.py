@@ -211,7 +211,7 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
 
 
 def _learner(recipe: Recipe, trainee: Trainee) -> Callable[[], Deviation]:
-    """Gives what makes a driver with the present weights."""
+    """Returns what makes a driver with the present weights."""
     network = recipe.network(weights_of(recipe.weights, trainee.parts()))
     return lambda: Learner(WaypointAgent(recipe.view(), network))
 

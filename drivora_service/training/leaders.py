@@ -70,7 +70,7 @@ def _car(name: str, model: str, route: tuple[Waypoint, ...]) -> NpcVehicle:
 
 
 def _along(path: DrivenPath, begin: float, end: float, speed: float) -> tuple[Waypoint, ...]:
-    """Gives waypoints from one place to another, one on every road between them."""
+    """Returns waypoints from one place to another, one on every road between them."""
     middles = [
         0.5 * (low + high)
         for lane, low, high in path.lane_ranges

@@ -24,12 +24,12 @@ class AdMlpTrainee:
         )
 
     def waypoints(self, seen: Tensor) -> Tensor:
-        """Gives (n, 4, 2) waypoints in metres for (n, 112) numbers."""
+        """Returns (n, 4, 2) waypoints in metres for (n, 112) numbers."""
         steps = self.modules(seen).reshape(-1, WAYPOINTS, 2)
         return STEP_SCALE * torch.cumsum(steps, dim=1)
 
     def parts(self) -> dict[str, Parts]:
-        """Gives the parameters by the agent's names for them."""
+        """Returns the parameters by the agent's names for them."""
         first, second, steps = (self.modules[k] for k in (0, 2, 4))
         return {
             "first": first.weight,

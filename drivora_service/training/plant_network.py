@@ -41,7 +41,7 @@ class PlantTrainee:
         )  # fmt: skip
 
     def waypoints(self, seen: Tensor) -> Tensor:
-        """Gives (n, 4, 2) waypoints in metres for (n, 262) numbers."""
+        """Returns (n, 4, 2) waypoints in metres for (n, 262) numbers."""
         parts = self.modules
         pieces = seen[:, EGO_SIZE:OBJECTS_AT].reshape(-1, PIECES, PIECE_SIZE)
         others = seen[:, OBJECTS_AT:].reshape(-1, OBJECTS, OBJECT_SIZE)
@@ -68,7 +68,7 @@ class PlantTrainee:
         return STEP_SCALE * torch.stack(points, dim=1)
 
     def parts(self) -> dict[str, Parts]:
-        """Gives the parameters by the agent's names for them."""
+        """Returns the parameters by the agent's names for them."""
         parts, layers = self.modules, self.modules["layers"]
         decoder, norm = parts["decoder"], parts["norm"]
         return {
@@ -99,7 +99,7 @@ class PlantTrainee:
 
 
 def _first_token(layer: nn.TransformerEncoderLayer, tokens: Tensor, absent: Tensor) -> Tensor:
-    """Gives what a layer makes of the (n, WIDTH) first tokens, which is all that is wanted of it.
+    """Returns what a layer makes of the (n, WIDTH) first tokens, which is all that is wanted of it.
 
     The layer itself would compute every token: two thirds of its work for nothing.
     """

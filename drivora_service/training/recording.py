@@ -170,7 +170,7 @@ class Recorder:
         return answer
 
     def samples(self, *, collided: bool) -> Samples:
-        """Gives what was recorded in the run that is over.
+        """Returns what was recorded in the run that is over.
 
         Args:
             collided: Whether it ended by a collision; its last seconds are left out then.

@@ -202,7 +202,7 @@ def _adopt_orphans() -> None:
 
 
 def is_guard(pid: int) -> bool:
-    """Tells whether a process is the guard of an ADS, which ends with its worker."""
+    """Returns whether a process is the guard of an ADS, which ends with its worker."""
     try:
         return guard.__file__ in psutil.Process(pid).cmdline()[:5]
     except psutil.Error:

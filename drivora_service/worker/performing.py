@@ -52,13 +52,13 @@ _LOG_LINES = 12
 
 @lru_cache(maxsize=4)
 def _networks(setup: WorkerSetup) -> NetworkCatalogue:
-    """Gives the catalogue, one a process, so that its networks are parsed once."""
+    """Returns the catalogue, one a process, so that its networks are parsed once."""
     return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
 
 
 @lru_cache(maxsize=1)
 def _agents(setup: WorkerSetup) -> AgentCatalogue:
-    """Gives the catalogue, one a process, so that the ADSs which it starts stay for later runs."""
+    """Returns the catalogue of the process; ADSs that it starts stay for later runs."""
     return AgentCatalogue(
         folder=setup.agents,
         longest_call_s=setup.agent_deadline_s,

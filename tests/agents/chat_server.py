@@ -10,7 +10,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 Answer = Callable[[list[dict[str, str]]], str]
-"""Gives what a model would say to a chat."""
+"""Returns what a model would say to a chat."""
 
 
 class ChatServer:

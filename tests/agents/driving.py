@@ -55,6 +55,6 @@ def assert_keeps(trace: Trace, rules: Sequence[Oracle]) -> None:
 
 
 def passes(trace: Trace, actor: str, point: Waypoint) -> float:
-    """Gives the time at which an actor is nearest to a place, seconds."""
+    """Returns the time at which an actor is nearest to a place, seconds."""
     way = track(trace, actor)
     return float(trace.times[int(np.nanargmin(np.hypot(way[:, 0] - point.x, way[:, 1] - point.y)))])

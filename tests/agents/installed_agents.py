@@ -16,7 +16,7 @@ from drivora_service.agents.sumo_driver import SumoDriver
 
 @contextmanager
 def installed_agents(*names: str) -> Iterator[AgentCatalogue]:
-    """Gives a catalogue in which agents are installed; skips where they are not.
+    """Returns a catalogue in which agents are installed; skips where they are not.
 
     ``DRIVORA_TEST_AGENTS`` names the folder of agents.
     """

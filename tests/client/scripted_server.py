@@ -43,7 +43,7 @@ class Asked:
 
 
 class ScriptedServer(ThreadingHTTPServer):
-    """Gives one answer after the other; the last one again and again.
+    """Returns one answer after the other; the last one again and again.
 
     Attributes:
         asked: The requests so far.

@@ -30,7 +30,7 @@ class Command:
 
 
 def commands_of(page: str) -> list[Command]:
-    """Gives the commands of a page in order, the writing of its files among them."""
+    """Returns the commands of a page in order, the writing of its files among them."""
     commands: list[Command] = []
     for block in _BLOCK.finditer(page):
         directive, name, text = block["directive"], block["name"], block["text"]
@@ -49,7 +49,7 @@ def commands_of(page: str) -> list[Command]:
 
 
 def installation_lines(page: str) -> list[str]:
-    """Gives the lines of `sh` blocks: what is typed once, to install."""
+    """Returns the lines of `sh` blocks: what is typed once, to install."""
     texts = [block["text"] for block in _BLOCK.finditer(page) if block["language"] == "sh"]
     return [line for text in texts for line in text.splitlines() if line]
 

@@ -30,7 +30,7 @@ CROSSING = replace(straight_road(), junction_shapes={"crossing": SQUARE})
 
 
 def drive(speeds: list[tuple[float, float]]) -> FloatArray:
-    """Gives the distance driven at each step, of a speed profile through (s, m/s)."""
+    """Returns the distance driven at each step, of a speed profile through (s, m/s)."""
     times, values = zip(*speeds, strict=True)
     speed = np.interp(TIMES, times, values)
     return np.concatenate(([0.0], np.cumsum(0.5 * STEP * (speed[1:] + speed[:-1]))))

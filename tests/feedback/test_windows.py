@@ -25,7 +25,7 @@ ROAD = straight_road()
 
 
 def statistics(*values: float) -> dict[str, float]:
-    """Gives the statistics of one signal over one window."""
+    """Returns the statistics of one signal over one window."""
     (row,) = window_statistics(np.array(values, dtype=float)[:, None], len(values), 1)
     return dict(zip(STATISTICS, row.tolist(), strict=True))
 

@@ -64,7 +64,7 @@ def check_refusal(error: DrivoraError, content: Any = None) -> None:
 
 
 def has_place(content: Any, place: str) -> bool:
-    """Tells whether a JSON pointer leads to a place of a document, or to what misses in one."""
+    """Returns whether a JSON pointer leads to a place of a document, or to what misses in one."""
     if place == "":
         return True
     if not place.startswith("/"):

@@ -110,7 +110,7 @@ def test_meeting_agrees_with_the_right_of_way(name: str, all_foes: bool) -> None
 
 
 def way_of(network: RoadNetwork, movement: Movement) -> Line:
-    """Gives the line of a movement with the lanes before and behind it."""
+    """Returns the line of a movement with the lanes before and behind it."""
     behind = network.lanes[movement.lanes[-1]].connections[0].to_lane
     lanes = (movement.incoming, *movement.lanes, behind)
     points = np.concatenate([network.lanes[lane].shape for lane in lanes])

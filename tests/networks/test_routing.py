@@ -99,7 +99,7 @@ def assert_sound(network: RoadNetwork, route: LaneRoute) -> None:
 
 
 def _behind(network: RoadNetwork, lane: int) -> set[int]:
-    """Gives the lanes behind a lane's end, through the junction's own lanes."""
+    """Returns the lanes behind a lane's end, through the junction's own lanes."""
     found: set[int] = set()
     for link in network.lanes[lane].connections:
         following = network.lanes[link.to_lane]

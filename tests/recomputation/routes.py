@@ -71,7 +71,7 @@ def deviation_row(drive: Drive, progress: Progress) -> int | None:
 
 
 def arrived(run: Recording, drive: Drive, progress: Progress) -> bool:
-    """Tells whether the ego came to its goal within its time limit.
+    """Returns whether the ego came to its goal within its time limit.
 
     What it waits before a signal that is not green, also in the queue, does not count.
     """

@@ -63,7 +63,7 @@ def _must_stop(run: Recording, way: Movement, step: int) -> bool:
 
 
 def _stood(run: Recording, drive: Drive, front: int) -> bool:
-    """Tells whether the ego came on more slowly than it may, over a window close to the line."""
+    """Returns whether the ego came on more slowly than it may, over a window close to the line."""
     driven = np.cumsum(drive.moved)
     rows = [k for k in range(front) if driven[front - 1] - driven[k] <= REACH]
     if rows[0] == 0 and drive.speed[0] < STANDING:

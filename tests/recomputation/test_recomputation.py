@@ -213,6 +213,6 @@ def _roles_hit(egos: Iterable[Recomputed]) -> Iterator[str]:
 
 
 def _is_off_route(ego: Recomputed, step: int) -> bool:
-    """Tells whether the ego was beside its route at a step, or soon after."""
+    """Returns whether the ego was beside its route at a step, or soon after."""
     k = step - ego.drive.first
     return bool(ego.progress.beside[k : k + 30].max() > 2.0)

@@ -54,7 +54,7 @@ def valid(networks: NetworkCatalogue) -> Any:
 
 @pytest.fixture
 def refused(networks: NetworkCatalogue) -> Any:
-    """Gives the problems of a document."""
+    """Returns the problems of a document."""
 
     def problems(content: dict[str, Any]) -> tuple[Problem, ...]:
         with pytest.raises(InvalidDocument) as caught:

@@ -48,7 +48,7 @@ class TestRedrawSlice(MutationContract):
 
 
 def everyone(random: np.random.Generator) -> FloatArray:
-    """Gives a candidate in which nobody is absent."""
+    """Returns a candidate in which nobody is absent."""
     values = SPACE.sample(random)
     for block in SPACE.blocks:
         if block.is_optional:

@@ -39,7 +39,7 @@ def install_agents(site: Path) -> None:
 
 
 def drives() -> list[tuple[str, str]]:
-    """Gives documents with their agents: an honest one beside each of the others."""
+    """Returns documents with their agents: an honest one beside each of the others."""
     (seed,) = generate_seeds(
         NetworkCatalogue(shipped_networks()).get("tee-town"),
         count=1, min_length=60, max_length=100, seed=9, agent="idm",

@@ -25,7 +25,7 @@ KILLS = 5
 
 
 def batch_lines() -> str:
-    """Gives 200 short drives."""
+    """Returns 200 short drives."""
     network = NetworkCatalogue(shipped_networks()).get("tee-town")
     seeds = generate_seeds(network, count=40, min_length=60, max_length=150, seed=4, agent="idm")
     documents = [json.loads(document_text(seed)) for seed in seeds]

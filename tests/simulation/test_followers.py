@@ -46,7 +46,7 @@ def follow(
     others: list[tuple[float, float]] | None = None,
     friction: float = 1.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gives states (steps + 1, n, 9) and presence of followers; ``others`` stand still."""
+    """Returns states (steps + 1, n, 9) and presence of followers; ``others`` stand still."""
     others = others or []
     n = len(plans) + len(others)
     f = lay_followers(plans, list(range(len(plans))))

@@ -40,7 +40,7 @@ def hidden(*actors: Figure) -> bool:
 
 
 def seen(senses: FloatArray, *frames: tuple[Figure, ...]) -> FloatArray:
-    """Gives what the first perceives at the last of the frames."""
+    """Returns what the first perceives at the last of the frames."""
     states, sizes, heights = world(*frames[-1])
     history = np.stack([world(*frame)[0] for frame in frames])
     count = len(states)

@@ -38,7 +38,7 @@ class AdMlpNetwork:
         self._weights = weights
 
     def waypoints(self, seen: Float32Array) -> Float32Array:
-        """Gives (4, 2) places after each half second, in the ego's frame, metres.
+        """Returns (4, 2) places after each half second, in the ego's frame, metres.
 
         Args:
             seen: (112,) as ``view`` lays it out.

@@ -97,7 +97,7 @@ class LaneForecaster:
         )
 
     def _way_of(self, state: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-        """Gives the lanes that a vehicle follows, as a line and its arc lengths."""
+        """Returns the lanes that a vehicle follows, as a line and its arc lengths."""
         if not len(self._ids):
             return None
         place = state[[Col.X, Col.Y]]
@@ -117,7 +117,7 @@ class LaneForecaster:
         return self._ways[lane]
 
     def _lines_ahead(self, lane: int) -> FloatArray:
-        """Gives the line of a lane and those that follow, always the straightest."""
+        """Returns the line of a lane and those that follow, always the straightest."""
         pieces, length = [], 0.0
         current: int | None = lane
         while current is not None and length < _WAY_AHEAD:
@@ -155,7 +155,7 @@ def _turn_of(lane: LaneView) -> float:
 
 
 def _travelled(state: FloatArray, speed: float, times: FloatArray) -> FloatArray:
-    """Gives (t,) metres: at the same speed, or on braking until it stands."""
+    """Returns (t,) metres: at the same speed, or on braking until it stands."""
     forward = state[Col.AX] * math.cos(state[Col.YAW]) + state[Col.AY] * math.sin(state[Col.YAW])
     if forward > _BRAKING or speed < 1e-3:
         return speed * times
@@ -179,7 +179,7 @@ def _straight_on(state: FloatArray, travelled: FloatArray) -> FloatArray:
 def _along(
     line: FloatArray, arc: FloatArray, state: FloatArray, travelled: FloatArray
 ) -> FloatArray:
-    """Gives (t, 3) poses along a line, as far beside it as now."""
+    """Returns (t, 3) poses along a line, as far beside it as now."""
     place = state[[Col.X, Col.Y]]
     steps = np.diff(line, axis=0)
     share = ((place - line[:-1]) * steps).sum(axis=1) / (steps**2).sum(axis=1)

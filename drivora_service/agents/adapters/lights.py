@@ -18,7 +18,7 @@ _LINE_GAP = 0.5
 
 
 def must_stop(observation: Observation) -> bool:
-    """Tells whether the next signal has to be obeyed: red, or yellow with room to stop."""
+    """Returns whether the next signal has to be obeyed: red, or yellow with room to stop."""
     halting = observation.speed**2 / (2.0 * _PLANNED_BRAKING)
     return observation.light is Light.RED or (
         observation.light is Light.YELLOW and halting < observation.light_distance
@@ -26,7 +26,7 @@ def must_stop(observation: Observation) -> bool:
 
 
 def light_speed(observation: Observation) -> float:
-    """Gives the speed with which calm braking can still stop before the next light, m/s.
+    """Returns the speed with which calm braking can still stop before the next light, m/s.
 
     For adapters of policies that know no lights.
 

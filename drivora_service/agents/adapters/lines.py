@@ -8,19 +8,19 @@ from drivora_service.geometry.arrays import FloatArray
 
 
 def resampled(line: FloatArray, spacing: float = 1.0) -> FloatArray:
-    """Gives a line with points evenly spaced, about ``spacing`` metres apart."""
+    """Returns a line with points evenly spaced, about ``spacing`` metres apart."""
     arc = arc_of(line)
     places = np.linspace(0.0, arc[-1], max(2, int(arc[-1] / spacing) + 1))
     return np.column_stack([np.interp(places, arc, line[:, k]) for k in (0, 1)])
 
 
 def arc_of(line: FloatArray) -> FloatArray:
-    """Gives the arc length at each point, metres."""
+    """Returns the arc length at each point, metres."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
 
 
 def normals(line: FloatArray) -> FloatArray:
-    """Gives the (n, 2) unit vectors to the left of a line."""
+    """Returns the (n, 2) unit vectors to the left of a line."""
     along = np.gradient(line, axis=0)
     across = np.column_stack((-along[:, 1], along[:, 0]))
     unit: FloatArray = across / np.maximum(np.hypot(*along.T), 1e-9)[:, None]

@@ -93,7 +93,7 @@ def _bend_speeds(line: FloatArray) -> FloatArray:
 def _room(
     lanes: Mapping[int, LaneView], point_lanes: NDArray[np.int64], line: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Gives (n,) metres to the left and the right border of the lanes side by side."""
+    """Returns (n,) metres to the left and the right border of the lanes side by side."""
     left, right = np.empty(len(line)), np.empty(len(line))
     across = normals(line)
     for lane in np.unique(point_lanes).tolist():
@@ -109,7 +109,7 @@ def _room(
 
 
 def _widths_beside(lanes: Mapping[int, LaneView], lane: int) -> tuple[float, float]:
-    """Gives the widths of all lanes to the left, and of all to the right."""
+    """Returns the widths of all lanes to the left, and of all to the right."""
     everything = beside_one_another(lanes, lane)
     leftmost = everything[1:]
     current = lanes[lane].left

@@ -10,7 +10,7 @@ from drivora_service.agents.remote.views import LaneView, RouteView
 
 
 def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
-    """Gives the lanes that a vehicle on the route may use, those beside the route's among them."""
+    """Returns the lanes that a vehicle on the route may use, including those beside the route."""
     usable = set(lane_sequence(lanes, route))
     for lane in list(usable):
         usable.update(beside_one_another(lanes, lane))
@@ -22,7 +22,7 @@ def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
 
 
 def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
-    """Gives the lanes along the route in order; two that follow are connected or side by side."""
+    """Returns the lanes along the route in order; two that follow are connected or side by side."""
     found = [int(lane) for lane in route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))]]
     sequence = found[:1]
     for lane in found[1:]:
@@ -38,7 +38,7 @@ def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
 def ways_through_junction(
     lanes: Mapping[int, LaneView], lane: int, depth: int = 4
 ) -> Iterator[list[int]]:
-    """Gives the ways from a lane's end to the next lane outside the junction, that one included."""
+    """Returns the ways from a lane's end to the next lane outside the junction, inclusive."""
     for following in lanes[lane].successors:
         if following not in lanes:
             continue
@@ -50,7 +50,7 @@ def ways_through_junction(
 
 
 def beside_one_another(lanes: Mapping[int, LaneView], lane: int) -> list[int]:
-    """Gives a lane and those beside it, from it to the left, then to the right."""
+    """Returns a lane and those beside it, from it to the left, then to the right."""
     beside = [lane]
     if lanes[lane].in_junction:
         return beside

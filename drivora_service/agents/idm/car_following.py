@@ -17,7 +17,7 @@ STANDSTILL_GAP = 2.0
 
 @compiled
 def follow(v: float, wanted: float, gap: float, other: float, max_braking: float) -> float:
-    """Gives the acceleration of the intelligent driver model (Treiber, Hennecke, Helbing 2000)."""
+    """Returns the acceleration of the intelligent driver model (Treiber et al., 2000)."""
     closing = v * (v - other) / (2.0 * math.sqrt(MAX_ACCELERATION * COMFORTABLE_BRAKING))
     space = STANDSTILL_GAP + max(0.0, v * TIME_HEADWAY + closing)
     free = (v / max(wanted, 0.1)) ** 4
@@ -27,7 +27,7 @@ def follow(v: float, wanted: float, gap: float, other: float, max_braking: float
 
 @compiled
 def halt(v: float, wanted: float, distance: float, max_braking: float) -> float:
-    """Gives the acceleration that stops the front bumper at a line ``distance`` metres ahead."""
+    """Returns the acceleration that stops the front bumper at a line ``distance`` metres ahead."""
     if distance < 0.3:
         return -max_braking if v > 0.2 else -1.0
     needed = v * v / (2.0 * distance)

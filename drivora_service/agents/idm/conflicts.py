@@ -52,7 +52,7 @@ def _chain_line(network: RoadNetwork, lanes: Sequence[int]) -> FloatArray:
 
 
 def _approach(network: RoadNetwork, movement: Movement) -> list[int]:
-    """Gives the lanes that lead into a movement, as far back as an approach matters."""
+    """Returns the lanes that lead into a movement, as far back as an approach matters."""
     table = right_of_way(network)
     lanes: list[int] = []
     lane, length = movement.incoming, 0.0
@@ -148,7 +148,7 @@ def _has_light(network: RoadNetwork, movement: Movement) -> bool:
 
 
 def _place_on(run: LaneRun, point: FloatArray, position: int) -> float:
-    """Gives the arc length on the run's line of a junction's entry.
+    """Returns the arc length on the run's line of a junction's entry.
 
     A run may pass the same junction twice; the share of lanes before it tells where to look.
     """

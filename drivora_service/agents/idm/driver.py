@@ -66,7 +66,7 @@ class IdmDriver:
 
 
 def _is_past_goal(runs: RunFollower, x: float, y: float) -> bool:
-    """Tells whether the ego has passed the end of its route, at the end of its last lane run."""
+    """Returns whether the ego has passed the end of its route, at the end of its last lane run."""
     way = runs.way
     if float(way.points[runs.cursor, 2]) < way.run.end_s - _NEAR_GOAL:
         return False

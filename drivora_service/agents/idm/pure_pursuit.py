@@ -16,7 +16,7 @@ _PREVIEW_TIME = 0.6
 
 @compiled
 def point_at(line: FloatArray, arc: FloatArray, cursor: int, s: float) -> tuple[float, float]:
-    """Gives the point at arc length ``s``; beyond the end, straight on."""
+    """Returns the point at arc length ``s``; beyond the end, straight on."""
     i = cursor
     n = line.shape[0]
     while i < n - 2 and arc[i + 1] < s:
@@ -32,13 +32,13 @@ def point_at(line: FloatArray, arc: FloatArray, cursor: int, s: float) -> tuple[
 
 @compiled
 def preview(v: float, wheelbase: float) -> float:
-    """Gives how far before the rear axle the point lies that is steered at, metres."""
+    """Returns how far before the rear axle the point lies that is steered at, metres."""
     return max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
 
 
 @compiled
 def steer_at(tx: float, ty: float, x: float, y: float, yaw: float, wheelbase: float) -> float:
-    """Gives the front-wheel angle that leads to a point, by pure pursuit (Coulter 1992).
+    """Returns the front-wheel angle that leads to a point, by pure pursuit (Coulter 1992).
 
     It leads the rear axle: led by its centre, a car cuts its corners.
 

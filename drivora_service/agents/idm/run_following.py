@@ -133,7 +133,7 @@ def _goal(run: LaneRun) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def speed_profile(run: LaneRun, speed_factor: float, friction: float) -> FloatArray:
-    """Gives the speed to drive at each point of a lane run, (n,) m/s; not to be changed."""
+    """Returns the speed to drive at each point of a lane run, (n,) m/s; not to be changed."""
     step = np.diff(run.line, axis=0)
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
     span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)

@@ -142,7 +142,7 @@ class MobilAgent:
             self._leave(place, observation.time)
 
     def _gain(self, place: Place, beside: Place, observation: Observation, wanted: float) -> float:
-        """Gives what changing would gain, m/s²: MOBIL's incentive and the pull of the route."""
+        """Returns what changing would gain, m/s²: MOBIL's incentive and the pull of the route."""
         v = observation.speed
         stays, _ = self._ways.room(place)
         room, changes = self._ways.room(beside)
@@ -214,5 +214,5 @@ class MobilAgent:
 
 
 def _nearness(room: float, horizon: float) -> float:
-    """Gives how near the end of a lane's use is: 0 beyond the horizon, 1 at the end."""
+    """Returns how near the end of a lane's use is: 0 beyond the horizon, 1 at the end."""
     return max(0.0, 1.0 - room / horizon)

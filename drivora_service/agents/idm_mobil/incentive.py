@@ -69,7 +69,7 @@ def find_neighbours(
 def _locate(
     line: FloatArray, x: float, y: float, within: float
 ) -> tuple[bool, float, float, float, float]:
-    """Gives whether a point is near a line, its arc length and side, and the direction there."""
+    """Returns whether a point is near a line, its arc length and side, and the direction there."""
     best, best_i = within * within + 1.0, -1
     for i in range(line.shape[0] - 1):
         dx, dy = x - line[i, 0], y - line[i, 1]
@@ -96,7 +96,7 @@ def incentive(
     politeness: float,
     safe_braking: float,
 ) -> float:
-    """Gives what a lane change gains, m/s²; minus infinity where it is not safe.
+    """Returns what a lane change gains, m/s²; minus infinity where it is not safe.
 
     Args:
         v: The ego's speed, m/s.

@@ -83,7 +83,7 @@ class LaneWays:
         return stages[::-1]
 
     def _before(self, edge: str, following: dict[int, _Onward]) -> dict[int, _Onward]:
-        """Gives how to go on from the lanes of an edge, knowing how from the edge behind it."""
+        """Returns how to go on from the lanes of an edge, knowing how from the edge behind it."""
         found: dict[int, _Onward] = {}
         for lane in self._network.edge_lanes[edge]:
             for sibling in self._graph.siblings[lane]:
@@ -104,7 +104,7 @@ class LaneWays:
         return found
 
     def _through(self, lane: int) -> list[tuple[int, ...]]:
-        """Gives the lanes behind a lane, up to the first outside the junction, each way."""
+        """Returns the lanes behind a lane, up to the first outside the junction, each way."""
         ways = []
         for following in self._graph.successors[lane]:
             chain = [following]
@@ -114,7 +114,7 @@ class LaneWays:
         return ways
 
     def beside(self, place: Place, *, left: bool) -> Place | None:
-        """Gives the place on the neighbouring lane if the route can be followed from there."""
+        """Returns the place on the neighbouring lane if the route can be followed from there."""
         lane = self._network.lanes[place.lane]
         index = lane.left if left else lane.right
         if index < 0 or index not in self._stages[place.stage]:
@@ -127,7 +127,7 @@ class LaneWays:
         return place.stage < len(self._stages) and place.lane in self._stages[place.stage]
 
     def room(self, place: Place) -> tuple[float, int]:
-        """Gives the metres until the lane must have been left for the route, and by how many lanes.
+        """Returns the metres until the lane must be left for the route, and by how many lanes.
 
         Infinite metres and no lanes where it leads to the destination.
         """
@@ -143,7 +143,7 @@ class LaneWays:
             stage, lane = stage + 1, way.then[-1]
 
     def to_lane_end(self, place: Place) -> float:
-        """Gives the metres to the end of the lane."""
+        """Returns the metres to the end of the lane."""
         return self._graph.lengths[place.lane] - place.s
 
     def route(self, place: Place) -> LaneRoute:
@@ -165,7 +165,7 @@ class LaneWays:
         return EdgePass(lane=lane, s=s, exit_lane=exit_lane, exit_s=exit_s, continues=False)
 
     def line(self, place: Place) -> FloatArray:
-        """Gives the (n, 3) centre line of a lane with what leads into it and on from it.
+        """Returns the (n, 3) centre line of a lane with what leads into it and on from it.
 
         Columns: x, y, arc length, metres.
         """
@@ -215,7 +215,7 @@ class Places:
             self._stages.append(stages)
 
     def at(self, run: int, s: float) -> Place | None:
-        """Gives the place at arc length ``s`` of a lane run; ``None`` inside a junction."""
+        """Returns the place at arc length ``s`` of a lane run; ``None`` inside a junction."""
         starts = self._starts[run]
         nth = max(int(np.searchsorted(starts, s, side="right")) - 1, 0)
         stage, lane = self._stages[run][nth], self._lanes[run][nth]
@@ -227,7 +227,7 @@ class Places:
 
 
 def _lane_starts(network: RoadNetwork, run: LaneRun) -> FloatArray:
-    """Gives where each lane of a run begins on its line, to a metre or two."""
+    """Returns where each lane of a run begins on its line, to a metre or two."""
     lengths = np.array([float(network.lanes[lane].arc[-1]) for lane in run.lanes])
     total = float(lengths.sum())
     starts: FloatArray = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))

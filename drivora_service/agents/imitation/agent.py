@@ -45,7 +45,7 @@ class Network(Protocol):
     """What was trained."""
 
     def waypoints(self, seen: Float32Array) -> Float32Array:
-        """Gives (4, 2) places after each half second, in the ego's frame, metres."""
+        """Returns (4, 2) places after each half second, in the ego's frame, metres."""
         ...
 
 
@@ -57,7 +57,7 @@ class WaypointAgent:
 
         Args:
             view: Fills what the network takes.
-            network: Gives waypoints.
+            network: Returns waypoints.
         """
         self._view = view
         self._network = network

@@ -90,7 +90,7 @@ class WayView:
 
 @compiled
 def place_beside(points: FloatArray, cursor: int, ego: FloatArray) -> tuple[float, float]:
-    """Gives the distance to the left of the way, over 4 m and at most 1, and sine of the heading.
+    """Returns the distance to the left of the way, over 4 m and at most 1, and sine of the heading.
 
     Args:
         points: (n, 4) of the way.

@@ -33,7 +33,7 @@ _HARDEST_START = 3.0
 def drive_waypoints(
     waypoints: Float32Array, speed: float, wheelbase: float, max_braking: float, last_steer: float
 ) -> tuple[float, float]:
-    """Gives the acceleration (m/s²) and the front-wheel angle (radians) that follow waypoints.
+    """Returns the acceleration (m/s²) and the front-wheel angle (radians) that follow waypoints.
 
     The acceleration is the one that, kept, misses the first second's waypoints least along the way
     (least squares); the wheels are aimed at a point of the way as far ahead as ``idm`` looks.
@@ -77,7 +77,7 @@ def drive_waypoints(
 
 @compiled
 def _steer_centre_at(x: float, y: float, wheelbase: float) -> float:
-    """Gives the front-wheel angle that leads the centre to a point, by pure pursuit (Coulter 1992).
+    """Returns the front-wheel angle that leads the centre to a point: pure pursuit (Coulter 1992).
 
     On a circle the centre moves at an angle to the heading (about half the wheelbase times the
     curvature): seen from the centre a point of its way lies further to the side than seen from the

@@ -65,7 +65,7 @@ def find_checkpoints(corridor: RouteCorridor) -> Checkpoints:
 
 
 def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
-    """Gives where each arc begins and ends, metres, and how far it turns, radians."""
+    """Returns where each arc begins and ends, metres, and how far it turns, radians."""
     count = max(int(np.ceil(corridor.arc[-1] / _SPACING)) + 1, 2)
     s = np.linspace(0.0, float(corridor.arc[-1]), count)
     heading = np.interp(s, corridor.arc, corridor.heading)

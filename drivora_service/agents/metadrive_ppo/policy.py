@@ -34,7 +34,7 @@ class ExpertWeights:
 
 
 def expert_action(weights: ExpertWeights, observation: Float32Array) -> Float32Array:
-    """Gives the mean action of the expert, not clipped.
+    """Returns the mean action of the expert, not clipped.
 
     Args:
         weights: Of the network.

@@ -184,13 +184,13 @@ def create(parameters: Mapping[str, Any], folder: Path) -> NmpcAgent:
 
 
 def _sides(margins: FloatArray, half_width: float) -> FloatArray:
-    """Gives the (n, 2) least and largest offset of the centre that the road allows."""
+    """Returns the (n, 2) least and largest offset of the centre that the road allows."""
     left, right = np.clip(margins[:, :2] - half_width - _EDGE_ROOM, 0.0, _LARGEST_OFFSET).T
     return np.column_stack((-right, left))
 
 
 def _watched(observation: Observation) -> IntArray:
-    """Gives the rows of the actors who can come near within the forecast."""
+    """Returns the rows of the actors who can come near within the forecast."""
     objects, ego = observation.objects, observation.ego
     away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
     speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])
@@ -199,5 +199,5 @@ def _watched(observation: Observation) -> IntArray:
 
 
 def _gentle(acceleration: float, v: float) -> float:
-    """Gives the acceleration to begin a plan with: one that does not lead below standstill."""
+    """Returns the acceleration to begin a plan with: one that does not lead below standstill."""
     return max(acceleration, -max(v, 0.0) / 0.25)

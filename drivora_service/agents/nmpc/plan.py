@@ -42,7 +42,7 @@ class LastPlan:
         return acceleration, steer
 
     def go_on(self, speed: float, steer: float) -> float:
-        """Gives the front-wheel angle that goes on along the path of the plan for another step.
+        """Returns the front-wheel angle that goes on along the path of the plan for another step.
 
         Args:
             speed: m/s; slower than the plan it comes later to the plan's angles.
@@ -60,7 +60,7 @@ class LastPlan:
     def guess(
         self, start: FloatArray, reference: FloatArray, origin: tuple[float, float]
     ) -> tuple[FloatArray, FloatArray]:
-        """Gives states and inputs for the solver to begin with, relative to ``origin``.
+        """Returns states and inputs for the solver to begin with, relative to ``origin``.
 
         The last plan, a step on; without one, or after a failure, the reference.
         """

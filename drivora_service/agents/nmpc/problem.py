@@ -131,14 +131,14 @@ class Problem:
 
 @lru_cache(maxsize=8)
 def problem_for(folder: Path, limits: CarLimits, max_iterations: int) -> Problem:
-    """Gives the problem of a kind of car, with CasADi from a folder."""
+    """Returns the problem of a kind of car, with CasADi from a folder."""
     return Problem(load_casadi(folder), limits, max_iterations)
 
 
 def _build(
     ca: ModuleType, limits: CarLimits, max_iterations: int
 ) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Gives the solver, the bounds of its unknowns and those of its constraints."""
+    """Returns the solver, the bounds of its unknowns and those of its constraints."""
     step = _step_function(ca, limits.wheelbase)
     start = ca.SX.sym("start", STATES)
     width = REFERENCE + SIDES + BOXES * BOX
@@ -213,7 +213,7 @@ def _build(
 
 
 def _step_function(ca: ModuleType, wheelbase: float) -> Any:
-    """Gives the states after a stage: kinematic bicycle about the centre, by the midpoint rule."""
+    """Returns the states after a stage: kinematic bicycle about the centre, midpoint rule."""
     x, u = ca.SX.sym("x", STATES), ca.SX.sym("u", INPUTS)
     slip = ca.atan(0.5 * ca.tan(x[5]))
     rate = ca.vertcat(
@@ -230,13 +230,13 @@ def _step_function(ca: ModuleType, wheelbase: float) -> Any:
 
 
 def _place(ca: ModuleType, x: Any, p: Any) -> Sequence[Any]:
-    """Gives metres along and to the left of a stage's reference point."""
+    """Returns metres along and to the left of a stage's reference point."""
     dx, dy, cos, sin = x[0] - p[0], x[1] - p[1], ca.cos(p[2]), ca.sin(p[2])
     return cos * dx + sin * dy, cos * dy - sin * dx
 
 
 def _tracking(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
-    """Gives the cost of being elsewhere than the reference, and of side acceleration beyond it."""
+    """Returns the cost of deviating from the reference, and of side acceleration beyond it."""
     side = p[3] ** 2 * (x[5] / wheelbase - p[5])
     return (
         _LATERAL * aside**2
@@ -248,7 +248,7 @@ def _tracking(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
 
 
 def _distances(ca: ModuleType, x: Any, p: Any) -> list[Any]:
-    """Gives how far the car is out of each box: 1 at a superellipse through its sides' middles."""
+    """Returns how far the car is out of each box: 1 on the superellipse through its sides."""
     found = []
     for number in range(BOXES):
         first = REFERENCE + SIDES + BOX * number

@@ -138,7 +138,7 @@ def _leader(
     seen: FloatArray,
     kinds: IntArray,
 ) -> tuple[float, float]:
-    """Gives the arc length that the centre must stay behind at a stage, and how fast it moves.
+    """Returns the arc length that the centre must stay behind at a stage, and how fast it moves.
 
     Those who can be passed within the lane's room are left to the boxes.
     """

@@ -127,7 +127,7 @@ class PdmClosedAgent:
         return self._execute(s)
 
     def _watched(self, observation: Observation) -> NDArray[np.int64]:
-        """Gives the rows of the actors who can come near within the forecast."""
+        """Returns the rows of the actors who can come near within the forecast."""
         objects, ego = observation.objects, observation.ego
         away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
         speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])

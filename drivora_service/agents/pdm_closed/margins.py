@@ -19,7 +19,7 @@ _EVERY = 2
 
 @lru_cache(maxsize=256)
 def side_margins(network: RoadNetwork, run: LaneRun) -> FloatArray:
-    """Gives the room beside a run's line; not to be changed.
+    """Returns the room beside a run's line; not to be changed.
 
     Returns:
         (n, 3) metres from each point of the line: to the edge of the drivable area on the left and
@@ -42,7 +42,7 @@ def side_margins(network: RoadNetwork, run: LaneRun) -> FloatArray:
 
 
 def _to_oncoming(network: RoadNetwork, run: LaneRun) -> FloatArray:
-    """Gives the metres from each point of a run to the left edge of its direction's lanes."""
+    """Returns the metres from each point of a run to the left edge of its direction's lanes."""
     lengths = np.array([float(network.lanes[lane].arc[-1]) for lane in run.lanes])
     ends = np.cumsum(lengths) * (float(run.arc[-1]) / max(float(lengths.sum()), 1e-9))
     widths = []

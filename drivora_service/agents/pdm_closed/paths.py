@@ -39,7 +39,7 @@ class LanePaths:
         self._of: dict[int, tuple[int, tuple[int, int]]] = {}
 
     def spans(self, step: int, objects: FloatArray, kinds: IntArray, ids: IntArray) -> IntArray:
-        """Gives each actor's way as a range of ``points``.
+        """Returns each actor's way as a range of ``points``.
 
         Args:
             step: Row of the trace.
@@ -77,7 +77,7 @@ class LanePaths:
         return self._span(chosen.lane)
 
     def _bend(self, place: LanePosition) -> float:
-        """Gives by how much a lane turns over the next metres, radians."""
+        """Returns by how much a lane turns over the next metres, radians."""
         lane, s = self._network.lanes[place.lane], place.s + _BEND_AHEAD
         while s > float(lane.arc[-1]) and (following := self._graph.successors[lane.index]):
             s -= float(lane.arc[-1])

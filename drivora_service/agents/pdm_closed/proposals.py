@@ -40,7 +40,7 @@ _STANDING = 0.3
 
 @compiled
 def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: float) -> float:
-    """Gives the acceleration of the intelligent driver model (Treiber, Hennecke, Helbing 2000).
+    """Returns the acceleration of the intelligent driver model (Treiber, Hennecke, Helbing 2000).
 
     Above the wanted speed it brakes no harder than is comfortable: a slow proposal that begins fast
     would stamp on the brake otherwise.
@@ -54,7 +54,7 @@ def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: f
 
 @compiled
 def _offset_at(s: float, begin: float, length: float, start: float, end: float) -> float:
-    """Gives how far beside the line a path is that moves from one offset to another."""
+    """Returns how far beside the line a path is that moves from one offset to another."""
     share = min(max((s - begin) / length, 0.0), 1.0)
     return start + share * (end - start)
 
@@ -72,7 +72,7 @@ def _next_ahead(
     seen: FloatArray,
     kinds: IntArray,
 ) -> tuple[float, float]:
-    """Gives the gap to who is next ahead on a path that moves sideways, and that one's speed."""
+    """Returns the gap to who is next ahead on a path that moves sideways, and that one's speed."""
     gap, other = np.inf, 0.0
     for j in range(seen.shape[0]):
         at, side, extent, across = seen[j, 0], seen[j, 1], seen[j, 2], seen[j, 3]

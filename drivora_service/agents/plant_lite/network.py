@@ -85,7 +85,7 @@ class PlantNetwork:
         self._waypoints = np.empty((WAYPOINTS, 2), dtype=np.float32)
 
     def waypoints(self, seen: Float32Array) -> Float32Array:
-        """Gives (4, 2) places after each half second, in the ego's frame, metres.
+        """Returns (4, 2) places after each half second, in the ego's frame, metres.
 
         Args:
             seen: (262,) as ``view`` lays it out.
@@ -96,7 +96,7 @@ class PlantNetwork:
         return self._decode(self._encode(seen))
 
     def _encode(self, seen: Float32Array) -> Float32Array:
-        """Gives the (48,) token of the ego after the encoder."""
+        """Returns the (48,) token of the ego after the encoder."""
         w = self._weights
         others = seen[OBJECTS_AT:].reshape(OBJECTS, OBJECT_SIZE)
         count = 1 + PIECES + int(others[:, 0].sum())
@@ -126,7 +126,7 @@ class PlantNetwork:
         return last
 
     def _decode(self, state: Float32Array) -> Float32Array:
-        """Gives waypoints by a gated recurrent unit (Cho et al. 2014) from its first state."""
+        """Returns waypoints by a gated recurrent unit (Cho et al. 2014) from its first state."""
         w, points = self._weights, self._waypoints
         at = np.zeros(2, dtype=np.float32)
         for k in range(WAYPOINTS):
@@ -174,6 +174,6 @@ def _attention(heads: Float32Array, queries: int) -> Float32Array:
 
 
 def _sigmoid(x: Float32Array) -> Float32Array:
-    """Gives 1 / (1 + exp(-x)), without overflow."""
+    """Returns 1 / (1 + exp(-x)), without overflow."""
     share: Float32Array = np.float32(0.5) * (np.float32(1.0) + np.tanh(np.float32(0.5) * x))
     return share

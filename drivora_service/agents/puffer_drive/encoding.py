@@ -109,7 +109,7 @@ def encode(
 
 @compiled
 def _nearest(places: FloatArray, x: float, y: float, reach: float, count: int) -> NDArray[np.int64]:
-    """Gives the rows of the nearest places within reach, nearest first."""
+    """Returns the rows of the nearest places within reach, nearest first."""
     rows = np.empty(places.shape[0], np.int64)
     squared = np.empty(places.shape[0])
     found = 0

@@ -72,7 +72,7 @@ class DrivePolicy:
         self._cell = np.zeros(HIDDEN, dtype=np.float32)
 
     def logits(self, observation: Float32Array) -> Float32Array:
-        """Gives the (20,) logits of what to do, and remembers what it saw.
+        """Returns the (20,) logits of what to do, and remembers what it saw.
 
         Args:
             observation: (1847,) as ``encoding`` lays it out.
@@ -99,7 +99,7 @@ class DrivePolicy:
 
 
 def _gelu(x: Float32Array) -> Float32Array:
-    """Gives x Phi(x) with the normal distribution function (Hendrycks and Gimpel 2016)."""
+    """Returns x Phi(x) with the normal distribution function (Hendrycks and Gimpel 2016)."""
     # So few numbers are not worth loading a library of special functions for.
     scaled = (x * math.sqrt(0.5)).tolist()
     share = np.fromiter(map(math.erf, scaled), dtype=np.float32, count=len(scaled))
@@ -108,6 +108,6 @@ def _gelu(x: Float32Array) -> Float32Array:
 
 
 def _sigmoid(x: Float32Array) -> Float32Array:
-    """Gives 1 / (1 + exp(-x)), without overflow."""
+    """Returns 1 / (1 + exp(-x)), without overflow."""
     share: Float32Array = np.float32(0.5) * (np.float32(1.0) + np.tanh(np.float32(0.5) * x))
     return share

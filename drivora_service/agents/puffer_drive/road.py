@@ -27,7 +27,7 @@ _BESIDE_ROUTE = 120.0
 
 @lru_cache(maxsize=32)
 def road_pieces(network: RoadNetwork) -> FloatArray:
-    """Gives the (n, 6) pieces of a network's roads.
+    """Returns the (n, 6) pieces of a network's roads.
 
     Returns:
         Middle x and y, direction x and y of unit length, half the length, and the kind; metres.
@@ -46,7 +46,7 @@ def road_pieces(network: RoadNetwork) -> FloatArray:
 
 
 def pieces_along(network: RoadNetwork, route: LaneRoute) -> FloatArray:
-    """Gives the pieces that can be seen from a route; see :func:`road_pieces`."""
+    """Returns the pieces that can be seen from a route; see :func:`road_pieces`."""
     pieces = road_pieces(network)
     way = shapely.LineString(route.line)
     shapely.prepare(way)

@@ -34,7 +34,7 @@ _LIGHTS = tuple(Light)
 
 
 def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
-    """Gives what an adapter is told before the first step."""
+    """Returns what an adapter is told before the first step."""
     return ContextView(
         ego_id=request.ego_id,
         vehicle=_vehicle(request.vehicle),
@@ -49,7 +49,7 @@ def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
 
 
 def observation_view(request: pb.StepRequest) -> Observation:
-    """Gives what the ADS perceives at a step; the arrays are its own."""
+    """Returns what the ADS perceives at a step; the arrays are its own."""
     return Observation(
         time=request.time,
         step=request.step,
@@ -71,7 +71,7 @@ def observation_view(request: pb.StepRequest) -> Observation:
 
 
 def step_reply(control: Any, log: AgentLog) -> pb.StepReply:
-    """Gives the answer: a control, and what was logged at this step.
+    """Returns the answer: a control, and what was logged at this step.
 
     Raises:
         TypeError: It is no control.

@@ -119,7 +119,7 @@ class RemoteAgent:
 
 
 def _columns(names: Sequence[str]) -> dict[str, int]:
-    """Gives the columns of the log by name.
+    """Returns the columns of the log by name.
 
     Raises:
         AgentError: A name comes twice, is too long, or there are too many.

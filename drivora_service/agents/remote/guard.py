@@ -156,7 +156,7 @@ def _stop(_number: int, _frame: FrameType | None) -> None:
 
 
 def _account(confinement: dict[str, Any]) -> dict[str, Any]:
-    """Gives the arguments that start a process under the user account, with no other group."""
+    """Returns the arguments that start a process under the user account, with no other group."""
     user, group = confinement["user"], confinement["group"]
     return {} if user is None else {"user": user, "group": group, "extra_groups": []}
 
@@ -181,7 +181,7 @@ def _begin_child(confinement: dict[str, Any]) -> None:
 
 
 def _descendants() -> list[int]:
-    """Gives the processes that the command consists of, as far as the system tells them."""
+    """Returns the processes that the command consists of, as far as the system tells them."""
     found, todo = [], _children()
     while todo:
         pid = todo.pop()
@@ -191,7 +191,7 @@ def _descendants() -> list[int]:
 
 
 def _memory(processes: list[int]) -> int:
-    """Gives the resident memory of processes, bytes; what they share counts in each."""
+    """Returns the resident memory of processes, bytes; what they share counts in each."""
     pages = 0
     for pid in processes:
         with contextlib.suppress(OSError, ValueError, IndexError):
@@ -206,7 +206,7 @@ def _adopt_orphans() -> None:
 
 
 def _children(of: int | None = None) -> list[int]:
-    """Gives the children of a process, of all its threads; ours unless another is named."""
+    """Returns the children of a process, of all its threads; ours unless another is named."""
     found: list[int] = []
     try:
         for children in Path(f"/proc/{of or os.getpid()}/task").glob("*/children"):

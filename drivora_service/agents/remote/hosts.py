@@ -53,7 +53,7 @@ class Host(Protocol):
         ...
 
     def tail(self) -> str:
-        """Gives the last lines that the ADS printed."""
+        """Returns the last lines that the ADS printed."""
         ...
 
     def ended(self) -> str:
@@ -135,7 +135,7 @@ class ProcessHost:
         )  # fmt: skip
 
     def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
-        """Gives the variables for the ADS; makes the folders that they name.
+        """Returns the variables for the ADS; makes the folders that they name.
 
         The ADS finds ``drivora_service`` in a folder with nothing beside it: in the folder where it
         is installed there are packages of versions that the ADS did not ask for.
@@ -184,7 +184,7 @@ class ProcessHost:
         return self._process.poll() is None
 
     def tail(self) -> str:
-        """Gives the last lines that the ADS printed; those that were kept, after its end."""
+        """Returns the last lines that the ADS printed; those that were kept, after its end."""
         if self.is_alive:
             # What it printed just now is still on its way through the guard.
             time.sleep(_PRINTED_S)

@@ -34,7 +34,7 @@ _STRIDE = 20
 
 
 def setup_request(context: AgentContext, run: str) -> pb.SetupRequest:
-    """Gives the message that begins a run."""
+    """Returns the message that begins a run."""
     return pb.SetupRequest(
         protocol=VERSION,
         run=run,
@@ -50,7 +50,7 @@ def setup_request(context: AgentContext, run: str) -> pb.SetupRequest:
 
 
 def step_request(observation: Observation, run: str) -> pb.StepRequest:
-    """Gives the message of a step."""
+    """Returns the message of a step."""
     return pb.StepRequest(
         run=run,
         time=observation.time,
@@ -73,7 +73,7 @@ def step_request(observation: Observation, run: str) -> pb.StepRequest:
 
 
 def control_of(reply: pb.StepReply) -> Control:
-    """Gives the control that an ADS answered.
+    """Returns the control that an ADS answered.
 
     Raises:
         AgentError: There is none, or it holds a number that is not finite.
@@ -149,7 +149,7 @@ def _route(network: RoadNetwork, route: LaneRoute) -> pb.Route:
 
 
 def _lane_of(network: RoadNetwork, route: LaneRoute, signal: RouteSignal) -> int:
-    """Gives the lane whose end a signal controls."""
+    """Returns the lane whose end a signal controls."""
     controls = (signal.traffic_light, signal.link_index)
     return next(
         lane
@@ -160,7 +160,7 @@ def _lane_of(network: RoadNetwork, route: LaneRoute, signal: RouteSignal) -> int
 
 @lru_cache(maxsize=64)
 def lanes_around(network: RoadNetwork, route: LaneRoute) -> tuple[pb.Lane, ...]:
-    """Gives the drivable lanes whose bounding box is within reach of the route, by index."""
+    """Returns the drivable lanes whose bounding box is within reach of the route, by index."""
     near = route.line[::_STRIDE]
     return tuple(
         _lane(network, lane)

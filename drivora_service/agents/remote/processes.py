@@ -20,7 +20,7 @@ class _Kept:
 
 
 class AgentHosts:
-    """Gives every ego of a run an ADS of its own, and the same ones to the next run."""
+    """Assigns an ADS to each ego of a run, and the same ones in the next run."""
 
     def __init__(self, longest_call_s: float, confinement: Confinement) -> None:
         """Begins without any.
@@ -40,7 +40,7 @@ class AgentHosts:
             kept.in_use = False
 
     def agent(self, manifest: AgentManifest, python: Path) -> RemoteAgent:
-        """Gives an agent for one ego of the run; starts an ADS if no idle one is left.
+        """Returns an agent for one ego of the run; starts an ADS if no idle one is left.
 
         Raises:
             AgentError: It cannot be started or reached.

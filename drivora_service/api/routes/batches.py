@@ -135,7 +135,7 @@ def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     dependencies=[Depends(submitter)],
 )
 def cancel_batch(context: Context, batch_id: str) -> Batch:
-    """Gives up all runs of a batch that have not ended."""
+    """Cancels all runs of a batch that have not ended."""
     with context.database.write() as transaction:
         batch = transaction.batches.cancel(batch_id)
     context.wake()

@@ -158,7 +158,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     dependencies=[Depends(submitter)],
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
-    """Gives a campaign up for good; what it has found stays."""
+    """Returns a campaign up for good; what it has found stays."""
     return _asked(context, campaign_id, CampaignRequest.CANCEL)
 
 

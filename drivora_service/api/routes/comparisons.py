@@ -68,6 +68,6 @@ def compare_campaigns(
     responses=answers(examples.FIGURES, 401, 403, 404),
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
-    """Gives what a campaign came to so far, in the figures by which campaigns are compared."""
+    """Returns what a campaign came to so far, in the figures by which campaigns are compared."""
     report = read_report(context.database, campaign_id, context.catalogues)
     return json_answer(request, Figures, combine(Figures, report))

@@ -89,7 +89,7 @@ def list_evaluations(
 def get_evaluation(
     request: Request, context: Context, campaign_id: str, number: Number
 ) -> Response:
-    """Gives a candidate: its genes, what it descends from, and what came of it."""
+    """Returns a candidate: its genes, what it descends from, and what came of it."""
     with context.database.read() as transaction:
         campaign = transaction.campaigns.get(campaign_id)
         record = transaction.evaluations.get(campaign_id, number)
@@ -115,7 +115,7 @@ def get_evaluation(
     responses=scenario_answers(examples.EVALUATION_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, campaign_id: str, number: Number) -> Response:
-    """Gives the scenario of a candidate as a document that can be posted."""
+    """Returns the scenario of a candidate as a document that can be posted."""
     with context.database.read() as transaction:
         text = transaction.evaluations.document(campaign_id, number)
     content = document_text(to_document(from_canonical(text))).encode()
@@ -134,7 +134,7 @@ def get_observations(
     number: Number,
     steps: Steps,
 ) -> Response:
-    """Gives what the second, identical run of a failing candidate recorded."""
+    """Returns what the second, identical run of a failing candidate recorded."""
     with context.database.read() as transaction:
         record = transaction.evaluations.get(campaign_id, number)
     path = context.campaign_folder(campaign_id).traces / trace_name(number)

@@ -59,7 +59,7 @@ async def readyz(context: Context, response: Response) -> Readiness:
     dependencies=[Depends(reader)],
 )
 def metrics(context: Context, request: Request) -> Response:
-    """Gives counts of runs, the queue, the workers and requests for Prometheus."""
+    """Returns counts of runs, the queue, the workers and requests for Prometheus."""
     text = metrics_text(context, request.app.state.request_times)
     return Response(text, media_type=CONTENT_TYPE)
 

@@ -103,7 +103,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
     dependencies=[Depends(submitter)],
 )
 def cancel_job(context: Context, job_id: str) -> Job:
-    """Gives a job up: a waiting one ends at once, a running one as soon as its worker lets go."""
+    """Returns a job up: a waiting one ends at once, a running one as soon as its worker lets go."""
     return _cancel(context, job_id)
 
 

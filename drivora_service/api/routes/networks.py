@@ -49,7 +49,7 @@ def get_network(request: Request, context: Context, name: str) -> Response:
     responses=answers(examples.GEOMETRY, 401, 403, 404),
 )
 def get_geometry(request: Request, context: Context, name: str) -> Response:
-    """Gives lanes and junctions of a network as lines and outlines."""
+    """Returns lanes and junctions of a network as lines and outlines."""
     network = context.networks.get(name)
     etag = f"{network.sha256}-geometry"
     if is_known(request, etag):
@@ -59,7 +59,7 @@ def get_geometry(request: Request, context: Context, name: str) -> Response:
 
 
 def network_view(network: RoadNetwork) -> Network:
-    """Gives a network as the API shows it."""
+    """Returns a network as the API shows it."""
     driven = [lane for lane in network.lanes if lane.drivable and not lane.is_internal]
     return Network(
         name=network.name,
@@ -75,7 +75,7 @@ def network_view(network: RoadNetwork) -> Network:
 
 
 def geometry_of(network: RoadNetwork) -> NetworkGeometry:
-    """Gives what is needed to draw a network, to the centimetre."""
+    """Returns what is needed to draw a network, to the centimetre."""
     return NetworkGeometry(
         name=network.name,
         sha256=network.sha256,

@@ -41,7 +41,7 @@ def list_runs(
 
 @router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
 def get_run(request: Request, context: Context, run_id: str) -> Response:
-    """Gives everything that was found out about a run."""
+    """Returns everything that was found out about a run."""
     with context.database.read() as transaction:
         run = transaction.jobs.detail(run_id)
     return json_answer(request, Run, run_of(run, PREFIX))
@@ -53,7 +53,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
     responses=scenario_answers(examples.RUN_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
-    """Gives the scenario of a run as a document that can be posted again."""
+    """Returns the scenario of a run as a document that can be posted again."""
     with context.database.read() as transaction:
         text = transaction.jobs.document(run_id)
     content = document_text(to_document(from_canonical(text))).encode()
@@ -71,7 +71,7 @@ def get_observations(
     run_id: str,
     steps: Steps,
 ) -> Response:
-    """Gives what a run recorded: frames in the published shape, or Parquet by `Accept`."""
+    """Returns what a run recorded: frames in the published shape, or Parquet by `Accept`."""
     with context.database.read() as transaction:
         record = transaction.jobs.get(run_id)
     path = context.trace_path(record.id)

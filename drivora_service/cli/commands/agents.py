@@ -101,7 +101,7 @@ def install(
 
 
 def _agents(server: str, data_dir: Path | None) -> list[dict[str, Any]]:
-    """Gives the agents of a service, or those that there are here, in the same form."""
+    """Returns the agents of a service, or those that there are here, in the same form."""
     if server:
         return entries_of_service(server, "/agents")
     from dataclasses import asdict

@@ -199,7 +199,7 @@ def scenario(
     server: ServerOption = "",
     data_dir: DataDirOption = None,
 ) -> None:
-    """Gives the scenario of an evaluation, for `drivora run`."""
+    """Returns the scenario of an evaluation, for `drivora run`."""
     from drivora_service.cli.campaigns import open_campaigns
 
     with open_campaigns(server, data_dir) as campaigns:
@@ -232,7 +232,7 @@ def cancel(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Gives a campaign up for good; what it has found stays."""
+    """Returns a campaign up for good; what it has found stays."""
     from drivora_service.store.campaign_records import CampaignRequest
 
     _ask_for(campaign_id, CampaignRequest.CANCEL, server, data_dir, as_json=as_json)

@@ -68,7 +68,7 @@ def _testers(server: str) -> list[dict[str, Any]]:
 
 
 def _tester(catalogue: TesterCatalogue, name: str) -> dict[str, Any]:
-    """Gives the printed form of a tester, which is that of the HTTP API."""
+    """Returns the printed form of a tester, which is that of the HTTP API."""
     from drivora_service.parameters import describe_parameters
 
     try:

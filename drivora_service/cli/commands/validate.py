@@ -55,7 +55,7 @@ def validate(
 
 @contextmanager
 def _checker(server: str, data_dir: Path | None) -> Iterator[Check]:
-    """Gives what checks a document here, or asks a service to."""
+    """Returns what checks a document here, or asks a service to."""
     if server:
         from drivora_service.cli.client import ServiceClient
 
@@ -73,7 +73,7 @@ def _checker(server: str, data_dir: Path | None) -> Iterator[Check]:
 
 
 def _all_problems(file: UnreadableFile, check: Check) -> tuple[Problem, ...]:
-    """Gives what is wrong with a file, its well-formed parts checked against the road network."""
+    """Returns what is wrong with a file, its well-formed parts checked against the road network."""
     from drivora_service.scenario.importers.reading import FileFormat, detect_format
 
     data = file.path.read_bytes()

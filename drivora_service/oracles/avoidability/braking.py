@@ -41,7 +41,7 @@ def latest_braking(
 def brakes_clear(
     replay: Replay, row: int, *, delay: float, full: float, grip: float, jerk: float
 ) -> bool:
-    """Tells whether braking that is begun in ``row`` avoids everybody; see ``latest_braking``."""
+    """Returns whether braking that is begun in ``row`` avoids everybody; see ``latest_braking``."""
     clear: bool = _brakes_clear(
         row,
         replay.step,
@@ -97,7 +97,7 @@ def meets(
     walks: BoolArray,
     followed: BoolArray,
 ) -> bool:
-    """Tells whether the ego's box overlaps another that counts.
+    """Returns whether the ego's box overlaps another that counts.
 
     The one that was hit (the first) always counts. Of the others, those that come up from behind
     do not: they were recorded behind an ego that drove on, and do not brake for this one. They are

@@ -103,7 +103,7 @@ class _Bounded:
         self._builder.end(tag)
 
     def close(self) -> ElementTree.Element:
-        """Gives the root."""
+        """Returns the root."""
         return self._builder.close()
 
 

@@ -18,7 +18,7 @@ _LATEST_OFFSET = 60.0
 
 
 def weather_genes() -> list[Gene]:
-    """Gives the genes of the weather, named as the fields of ``Weather``.
+    """Returns the genes of the weather, named as the fields of ``Weather``.
 
     Two things are left to the seed, since with the others they leave nothing to drive with: water
     that stands on the road (rain and wetness leave a friction of 0.7, deposits 0.4), and the night
@@ -34,14 +34,14 @@ def weather_genes() -> list[Gene]:
 
 
 def weather(block: Block, values: FloatArray, seed: Weather) -> Weather:
-    """Gives the weather; what has no gene is the seed's."""
+    """Returns the weather; what has no gene is the seed's."""
     own = values[block.slice].tolist()
     named = {gene.name: value for gene, value in zip(block.genes, own, strict=True)}
     return replace(seed, **named)
 
 
 def light_genes() -> list[Gene]:
-    """Gives the genes of the light times of all junctions.
+    """Returns the genes of the light times of all junctions.
 
     Yellow is left to the network: one too short for the limit could not be obeyed.
     """
@@ -49,7 +49,7 @@ def light_genes() -> list[Gene]:
 
 
 def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> TrafficLights:
-    """Gives the light times; junctions to which the seed gives times of their own keep them."""
+    """Returns the light times; junctions to which the seed gives times of their own keep them."""
     green, offset = values[block.slice].tolist()
     times = replace(seed.times, green=green, offset=offset)
     return TrafficLights(
@@ -59,7 +59,7 @@ def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> Tra
 
 
 def _filled(own: LightTimes, common: LightTimes) -> LightTimes:
-    """Gives a junction's times; what they leave open is that of all."""
+    """Returns a junction's times; what they leave open is that of all."""
     return replace(
         own,
         green=common.green if own.green is None else own.green,

@@ -39,7 +39,7 @@ class Pose:
     yaw: float
 
     def beside(self, lateral: float) -> Pose:
-        """Gives the place ``lateral`` metres to the left."""
+        """Returns the place ``lateral`` metres to the left."""
         return Pose(
             x=self.x - lateral * math.sin(self.yaw),
             y=self.y + lateral * math.cos(self.yaw),
@@ -47,7 +47,7 @@ class Pose:
         )
 
     def waypoint(self, speed: float | None = None) -> Waypoint:
-        """Gives it as a waypoint, rounded to what a document shows."""
+        """Returns it as a waypoint, rounded to what a document shows."""
         return Waypoint(
             x=round(self.x, _COORDINATE_DIGITS),
             y=round(self.y, _COORDINATE_DIGITS),
@@ -119,7 +119,7 @@ class DrivenPath:
         return tuple(roads)
 
     def is_within(self, region: Region | None) -> bool:
-        """Tells whether all of it lies in a region; ``None`` is everywhere."""
+        """Returns whether all of it lies in a region; ``None`` is everywhere."""
         if region is None:
             return True
         low, high = self.line.min(axis=0), self.line.max(axis=0)
@@ -131,12 +131,12 @@ class DrivenPath:
         )
 
     def on_road(self, s: float, after: float) -> float:
-        """Gives the nearest place to ``s`` that is on a road and not before ``after``."""
+        """Returns the nearest place to ``s`` that is on a road and not before ``after``."""
         places = [min(max(s, after, low), high) for low, high in self.roads if high >= after]
         return min(places, key=lambda place: abs(place - s)) if places else self.length
 
     def at(self, s: float) -> Pose:
-        """Gives the place at arc length ``s``, clamped to the path."""
+        """Returns the place at arc length ``s``, clamped to the path."""
         i = self._index(s)
         begin, end = self._arcs[i], self._arcs[i + 1]
         share = min(max((s - begin) / (end - begin), 0.0), 1.0)
@@ -144,29 +144,29 @@ class DrivenPath:
         return Pose(x=x + share * (next_x - x), y=y + share * (next_y - y), yaw=self._yaws[i])
 
     def limit_at(self, s: float) -> float:
-        """Gives the speed limit at arc length ``s``, m/s."""
+        """Returns the speed limit at arc length ``s``, m/s."""
         return float(self.route.speed_limits[self._index(s)])
 
     def range_at(self, s: float) -> int:
-        """Gives the index in ``lane_ranges`` of the lane at arc length ``s``."""
+        """Returns the index in ``lane_ranges`` of the lane at arc length ``s``."""
         for index, (_, _, end) in enumerate(self.lane_ranges):
             if s < end:
                 return index
         return len(self.lane_ranges) - 1
 
     def place_of(self, x: float, y: float) -> tuple[float, float]:
-        """Gives arc length of, and distance to, the nearest point of the path, metres."""
+        """Returns arc length of, and distance to, the nearest point of the path, metres."""
         gaps = np.hypot(self.line[:, 0] - x, self.line[:, 1] - y)
         nearest = int(np.argmin(gaps))
         return float(self.arc[nearest]), float(gaps[nearest])
 
     def _index(self, s: float) -> int:
-        """Gives the index of the piece of the line that arc length ``s`` is on."""
+        """Returns the index of the piece of the line that arc length ``s`` is on."""
         return min(max(bisect_right(self._arcs, s) - 1, 0), len(self._arcs) - 2)
 
 
 def _stretches(arc: FloatArray, inside: BoolArray) -> list[tuple[float, float]]:
-    """Gives the arc lengths between which points are marked."""
+    """Returns the arc lengths between which points are marked."""
     edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
     return [
         (float(arc[first]), float(arc[min(end, len(arc) - 1)]))
@@ -186,7 +186,7 @@ def plan_walk(network: RoadNetwork, walk: LaneWalk) -> DrivenPath | None:
 
 
 def walk_points(network: RoadNetwork, walk: LaneWalk) -> tuple[RoutePoint, ...]:
-    """Gives start and end of a walk, and between them a place on every road that it passes."""
+    """Returns start and end of a walk, and between them a place on every road that it passes."""
     first, last = walk.lanes[0], walk.lanes[-1]
     middle = [
         (lane, 0.5 * float(network.lanes[lane].arc[-1]))

@@ -54,7 +54,7 @@ class EgoRoute:
     roadside: Roadside
 
     def from_start(self, s: float) -> tuple[Waypoint, ...]:
-        """Gives the waypoints of the route from arc length ``s`` (at most ``room``) on."""
+        """Returns the waypoints of the route from arc length ``s`` (at most ``room``) on."""
         if s <= 0.0:
             return self.waypoints
         return (self.path.at(s).waypoint(), *self.waypoints[1:])
@@ -63,7 +63,7 @@ class EgoRoute:
 def routes_of_egos(
     seed: Scenario, network: RoadNetwork, options: SpaceOptions
 ) -> tuple[EgoRoute, ...]:
-    """Gives the routes that the egos of a space may have, the seed's own first.
+    """Returns the routes that the egos of a space may have, the seed's own first.
 
     Raises:
         SearchError: If one of the seed's has no place for a walker or an obstacle that is wanted,
@@ -99,7 +99,7 @@ def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
 
 
 def _seed_route(network: RoadNetwork, ego: EgoVehicle) -> EgoRoute:
-    """Gives an ego's own route."""
+    """Returns an ego's own route."""
     path = DrivenPath(network, plan_route(network, route_points(ego.route)))
     return _route(path, ego.route)
 
@@ -107,7 +107,7 @@ def _seed_route(network: RoadNetwork, ego: EgoVehicle) -> EgoRoute:
 def _further_routes(
     seed: Scenario, network: RoadNetwork, own: Sequence[DrivenPath], options: SpaceOptions
 ) -> tuple[EgoRoute, ...]:
-    """Gives routes besides the seed's.
+    """Returns routes besides the seed's.
 
     They begin near one of the seed's, are as long as the seed's longest, and as many as possible
     cross it or merge with it.
@@ -137,7 +137,7 @@ def _route(path: DrivenPath, waypoints: tuple[Waypoint, ...]) -> EgoRoute:
 
 
 def _room(path: DrivenPath, waypoints: Sequence[Waypoint]) -> float:
-    """Gives how far the start may move: on the first road, and not beyond the next waypoint."""
+    """Returns how far the start may move: on the first road, and not beyond the next waypoint."""
     room = min(_START_ROOM, _START_SHARE * path.length)
     first = path.route.runs[0]
     if len(path.route.runs) > 1:

@@ -38,7 +38,7 @@ class PlacedEgo:
 
 
 def ego_genes(options: SpaceOptions, index: int, routes: int) -> list[Gene]:
-    """Gives the genes of the ego of that number."""
+    """Returns the genes of the ego of that number."""
     return [
         presence(optional=index >= ALWAYS_PRESENT),
         choice("path", routes),
@@ -69,7 +69,7 @@ class FixedEgo:
         self._placed = _placed(ego, route, 0.0)
 
     def place(self) -> PlacedEgo:
-        """Gives the ego."""
+        """Returns the ego."""
         return self._placed
 
 
@@ -87,15 +87,15 @@ class GeneEgo:
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, values: FloatArray) -> float:
-        """Gives the metres that the start gene moves it by, from 0 to 1."""
+        """Returns the metres that the start gene moves it by, from 0 to 1."""
         return self._routes[int(values[self.path_gene])].room
 
     def start(self, values: FloatArray) -> Start:
-        """Gives where it appears."""
+        """Returns where it appears."""
         return self.place(values).start
 
     def place(self, values: FloatArray) -> PlacedEgo:
-        """Gives the ego."""
+        """Returns the ego."""
         route = self._routes[int(values[self.path_gene])]
         s = float(values[self.shift_gene]) * route.room
         ego = replace(

@@ -32,7 +32,7 @@ class LaneWalk:
 
 
 def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iterator[LaneWalk]:
-    """Gives the ways of ``length`` metres from a place on a lane, in a fixed order.
+    """Returns the ways of ``length`` metres from a place on a lane, in a fixed order.
 
     A way never changes lanes, passes a lane twice or turns more tightly than a car can; it is
     shorter where the road ends. None ends inside a junction.
@@ -59,14 +59,14 @@ def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iter
 
 
 def _least_end(lanes: tuple[int, ...], lengths: tuple[float, ...], s: float) -> float:
-    """Gives the least arc length on the last lane at which a way may end."""
+    """Returns the least arc length on the last lane at which a way may end."""
     if len(lanes) == 1:
         return s
     return min(_BEHIND_JUNCTION, 0.5 * lengths[lanes[-1]])
 
 
 def _ways(network: RoadNetwork, lane: Lane) -> list[int]:
-    """Gives the lanes behind a lane, the straightest first."""
+    """Returns the lanes behind a lane, the straightest first."""
     links = [link for link in lane.connections if network.lanes[link.to_lane].drivable]
     turns = tight_turns(network)
     links = [link for link in links if (lane.index, link.to_lane) not in turns]

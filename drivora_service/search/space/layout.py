@@ -14,7 +14,7 @@ class Layout:
         self._blocks: list[Block] = []
 
     def add(self, name: str, part: Part, genes: Sequence[Gene], actor: str = "") -> Block:
-        """Gives the next block; see :class:`Block`."""
+        """Returns the next block; see :class:`Block`."""
         start = self._blocks[-1].stop if self._blocks else 0
         block = Block(name=name, part=part, start=start, genes=tuple(genes), actor=actor)
         self._blocks.append(block)
@@ -27,20 +27,20 @@ class Layout:
 
 
 def number(name: str, low: float, high: float, unit: str = "") -> Gene:
-    """Gives a gene that is a magnitude."""
+    """Returns a gene that is a magnitude."""
     return Gene(name=name, kind=GeneKind.CONTINUOUS, low=low, high=high, unit=unit)
 
 
 def whole(name: str, low: int, high: int) -> Gene:
-    """Gives a gene that is a whole number in an order."""
+    """Returns a gene that is a whole number in an order."""
     return Gene(name=name, kind=GeneKind.INTEGER, low=float(low), high=float(high))
 
 
 def choice(name: str, count: int) -> Gene:
-    """Gives a gene that chooses one of ``count``."""
+    """Returns a gene that chooses one of ``count``."""
     return Gene(name=name, kind=GeneKind.CATEGORY, low=0.0, high=count - 1.0)
 
 
 def presence(*, optional: bool) -> Gene:
-    """Gives the gene that says whether an actor is there."""
+    """Returns the gene that says whether an actor is there."""
     return whole("present", 0 if optional else 1, 1)

@@ -47,7 +47,7 @@ class NpcPath:
         return sum(high - low for low, high in self.starts)
 
     def start_at(self, share: float) -> float:
-        """Gives the arc length of a share, 0..1, of the places where it may start."""
+        """Returns the arc length of a share, 0..1, of the places where it may start."""
         left = min(max(share, 0.0), 1.0) * self.start_room
         for low, high in self.starts:
             if left <= high - low:

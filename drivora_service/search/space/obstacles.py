@@ -43,7 +43,7 @@ _BEFORE_DESTINATION = 8.0
 
 
 def obstacle_genes(options: SpaceOptions, egos: int) -> list[Gene]:
-    """Gives the genes of an obstacle."""
+    """Returns the genes of an obstacle."""
     return [
         presence(optional=options.optional),
         choice("model", len(MODELS)),
@@ -70,17 +70,17 @@ class ObstacleDecoder:
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
-        """Gives the metres that the place gene moves it by, from 0 to 1."""
+        """Returns the metres that the place gene moves it by, from 0 to 1."""
         places = self._places(self._ego(egos, values))
         return float(places[-1] - places[0])
 
     def other_sides(self, values: FloatArray) -> tuple[tuple[int, float], ...]:
-        """Gives other values of the lateral gene: the other side, and as far away as can be."""
+        """Returns other values of the lateral gene: the other side, and as far away as can be."""
         own = float(values[self._lateral])
         return tuple((self._lateral, value) for value in (-own, -MAX_LATERAL, MAX_LATERAL))
 
     def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
-        """Gives where it stands."""
+        """Returns where it stands."""
         model = self._model_of(values)
         return Start(
             pose=self._pose(egos, values, model),
@@ -90,7 +90,7 @@ class ObstacleDecoder:
         )
 
     def obstacle(self, egos: Sequence[PlacedEgo], values: FloatArray) -> NpcObstacle:
-        """Gives the obstacle."""
+        """Returns the obstacle."""
         model = self._model_of(values)
         pose = self._pose(egos, values, model)
         return NpcObstacle(id=self._id, model=model.name, location=pose.waypoint())
@@ -120,7 +120,7 @@ class ObstacleDecoder:
 
 
 def shuts_a_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
-    """Tells whether an obstacle leaves an ego less than the clearance in the middle of its lane."""
+    """Returns whether an obstacle leaves an ego too little clearance in the middle of its lane."""
     pose = start.pose
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
     for ego in egos:

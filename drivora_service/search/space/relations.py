@@ -75,13 +75,13 @@ class RouteSurroundings:
         self._views: dict[int, _LaneView] = {}
 
     def stretch_within(self, lane: int) -> tuple[float, float] | None:
-        """Gives the arc lengths of a lane between which it is in reach."""
+        """Returns the arc lengths of a lane between which it is in reach."""
         view = self._view(lane)
         near = np.flatnonzero(view.gap <= self._reach)
         return (float(view.s[near[0]]), float(view.s[near[-1]])) if len(near) else None
 
     def gap_at(self, lane: int, s: float) -> float:
-        """Gives the metres from a place on a lane to the route; inf where it is out of reach."""
+        """Returns the metres from a place on a lane to the route; inf where it is out of reach."""
         view = self._view(lane)
         return float(view.gap[int(np.argmin(np.abs(view.s - s)))])
 
@@ -145,7 +145,7 @@ class RouteSurroundings:
 
 
 def closest_relation(walk: LaneWalk, surroundings: Sequence[RouteSurroundings]) -> Relation | None:
-    """Gives the most telling of a way's relations to several routes."""
+    """Returns the most telling of a way's relations to several routes."""
     found = {around.relation(walk) for around in surroundings}
     return next((relation for relation in Relation if relation in found), None)
 

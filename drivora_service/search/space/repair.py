@@ -17,8 +17,8 @@ class Mover:
     """An actor whose start the genes decide.
 
     Attributes:
-        start: Gives where it appears, from the values of all genes.
-        room: Gives the metres that the shift gene moves it by from 0 to 1.
+        start: Returns where it appears, from the values of all genes.
+        room: Returns the metres that the shift gene moves it by from 0 to 1.
         shift_gene: Index of the gene that moves it.
         alternatives: Indices and values of genes to be tried one by one, in order, where it has no
             free place as it is.
@@ -69,13 +69,13 @@ def _tries(values: FloatArray, mover: Mover) -> Iterator[Start]:
 
 
 def other_choices(gene: int, values: FloatArray, count: int) -> tuple[tuple[int, float], ...]:
-    """Gives the other values of a gene that chooses one of ``count``, the next ones first."""
+    """Returns the other values of a gene that chooses one of ``count``, the next ones first."""
     own = int(values[gene])
     return tuple((gene, float((own + onward) % count)) for onward in range(1, count))
 
 
 def _shares(wanted: float, room: float) -> Iterator[float]:
-    """Gives shares of a room in metres, first the wanted, then ever further away from it."""
+    """Returns shares of a room in metres, first the wanted, then ever further away from it."""
     yield wanted
     step = STEP / room if room > 0.0 else 1.0
     for count in range(1, int(1.0 / step) + 1):

@@ -75,7 +75,7 @@ class Roadside:
 def edge_distances(
     network: RoadNetwork, xy: FloatArray, directions: FloatArray, step: float = _STEP
 ) -> FloatArray:
-    """Gives how far it is from places on the road to the first place beside it.
+    """Returns how far it is from places on the road to the first place beside it.
 
     Args:
         network: The road network.
@@ -95,10 +95,10 @@ def edge_distances(
 
 
 def places_from(places: FloatArray, begin: float) -> FloatArray:
-    """Gives those of ascending places that are at ``begin`` or beyond; the last if none is."""
+    """Returns those of ascending places that are at ``begin`` or beyond; the last if none is."""
     return places[min(int(np.searchsorted(places, begin)), len(places) - 1) :]
 
 
 def place_at(places: FloatArray, share: float) -> float:
-    """Gives the place at a share, 0..1, of several."""
+    """Returns the place at a share, 0..1, of several."""
     return float(places[round(share * (len(places) - 1))])

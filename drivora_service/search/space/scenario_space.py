@@ -106,7 +106,7 @@ class ScenarioSpace:
         return repaired
 
     def scenario(self, values: FloatArray) -> Scenario:
-        """Gives the scenario that values (d,) within the bounds stand for."""
+        """Returns the scenario that values (d,) within the bounds stand for."""
         egos = self._placed_egos(values)
         seed = self.seed
         return replace(

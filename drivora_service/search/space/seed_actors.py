@@ -53,7 +53,7 @@ class ActorNames:
         }
 
     def free(self, name: str) -> str:
-        """Gives ``name``, or where it is taken ``name.1``, ``name.2`` and so on, and takes it."""
+        """Returns ``name``, or where it is taken ``name.1``, ``name.2`` and so on, and takes it."""
         found, number = name, 0
         while found in self._used:
             number += 1

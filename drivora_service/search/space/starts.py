@@ -50,7 +50,7 @@ class Start:
 
 
 def too_near(one: Start, other: Start) -> bool:
-    """Tells whether two actors may not appear as they would."""
+    """Returns whether two actors may not appear as they would."""
     if one.appears > other.until or other.appears > one.until:
         return False
     if _boxes_too_near(one, other):
@@ -78,7 +78,7 @@ def _boxes_too_near(one: Start, other: Start) -> bool:
 
 
 def _cannot_stop(one: Start, other: Start) -> bool:
-    """Tells whether ``other`` is ahead of ``one``, slower, and nearer than it takes to brake."""
+    """Returns whether ``other`` is ahead of ``one``, slower, and nearer than it takes to brake."""
     if one.path is None or one.speed <= 0.0:
         return False
     along = other.speed * max(math.cos(other.pose.yaw - one.pose.yaw), 0.0)

@@ -47,7 +47,7 @@ _REPLAY_SPACING = 4.0
 
 
 def vehicle_genes(options: SpaceOptions, paths: Sequence[NpcPath]) -> list[Gene]:
-    """Gives the genes of an NPC vehicle that chooses from ``paths``."""
+    """Returns the genes of an NPC vehicle that chooses from ``paths``."""
     slices = range(options.slices)
     limit = max(float(path.path.route.speed_limits.max()) for path in paths)
     fastest = max(options.max_speed_factor * limit, LEAST_SPEED)
@@ -100,15 +100,15 @@ class VehicleDecoder:
         return bool(values[self._present] > 0.5)
 
     def path(self, values: FloatArray) -> NpcPath:
-        """Gives the path that it chose."""
+        """Returns the path that it chose."""
         return self._paths[int(values[self.path_gene])]
 
     def shift_room(self, values: FloatArray) -> float:
-        """Gives the metres that the start gene moves it by, from 0 to 1."""
+        """Returns the metres that the start gene moves it by, from 0 to 1."""
         return self.path(values).start_room
 
     def start(self, values: FloatArray) -> Start:
-        """Gives where it appears."""
+        """Returns where it appears."""
         chosen, model = self.path(values), self._model_of(values)
         s = chosen.start_at(float(values[self.shift_gene]))
         return Start(
@@ -121,7 +121,7 @@ class VehicleDecoder:
         )
 
     def vehicle(self, values: FloatArray) -> NpcVehicle:
-        """Gives the vehicle."""
+        """Returns the vehicle."""
         chosen, model = self.path(values), self._model_of(values)
         path = chosen.path
         begin = chosen.start_at(float(values[self.shift_gene]))
@@ -148,7 +148,7 @@ class VehicleDecoder:
     def _stops(
         self, values: FloatArray, path: DrivenPath, model: ActorModel, begin: float
     ) -> list[_Stop]:
-        """Gives the waypoints behind the start."""
+        """Returns the waypoints behind the start."""
         places = self._places(values, path, begin)
         stops = []
         for k, s in enumerate(places):
@@ -169,7 +169,7 @@ class VehicleDecoder:
         return stops
 
     def _places(self, values: FloatArray, path: DrivenPath, begin: float) -> list[float]:
-        """Gives the arc lengths of the waypoints: evenly spaced, shifted, in order, on roads.
+        """Returns the arc lengths of the waypoints: evenly spaced, shifted, in order, on roads.
 
         None is inside a junction, where lanes lie upon one another and the planner might take it
         for one on another lane.
@@ -199,7 +199,7 @@ def _has_room_beside(path: DrivenPath, s: float, side: int) -> bool:
 
 
 def _offset(path: DrivenPath, stop: _Stop) -> float:
-    """Gives the metres to the left of the path at which a waypoint lies."""
+    """Returns the metres to the left of the path at which a waypoint lies."""
     if stop.side == 0:
         return 0.0
     own = path.network.lanes[path.lane_ranges[path.range_at(stop.s)][0]]
@@ -210,12 +210,12 @@ def _offset(path: DrivenPath, stop: _Stop) -> float:
 def _joined(
     path: DrivenPath, stops: Sequence[_Stop], allowed: Callable[[float, float], float]
 ) -> tuple[Waypoint, ...]:
-    """Gives waypoints between which the planner finds the path again.
+    """Returns waypoints between which the planner finds the path again.
 
     Args:
         path: On which they lie.
         stops: The waypoints that genes have placed.
-        allowed: Gives the speed at an arc length for one that is wanted there.
+        allowed: Returns the speed at an arc length for one that is wanted there.
     """
     route = [_waypoint(path, stops[0])]
     for before, stop in pairwise(stops):
@@ -227,7 +227,7 @@ def _joined(
 
 
 def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
-    """Gives the places to pass between two waypoints, so that there is no other way.
+    """Returns the places to pass between two waypoints, so that there is no other way.
 
     Where the waypoints are on roads that do not follow each other, it is the middle of the longest
     road between them; where they are so near to one another that they would be joined by a straight
@@ -249,7 +249,7 @@ def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
 
 
 def _drawn(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
-    """Gives waypoints so near to one another that straight lines between them follow the path."""
+    """Returns waypoints so near to one another that straight lines between them follow the path."""
     route = [_waypoint(path, stops[0])]
     for before, stop in pairwise(stops):
         count = max(math.ceil((stop.s - before.s) / _REPLAY_SPACING), 1)

@@ -74,7 +74,7 @@ def take_in_turns(
         walks: Ways by relation, the best first.
         turns: Relations in the order of their turns; one may have several.
         count: How many are wanted.
-        accept: Gives what is to be made of a way; ``None`` refuses it.
+        accept: Returns what is to be made of a way; ``None`` refuses it.
     """
     queues = {relation: iter(found) for relation, found in walks.items()}
     taken: list[T] = []
@@ -99,7 +99,7 @@ def _roots(
     surroundings: Sequence[RouteSurroundings],
     reach: float,
 ) -> Iterator[tuple[int, float]]:
-    """Gives the lanes near the routes, and places on them a starting room apart."""
+    """Returns the lanes near the routes, and places on them a starting room apart."""
     for lane in network.lanes:
         if not lane.drivable or lane.is_internal:
             continue
@@ -120,7 +120,7 @@ def _roots(
 
 
 def _s_on(network: RoadNetwork, lane: int, route: DrivenPath) -> float:
-    """Gives the arc length on a route's first lane where the route begins."""
+    """Returns the arc length on a route's first lane where the route begins."""
     shape = network.lanes[lane].shape
     x, y = route.line[0]
     fine = np.linspace(0.0, float(network.lanes[lane].arc[-1]), 400)
@@ -132,7 +132,7 @@ def _s_on(network: RoadNetwork, lane: int, route: DrivenPath) -> float:
 
 
 def _cells(network: RoadNetwork, walks: Sequence[LaneWalk]) -> FloatArray:
-    """Gives (n, m) 1 where a walk passes a cell of a lane, else 0."""
+    """Returns (n, m) 1 where a walk passes a cell of a lane, else 0."""
     lengths = lane_graph(network).lengths
     numbers: dict[tuple[int, int], int] = {}
     rows = []

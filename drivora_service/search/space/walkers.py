@@ -34,7 +34,7 @@ _SLANTS = (1.0, 0.5, 0.0)
 
 
 def walker_genes(options: SpaceOptions, egos: int) -> list[Gene]:
-    """Gives the genes of a walker."""
+    """Returns the genes of a walker."""
     return [
         presence(optional=options.optional),
         choice("path", egos),
@@ -62,19 +62,19 @@ class WalkerDecoder:
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
-        """Gives the metres that the place gene moves it by, from 0 to 1."""
+        """Returns the metres that the place gene moves it by, from 0 to 1."""
         places = self._places(self._ego(egos, values))
         return float(places[-1] - places[0])
 
     def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
-        """Gives where the walker appears."""
+        """Returns where the walker appears."""
         begin, _ = self._way(egos, values)
         time = float(values[self._start_time])
         size = self._model.length
         return Start(pose=begin, length=size, width=size, appears=time, until=time)
 
     def walker(self, egos: Sequence[PlacedEgo], values: FloatArray) -> NpcWalker:
-        """Gives the walker."""
+        """Returns the walker."""
         speed = float(values[self._speed])
         begin, end = self._way(egos, values)
         return NpcWalker(
@@ -105,7 +105,7 @@ class WalkerDecoder:
 def _edges(
     network: RoadNetwork, middle: Pose, angle: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gives directions across a road, and how far its edges are ahead and behind in each.
+    """Returns directions across a road, and how far its edges are ahead and behind in each.
 
     A walker is asked for where it appears, again and again while others are moved, and for its way.
     """

@@ -90,7 +90,7 @@ def answer(folder: Path, path: Path) -> None:
 
 
 def theirs(scene):
-    """Gives a scene as an observation of SMARTS."""
+    """Returns a scene as an observation of SMARTS."""
     from smarts.core.coordinates import Dimensions, Heading, RefLinePoint
     from smarts.core.events import Events
     from smarts.core.observations import EgoVehicleObservation, Observation, VehicleObservation

@@ -36,7 +36,7 @@ def add_agent(
 
 
 def processes_with(words: Sequence[str]) -> list[psutil.Process]:
-    """Gives the processes whose command line holds all of ``words``.
+    """Returns the processes whose command line holds all of ``words``.
 
     What was found is in their ``info``, with their names: one may have ended since.
     """

@@ -19,7 +19,7 @@ from drivora_service.agents.remote.views import ContextView
 
 
 def attempt(what: Callable[[], Any]) -> str:
-    """Gives "done", or the error."""
+    """Returns "done", or the error."""
     try:
         what()
     except OSError as error:

@@ -64,7 +64,7 @@ def play(
     parameters: Mapping[str, Any] | None = None,
     components: Components | None = None,
 ) -> list[Evaluation]:
-    """Gives the first evaluations of a search in which a scenario costs what is said."""
+    """Returns the first evaluations of a search in which a scenario costs what is said."""
     context = TesterContext(space=SPACE, random=np.random.default_rng(seed), budget=count)
     settings = replace(AvfuzzerParameters(), **(parameters or {}))
     tester: Tester = AVFUZZER.create(context, settings, components or Components())
@@ -86,7 +86,7 @@ def play(
 
 
 def by_generation(*bests: float) -> Cost:
-    """Gives costs by generation; those after the last are as the last."""
+    """Returns costs by generation; those after the last are as the last."""
 
     def cost(number: int, proposal: Proposal) -> float:
         return bests[min(proposal.generation, len(bests) - 1)]
@@ -99,7 +99,7 @@ def generations(told: list[Evaluation]) -> list[list[Evaluation]]:
 
 
 def origins(told: list[Evaluation]) -> list[str]:
-    """Gives the first origin of each generation."""
+    """Returns the first origin of each generation."""
     return [group[0].proposal.origin for group in generations(told)]
 
 

@@ -277,7 +277,7 @@ LOG_VALUES = SPACE.lows.copy()
 
 
 def at_paths(*paths: int, walker: int = 0) -> FloatArray:
-    """Gives genes of egos on paths, and of a first walker who crosses an ego's way."""
+    """Returns genes of egos on paths, and of a first walker who crosses an ego's way."""
     values = LOG_VALUES.copy()
     for block, path in zip(SPACE.of(Part.EGO), paths, strict=False):
         values[block.index("path")] = path

@@ -31,7 +31,7 @@ Ego = tuple[float, float, float]
 
 
 def conflicting(*pairs: tuple[int, int]) -> BoolArray:
-    """Gives the conflicts of six paths, of which only these pairs conflict."""
+    """Returns the conflicts of six paths, of which only these pairs conflict."""
     matrix = np.zeros((6, 6), dtype=np.bool_)
     for one, other in pairs:
         matrix[one, other] = matrix[other, one] = True
@@ -41,7 +41,7 @@ def conflicting(*pairs: tuple[int, int]) -> BoolArray:
 def candidate(
     *egos: Ego, walkers: int = 0, chromosome: Chromosome = CHROMOSOME, seed: int = 0
 ) -> FloatArray:
-    """Gives a candidate of egos (path, start, start time) and a number of walkers."""
+    """Returns a candidate of egos (path, start, start time) and a number of walkers."""
     values = draw_seed(chromosome, np.random.default_rng(seed))
     chromosome.egos.fill(values, [np.array([1.0, *ego]) for ego in egos])
     drawn = np.random.default_rng(seed + 1)
@@ -50,7 +50,7 @@ def candidate(
 
 
 def egos_of(values: FloatArray) -> list[Ego]:
-    """Gives path, start and start time of every ego."""
+    """Returns path, start and start time of every ego."""
     actors = CHROMOSOME.egos.actors(values)
     return [(float(ego[1]), float(ego[2]), float(ego[3])) for ego in actors]
 

@@ -49,7 +49,7 @@ def points(count: int, width: int, seed: int) -> FloatArray:
 
 
 def relative_error(model: Surrogate, width: int, mean: FloatArray, scale: FloatArray) -> FloatArray:
-    """Gives the error on new points as a share of what their mean would have."""
+    """Returns the error on new points as a share of what their mean would have."""
     new = points(300, width, 2)
     truth = (curved(new) - mean) / scale
     error: FloatArray = np.sqrt(np.mean((model.predict(new) - truth) ** 2, axis=0))

@@ -125,7 +125,7 @@ class CommonRoadAdapter:
         return np.array([np.interp(age, times, column) for column in plan.T])
 
     def _state(self, observation: Observation, age: float) -> FloatArray:
-        """Gives x, y, yaw, speed, acceleration, wheel angle, yaw rate of the rear axle."""
+        """Returns x, y, yaw, speed, acceleration, wheel angle, yaw rate of the rear axle."""
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         speed = max(observation.speed, 0.0)
         # Who has just come to a stand brakes still: whatever is planned from there drives backwards
@@ -202,7 +202,7 @@ class CommonRoadAdapter:
         return float(self._reference.arc[int(np.argmin(((line - now[:2]) ** 2).sum(axis=1)))])
 
     def _obstacles(self, others: Forecast, stop: float) -> pycrcc.CollisionChecker:
-        """Gives what is foreseen, and a wall at a place that must not be passed."""
+        """Returns what is foreseen, and a wall at a place that must not be passed."""
         checker = pycrcc.CollisionChecker()
         for poses, (length, width) in zip(others.poses, others.sizes.tolist(), strict=True):
             moving = pycrcc.TimeVariantCollisionObject(0)
@@ -221,7 +221,7 @@ class CommonRoadAdapter:
 
 
 def configuration(context: ContextView, reference: Reference) -> ReactivePlannerConfiguration:
-    """Gives the planner's configuration, with the least of a scenario that it takes."""
+    """Returns the planner's configuration, with the least of a scenario that it takes."""
     vehicle = context.vehicle
     line = reference.line
     side = np.array([0.0, 2.0])

@@ -186,7 +186,7 @@ class DiluAdapter:
 
 
 def examples_in(parameters: Mapping[str, Any]) -> int:
-    """Gives how many examples the document asks for.
+    """Returns how many examples the document asks for.
 
     Raises:
         ValueError: The parameters are not of this agent.

@@ -24,7 +24,7 @@ _WORD = re.compile(rf"\b({'|'.join(DECISIONS)})\b", re.IGNORECASE)
 
 
 def decision_in(answer: str) -> Decision | None:
-    """Gives what an answer decides: the one decision named behind its last delimiter.
+    """Returns what an answer decides: the one decision named behind its last delimiter.
 
     Where there is no delimiter the whole answer is looked at, as DiLu does.
 

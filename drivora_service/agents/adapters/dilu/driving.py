@@ -32,7 +32,7 @@ _SIDEWAYS = 1.2
 def idm_acceleration(
     speed: float, wanted: float, *, gap: float = math.inf, lead: float = 0.0, standstill: float
 ) -> float:
-    """Gives the acceleration of the intelligent driver model, m/s².
+    """Returns the acceleration of the intelligent driver model, m/s².
 
     Args:
         speed: m/s.
@@ -66,7 +66,7 @@ def drive(
     offset: float,
     stop: float | None,
 ) -> AccelerationControl:
-    """Gives what to do in this step.
+    """Returns what to do in this step.
 
     Args:
         around: Vehicle and others.
@@ -97,7 +97,7 @@ def drive(
 
 
 def _steer(around: Surroundings, frame: RouteFrame, vehicle: VehicleView, offset: float) -> float:
-    """Gives the wheel angle of pure pursuit, for the rear axle, radians."""
+    """Returns the wheel angle of pure pursuit, for the rear axle, radians."""
     ahead = max(_LOOK_AHEAD * around.speed, _LEAST_LOOK_AHEAD)
     sideways = _SIDEWAYS * ahead / max(around.speed, 3.0)
     d = around.d + min(max(offset - around.d, -sideways), sideways)

@@ -57,7 +57,7 @@ class EmbeddedModel:
         allowed: Sequence[Decision],
         seconds: float,  # noqa: ARG002 - of the protocol: this takes as long as it takes
     ) -> str:
-        """Gives the answer to a chat; see :class:`ChatModel`."""
+        """Returns the answer to a chat; see :class:`ChatModel`."""
         return self._ask(messages, allowed, keep=True)
 
     def _ask(self, messages: Sequence[Message], allowed: Sequence[str], *, keep: bool) -> str:

@@ -43,7 +43,7 @@ class EndpointModel:
         allowed: Sequence[Decision],  # noqa: ARG002 - of the protocol; the messages tell of them
         seconds: float,
     ) -> str:
-        """Gives the answer to a chat; see :class:`ChatModel`."""
+        """Returns the answer to a chat; see :class:`ChatModel`."""
         url = f"{self._settings.url}/chat/completions"
         body = {
             "model": self._settings.model,

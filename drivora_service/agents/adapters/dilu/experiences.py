@@ -65,7 +65,7 @@ class Memory:
         self._features = [features(each.situation) for each in experiences]
 
     def recall(self, situation: Situation, count: int) -> list[Recalled]:
-        """Gives the experiences most like a situation, the most like one first."""
+        """Returns the experiences most like a situation, the most like one first."""
         away = np.hypot.reduce(np.array(self._features) - features(situation), axis=1)
         return [
             Recalled(number=k + 1, distance=float(away[k]), experience=self.experiences[k])
@@ -79,7 +79,7 @@ class Memory:
         return len(self.experiences)
 
     def is_new(self, situation: Situation) -> bool:
-        """Tells whether a situation is unlike all that are known."""
+        """Returns whether a situation is unlike all that are known."""
         return self.recall(situation, 1)[0].distance > _NEW
 
 

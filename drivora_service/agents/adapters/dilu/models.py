@@ -31,7 +31,7 @@ class ChatModel(Protocol):
     def answer(
         self, messages: Sequence[Message], allowed: Sequence[Decision], seconds: float
     ) -> str:
-        """Gives the answer to a chat.
+        """Returns the answer to a chat.
 
         Args:
             messages: The chat so far.

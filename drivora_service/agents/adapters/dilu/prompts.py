@@ -40,7 +40,7 @@ class Message:
 
 
 def system_message(*, reasons: bool) -> Message:
-    """Gives what stands before everything.
+    """Returns what stands before everything.
 
     Args:
         reasons: Whether the model is to think aloud.
@@ -73,7 +73,7 @@ def decision_messages(
 
 
 def example_answer(decision: Decision, why: str, reasons: bool) -> str:
-    """Gives the answer that an example shows."""
+    """Returns the answer that an example shows."""
     return f"{why}\nResponse to user:{DELIMITER} {decision}" if reasons else str(decision)
 
 
@@ -114,5 +114,5 @@ def _available(situation: Situation) -> str:
 
 
 def question(situation: Situation, *, reasons: bool) -> Message:
-    """Gives the message that tells a situation."""
+    """Returns the message that tells a situation."""
     return Message(role="user", content=described(situation) if reasons else in_brief(situation))

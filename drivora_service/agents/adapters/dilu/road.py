@@ -37,7 +37,7 @@ class RouteFrame:
         self._end = float(self.arc[int(np.argmin(((self.line - route.line[-1]) ** 2).sum(axis=1)))])
 
     def project(self, points: FloatArray, near: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gives s, d and the line's heading at the places nearest to (n, 2) points.
+        """Returns s, d and the line's heading at the places nearest to (n, 2) points.
 
         Args:
             points: Metres, in the network's plane.
@@ -59,22 +59,22 @@ class RouteFrame:
         return s, d, heading
 
     def heading(self, s: float) -> float:
-        """Gives the direction of the line, radians."""
+        """Returns the direction of the line, radians."""
         return float(self._headings[min(self._index(s), len(self._headings) - 1)])
 
     def point(self, s: float, d: float) -> tuple[float, float]:
-        """Gives x and y."""
+        """Returns x and y."""
         x, y = (float(np.interp(s, self.arc, self.line[:, i])) for i in (0, 1))
         heading = self.heading(s)
         return x - d * math.sin(heading), y + d * math.cos(heading)
 
     def allowed_speed(self, s: float, ahead: float) -> float:
-        """Gives the least speed that limit and bends allow up to ``ahead`` metres on, m/s."""
+        """Returns the least speed that limit and bends allow up to ``ahead`` metres on, m/s."""
         places = np.linspace(s, s + max(ahead, 0.0), 4)
         return float(np.interp(places, self.arc, self.speeds).min())
 
     def offset(self, s: float, lanes: int) -> float | None:
-        """Gives d of the lane that lies so many lanes to the left, negative to the right.
+        """Returns d of the lane that lies so many lanes to the left, negative to the right.
 
         Returns:
             ``None`` if there is none, or none that may be changed to.
@@ -94,7 +94,7 @@ class RouteFrame:
         return math.copysign(away, lanes) if lanes else 0.0
 
     def room_beside(self, s: float, lanes: int) -> float:
-        """Gives the metres for which one can drive so many lanes to the left of the route."""
+        """Returns the metres for which one can drive so many lanes to the left of the route."""
         k = self._index(s)
         end = min(float(self._ends[k]), self._end)
         place = s
@@ -110,7 +110,7 @@ class RouteFrame:
 
 
 def _ends(ids: NDArray[np.int64], lanes: Mapping[int, LaneView], arc: FloatArray) -> FloatArray:
-    """Gives (n,) s at which a junction or a lane change of the route comes next."""
+    """Returns (n,) s at which a junction or a lane change of the route comes next."""
     ends = np.empty(len(ids))
     end = float(arc[-1])
     for k in range(len(ids) - 1, -1, -1):

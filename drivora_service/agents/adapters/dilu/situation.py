@@ -77,7 +77,7 @@ class Situation:
 
 
 def available(situation: Situation) -> tuple[Decision, ...]:
-    """Gives the decisions that can be carried out, as in DiLu and highway-env."""
+    """Returns the decisions that can be carried out, as in DiLu and highway-env."""
     s = situation
     possible = {
         Decision.LEFT: s.left is not None,
@@ -122,7 +122,7 @@ def in_brief(situation: Situation) -> str:
 
 
 def features(situation: Situation) -> FloatArray:
-    """Gives the (9,) vector by which situations are compared; a difference of 1 is a large one."""
+    """Returns the (9,) vector by which situations are compared; a difference of 1 is large."""
     s = situation
     return np.array(
         [
@@ -196,7 +196,7 @@ def _is_open(lane: Beside | None, speed: float) -> float:
 
 
 def _halting_share(speed: float, distance: float | None) -> float:
-    """Gives how near a place to halt is: 0 far away or none, 1 where comfortable braking begins."""
+    """Returns how near a place to halt is: 0 far or none, 1 where comfortable braking begins."""
     if distance is None:
         return 0.0
     return min(1.5, (speed**2 / 4.0 + 8.0) / max(distance, 1.0))

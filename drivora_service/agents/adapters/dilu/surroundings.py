@@ -61,7 +61,7 @@ class Surroundings:
     speed: float
 
     def ahead(self, low: float, high: float) -> Neighbour | None:
-        """Gives who is next ahead between two offsets of the vehicle's centre."""
+        """Returns who is next ahead between two offsets of the vehicle's centre."""
         inside = self._within(self.places[:, 1], low, high)
         gaps = self.places[:, 0] - self.s - self.extents[:, 0] - self.half_length
         ahead = inside & (self.places[:, 0] > self.s)
@@ -74,11 +74,11 @@ class Surroundings:
         return self._nearest(inside & (self.places[:, 0] <= self.s), gaps)
 
     def beside(self, offset: float) -> Beside:
-        """Gives who is in the lane whose centre lies at an offset."""
+        """Returns who is in the lane whose centre lies at an offset."""
         return Beside(ahead=self.ahead(offset, offset), behind=self.behind(offset, offset))
 
     def crossing(self, low: float, high: float) -> float | None:
-        """Gives the metres to where somebody, not there yet, will be when the vehicle is."""
+        """Returns the metres to where somebody, not there yet, will be when the vehicle is."""
         if not len(self.places):
             return None
         s, d = self.foreseen[:, :, 0], self.foreseen[:, :, 1]

@@ -52,7 +52,7 @@ class FissAdapter:
         self._planner_name = planner
 
     def setup_env(self, context: ContextView) -> None:
-        """Gives the planner its map and its route."""
+        """Returns the planner its map and its route."""
         self._context = context
         vehicle = fp.VehicleParams()
         vehicle.length, vehicle.width = context.vehicle.length, context.vehicle.width
@@ -169,7 +169,7 @@ class FissAdapter:
 
 
 def pose_after(trajectory: fp.Trajectory, ahead: float, x: float, y: float) -> Sequence[float]:
-    """Gives x, y, yaw and speed on a trajectory, ``ahead`` seconds after the place nearest (x, y).
+    """Returns x, y, yaw and speed on a trajectory ``ahead`` seconds after its place nearest (x, y).
 
     The plan may begin a little before or behind the vehicle, as it goes on from the last one.
     """

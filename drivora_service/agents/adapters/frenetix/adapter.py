@@ -116,7 +116,7 @@ class FrenetixAdapter:
         )
 
     def _state(self, observation: Observation, x: float, y: float, yaw: float) -> FloatArray:
-        """Gives x, y, yaw, speed, acceleration, curvature of the rear axle to plan from."""
+        """Returns x, y, yaw, speed, acceleration, curvature of the rear axle to plan from."""
         now = np.array(
             [
                 x - self._half_base * math.cos(yaw),
@@ -135,7 +135,7 @@ class FrenetixAdapter:
         return self._next if on_plan else now
 
     def _plan(self, state: FloatArray, observation: Observation) -> tuple[FloatArray | None, int]:
-        """Gives the best trajectory as columns like those of a state, and how many were tried."""
+        """Returns the best trajectory as columns like those of a state, and how many were tried."""
         slow = bool(state[3] < _SLOW)
         wheelbase = self._context.vehicle.wheelbase
         try:
@@ -174,7 +174,7 @@ class FrenetixAdapter:
         return self._best(float(start.x0_lon[0]), observation)
 
     def _wanted_speed(self, lengthwise: FloatArray) -> float:
-        """Gives the speed that limit and bends allow at a place a little ahead, m/s."""
+        """Returns the speed that limit and bends allow at a place a little ahead, m/s."""
         s, speed = float(lengthwise[0]), float(lengthwise[1])
         places = np.linspace(s, s + 1.5 * max(speed, 0.0), 4)
         return float(np.interp(places, self._reference.arc, self._reference.speeds).min())
@@ -203,7 +203,7 @@ class FrenetixAdapter:
         return None, tried
 
     def _on_road(self, s: FloatArray, d: FloatArray) -> bool:
-        """Tells whether a trajectory keeps to the road, or comes no further off it."""
+        """Returns whether a trajectory keeps to the road, or comes no further off it."""
         half = 0.5 * self._context.vehicle.width
         reference = self._reference
         over = np.maximum(
@@ -226,7 +226,7 @@ class FrenetixAdapter:
 
 
 def samples(start: frenetix.CurvilinearPlannerState, wanted: float) -> FloatArray:
-    """Gives what the package samples, a row of thirteen numbers for each trajectory.
+    """Returns what the package samples, a row of thirteen numbers for each trajectory.
 
     They are its begin and end, seconds; s and two derivatives at the begin, two derivatives at the
     end; d and two derivatives at the begin, and at the end.

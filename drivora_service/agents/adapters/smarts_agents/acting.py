@@ -37,7 +37,7 @@ class Target:
 
 
 def target_of(observation: Observation, x: float, y: float, yaw: float) -> Target:
-    """Gives the target of a policy that wants to go to a pose from where it is."""
+    """Returns the target of a policy that wants to go to a pose from where it is."""
     from_x, from_y, from_yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
     turn = math.remainder(yaw - from_yaw, math.tau)
     way = (x - from_x) / PERIOD, (y - from_y) / PERIOD, turn / PERIOD
@@ -45,13 +45,13 @@ def target_of(observation: Observation, x: float, y: float, yaw: float) -> Targe
 
 
 def pose_of(answer: Iterable[SupportsFloat]) -> tuple[float, float, float]:
-    """Gives x, y and heading of what a policy answered, which ends with a duration."""
+    """Returns x, y and heading of what a policy answered, which ends with a duration."""
     x, y, heading, *_ = (float(value) for value in answer)
     return x, y, heading
 
 
 def allowed_speed(reference: Reference, observation: Observation) -> float:
-    """Gives the speed that limit, bends and lights leave, m/s.
+    """Returns the speed that limit, bends and lights leave, m/s.
 
     SMARTS puts a vehicle on the pose that a policy answers, whatever its tyres would say, and has
     no lights.
@@ -64,7 +64,7 @@ def allowed_speed(reference: Reference, observation: Observation) -> float:
 def step_towards(
     target: Target, observation: Observation, step_length: float, allowed: float
 ) -> PoseControl:
-    """Gives where to be after this step: on the way to the target, and no faster than allowed.
+    """Returns where to be after this step: on the way to the target, and no faster than allowed.
 
     A step that ends later than the target was to be reached goes on beyond it at the same pace.
 

@@ -38,7 +38,7 @@ class Facing:
     driven: float
 
     def turned(self, scene: Scene) -> Scene:
-        """Gives a scene in this frame."""
+        """Returns a scene in this frame."""
         ego = scene.ego_vehicle_state
         return replace(
             scene,
@@ -59,7 +59,7 @@ class Facing:
         )
 
     def back(self, x: float, y: float, heading: float) -> tuple[float, float, float]:
-        """Gives a pose of this frame in the network's plane."""
+        """Returns a pose of this frame in the network's plane."""
         east, north = self._rotated(np.array([x, y - self.driven]), self.heading).tolist()
         return (
             float(self.origin[0]) + east,
@@ -95,6 +95,6 @@ class Facing:
 
 
 def facing(scene: Scene, driven: float) -> Facing:
-    """Gives the frame of a scene, before which the ego has driven so many metres."""
+    """Returns the frame of a scene, before which the ego has driven so many metres."""
     ego = scene.ego_vehicle_state
     return Facing(origin=ego.position[:2].copy(), heading=ego.heading, driven=driven)

@@ -44,7 +44,7 @@ class LanePlaces:
         self._halves = np.array([0.5 * view.width for view in views for _ in view.line[1:]])
 
     def find(self, place: FloatArray, yaw: float) -> LanePlace | None:
-        """Gives the lane that somebody at ``place`` drives along, ``None`` if there is none."""
+        """Returns the lane that somebody at ``place`` drives along, ``None`` if there is none."""
         away = place - self._starts
         share = np.clip((away * self._steps).sum(axis=1) / self._lengths**2, 0.0, 1.0)
         gaps = np.hypot(*(away - share[:, None] * self._steps).T)
@@ -63,7 +63,7 @@ class LanePlaces:
 
 
 def lane_index(lanes: Mapping[int, LaneView], lane: int) -> int:
-    """Gives the number of a lane, counted from the right; 0 within junctions."""
+    """Returns the number of a lane, counted from the right; 0 within junctions."""
     index, current = 0, lanes[lane]
     while not current.in_junction and current.right is not None and current.right in lanes:
         index, current = index + 1, lanes[current.right]

@@ -60,7 +60,7 @@ class Observer:
         self._last: tuple[float, float] | None = None
 
     def observe(self, observation: Observation) -> Scene:
-        """Gives the next observation of the run."""
+        """Returns the next observation of the run."""
         x, y = observation.ego[[Col.X, Col.Y]].tolist()
         travelled = 0.0 if self._last is None else math.hypot(x - self._last[0], y - self._last[1])
         self._last = x, y
@@ -103,7 +103,7 @@ class Observer:
     def _ego_place(
         self, place: FloatArray, stage: int, ways: tuple[Way, ...]
     ) -> tuple[int, LanePosition]:
-        """Gives the lane of the route's road, or of its ways through a junction, that is nearest.
+        """Returns the lane of the route's road, or of its ways through a junction, that is nearest.
 
         Another lane may be nearer, as where roads cross: SMARTS keeps to the route too.
         """
@@ -152,7 +152,7 @@ class Observer:
         return waypoints
 
     def _others(self, observation: Observation) -> tuple[VehicleState, ...]:
-        """Gives who is near, the nearest first; walkers and obstacles as vehicles of their size."""
+        """Returns the actors nearby, nearest first; walkers and obstacles as vehicles."""
         objects = observation.objects
         away = np.hypot(*(objects[:, :2] - observation.ego[:2]).T)
         near = np.argsort(away, kind="stable")[:_OTHERS]

@@ -24,7 +24,7 @@ class Policy(Protocol):
     """A policy during one run."""
 
     def act(self, obs: Scene) -> Any:
-        """Gives x, y, heading and the seconds in which to be there."""
+        """Returns x, y, heading and the seconds in which to be there."""
         ...
 
 
@@ -75,7 +75,7 @@ class StandOrDrive:
         self._last = weights["_fc.weight"], weights["_fc.bias"]
 
     def logits(self, observations: FloatArray) -> FloatArray:
-        """Gives the (n, 2) logits for (n, 53) observations."""
+        """Returns the (n, 2) logits for (n, 53) observations."""
         with torch.no_grad():
             values = torch.as_tensor(observations, dtype=torch.float32)
             for weight, bias in self._hidden:
@@ -84,7 +84,7 @@ class StandOrDrive:
         return answer
 
     def predict(self, observations: list[FloatArray]) -> NDArray[np.int64]:
-        """Gives the likeliest choice for each observation; the library's name for it."""
+        """Returns the likeliest choice for each observation; the library's name for it."""
         choices: NDArray[np.int64] = self.logits(np.stack(observations)).argmax(axis=1)
         return choices
 

@@ -22,12 +22,12 @@ _RAYS = 300
 
 
 def to_heading(yaw: float) -> float:
-    """Gives SMARTS's heading for an angle counter-clockwise from east."""
+    """Returns SMARTS's heading for an angle counter-clockwise from east."""
     return math.remainder(yaw - 0.5 * math.pi, math.tau)
 
 
 def to_yaw(heading: float) -> float:
-    """Gives the angle counter-clockwise from east for SMARTS's heading."""
+    """Returns the angle counter-clockwise from east for SMARTS's heading."""
     return math.remainder(heading + 0.5 * math.pi, math.tau)
 
 

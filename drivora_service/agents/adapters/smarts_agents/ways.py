@@ -49,7 +49,7 @@ class Way:
     first_length: float
 
     def project(self, place: FloatArray) -> tuple[float, float]:
-        """Gives how far along the way's first stage a place is, and how far to the left of it."""
+        """Returns how far along the way's first stage a place is, and how far to the left of it."""
         last = self.first_length + _LATE
         count = max(int(np.searchsorted(self.arc, last)) + 1, 2)
         line = self.line[:count]
@@ -64,7 +64,7 @@ class Way:
         return s, float(np.copysign(gaps[k], side))
 
     def lane_at(self, s: float) -> int:
-        """Gives which of ``lanes`` is at a place along the way."""
+        """Returns which of ``lanes`` is at a place along the way."""
         return max(int(np.searchsorted(self.starts, s, side="right")) - 1, 0)
 
 
@@ -87,22 +87,22 @@ class RouteWays:
         self._single: dict[int, Way] = {}
 
     def stage(self, route_s: float) -> int:
-        """Gives which road (even) or junction (odd) of the route is at a place along it."""
+        """Returns which road (even) or junction (odd) of the route is at a place along it."""
         k = int(np.searchsorted(self._arc, route_s, side="right")) - 1
         return int(self._stages[min(max(k, 0), len(self._stages) - 1)])
 
     def road(self, stage: int) -> tuple[int, ...]:
-        """Gives the lanes of the road of a stage, from the right, or of that before a junction."""
+        """Returns the lanes of a stage's road, from the right, or of the road before a junction."""
         return self._roads[stage // 2]
 
     def lane(self, lane: int) -> Way:
-        """Gives a lane alone."""
+        """Returns a lane alone."""
         if lane not in self._single:
             self._single[lane] = self._way((lane,), 1)
         return self._single[lane]
 
     def ways(self, stage: int) -> tuple[Way, ...]:
-        """Gives the ways ahead, from the right; at least one."""
+        """Returns the ways ahead, from the right; at least one."""
         if stage not in self._ways:
             self._ways[stage] = tuple(self._find_ways(stage))
         return self._ways[stage]
@@ -156,7 +156,7 @@ class RouteWays:
 def _roads(
     lanes: Mapping[int, LaneView], sequence: list[int]
 ) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """Gives the roads of a route, each as its lanes from the right, and its own way after each."""
+    """Returns the roads of a route, each as its lanes from the right, and the way after each."""
     roads = [_road(lanes, sequence[0])]
     own: list[tuple[int, ...]] = []
     way: list[int] = [sequence[0]]
@@ -180,7 +180,7 @@ def _road(lanes: Mapping[int, LaneView], lane: int) -> tuple[int, ...]:
 def _connections(
     lanes: Mapping[int, LaneView], roads: list[tuple[int, ...]], own: list[tuple[int, ...]]
 ) -> list[dict[int, tuple[int, ...]]]:
-    """Gives for each road the way from each lane to the next road, that one's lane included.
+    """Returns for each road the way from each lane to the next road, that one's lane included.
 
     Where a lane has several, the route's own one is taken, else one that leads on behind the next
     road, else that to the lane nearest to the route's.
@@ -208,7 +208,7 @@ def _connections(
 def _stages(
     lanes: Mapping[int, LaneView], roads: list[tuple[int, ...]], route: RouteView
 ) -> NDArray[np.int64]:
-    """Gives for each point of the route twice its road's number, or one more in a junction."""
+    """Returns for each point of the route twice its road's number, or one more in a junction."""
     stages = np.empty(len(route.lanes), dtype=np.int64)
     road, through = 0, False
     for k, lane in enumerate(route.lanes.tolist()):

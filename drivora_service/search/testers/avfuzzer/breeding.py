@@ -57,7 +57,7 @@ class Offspring:
 
 
 def individual(evaluation: Evaluation) -> Individual:
-    """Gives what was learned of a scenario."""
+    """Returns what was learned of a scenario."""
     measured = evaluation.measurement
     cost = None if measured is None else measured.objectives[SAFETY_MARGIN]
     return Individual(
@@ -68,7 +68,7 @@ def individual(evaluation: Evaluation) -> Individual:
 
 
 def best_of(population: Population) -> Individual:
-    """Gives the best, of equals the first."""
+    """Returns the best, of equals the first."""
     return min(population, key=lambda one: one.cost)
 
 

@@ -30,7 +30,7 @@ _ABSENT = -1
 
 
 def sequence_distances(sequence: IntArray, archive: IntArray, lengths: IntArray) -> FloatArray:
-    """Gives the distances of a label sequence to others.
+    """Returns the distances of a label sequence to others.
 
     The distance is the number of places with different labels, a place that only one of the two has
     being different, over the length of the longer one.
@@ -100,7 +100,7 @@ class BehaviourModel:
         return len(self._lengths)
 
     def labels(self, table: FloatArray) -> IntArray:
-        """Gives the nearest cluster (n,) of each window (n, c); the first fit must have been."""
+        """Returns the nearest cluster (n,) of each window (n, c); the first fit must have been."""
         # The weighted |x - c|² without the part that is the same for all centres; x is about the
         # mean, which is taken off the products instead of off every row.
         weights = self._scale**-2
@@ -110,7 +110,7 @@ class BehaviourModel:
         return np.asarray(costs.argmin(axis=1), dtype=np.int64)
 
     def novelty(self, table: FloatArray) -> float:
-        """Gives the distance 0..1 of a run to the nearest of the archive; 1 where that is empty."""
+        """Returns the distance 0..1 of a run to the nearest of the archive; 1 if that is empty."""
         if not self.archived:
             return 1.0
         lengths = np.array(self._lengths)
@@ -194,7 +194,7 @@ class BehaviourModel:
 
 
 def _thinned(rows: FloatArray, most: int) -> FloatArray:
-    """Gives at most so many rows, spread evenly."""
+    """Returns at most so many rows, spread evenly."""
     if len(rows) <= most:
         return rows
     return rows[np.linspace(0, len(rows) - 1, most).round().astype(np.int64)]

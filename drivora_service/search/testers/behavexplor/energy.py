@@ -22,7 +22,7 @@ _TINY = 1e-10
 
 
 def initial_energy(gain: float, novelty: float) -> float:
-    """Gives the energy that a seed starts with.
+    """Returns the energy that a seed starts with.
 
     Args:
         gain: Its parent's degree of violation less its own, -1..1.

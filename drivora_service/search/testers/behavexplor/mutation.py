@@ -41,7 +41,7 @@ class WaypointNoise:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy."""
+        """Returns a changed copy."""
         sigma, unit = self.plan(space)
         movable = (sigma > 0.0) & effective_genes(values, space)
         moves: BoolArray = (random.random(len(space)) < self.probability)[unit]

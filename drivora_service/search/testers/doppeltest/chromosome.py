@@ -54,7 +54,7 @@ class Chromosome:
         self.conflicts = _conflicts(space.genes[first.index(PATH)], conflicts)
 
     def paths(self, values: FloatArray) -> list[float]:
-        """Gives the paths of the egos."""
+        """Returns the paths of the egos."""
         egos = self.egos
         return [egos.gene(values, slot, PATH) for slot in egos.taken(values)]
 

@@ -30,9 +30,9 @@ class RouteConflicts:
         return any(self.matrix[int(one), int(other)] for one, other in combinations(paths, 2))
 
     def with_any(self, others: Sequence[float]) -> IntArray:
-        """Gives the paths that conflict with any of others."""
+        """Returns the paths that conflict with any of others."""
         return np.flatnonzero(self.matrix[:, [int(other) for other in others]].any(axis=1))
 
     def pairs(self) -> IntArray:
-        """Gives the (n, 2) pairs of paths that conflict, each once."""
+        """Returns the (n, 2) pairs of paths that conflict, each once."""
         return np.argwhere(np.triu(self.matrix))

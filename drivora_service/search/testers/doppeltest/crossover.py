@@ -32,7 +32,7 @@ class DoppelTestCrossover:
     def cross(
         self, first: FloatArray, second: FloatArray, random: np.random.Generator
     ) -> FloatArray:
-        """Gives a copy of the first parent in which one section has to do with the second's."""
+        """Returns a copy of the first parent in which one section has to do with the second's."""
         child = first.copy()
         cross_egos, cross_walkers = self.parameters.cross_egos, self.parameters.cross_walkers
         sections: list[tuple[Callable[..., None], float]] = [(self._egos, cross_egos)]

@@ -39,7 +39,7 @@ class DoppelTestMutation:
         *,
         strength: float = 1.0,
     ) -> FloatArray:
-        """Gives a changed copy; at strength s, changed s times."""
+        """Returns a changed copy; at strength s, changed s times."""
         changed = values.copy()
         sections = [self._egos]
         if self.chromosome.walkers.most:

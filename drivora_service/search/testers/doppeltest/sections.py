@@ -31,19 +31,19 @@ class ActorSection:
         self.least = self.most - len(self._optional)
 
     def taken(self, values: FloatArray) -> list[int]:
-        """Gives the slots that hold an actor."""
+        """Returns the slots that hold an actor."""
         return [slot for slot, block in enumerate(self.blocks) if values[block.start] > 0.0]
 
     def actor(self, values: FloatArray, slot: int) -> FloatArray:
-        """Gives a copy of an actor's genes."""
+        """Returns a copy of an actor's genes."""
         return values[self.blocks[slot].slice].copy()
 
     def actors(self, values: FloatArray) -> list[FloatArray]:
-        """Gives copies of the genes of all actors."""
+        """Returns copies of the genes of all actors."""
         return [self.actor(values, slot) for slot in self.taken(values)]
 
     def gene(self, values: FloatArray, slot: int, name: str) -> float:
-        """Gives one gene of an actor."""
+        """Returns one gene of an actor."""
         return float(values[self.blocks[slot].index(name)])
 
     def put(self, values: FloatArray, slot: int, actor: FloatArray) -> None:

@@ -34,7 +34,7 @@ class ViolationLog:
         return len(new)
 
     def key(self, verdict: Verdict, values: FloatArray) -> Key:
-        """Gives what makes a violation: the rule, and where those who took part were driving.
+        """Returns what makes a violation: the rule, and where those who took part were driving.
 
         Of a deadlock all egos in the cycle take part; else the ego and its counterpart.
         """
@@ -42,7 +42,7 @@ class ViolationLog:
         return verdict.oracle, frozenset(self._place(name, values) for name in actors if name)
 
     def _place(self, name: str, values: FloatArray) -> Place:
-        """Gives an actor's path; of walkers and obstacles, the route that they are in the way of.
+        """Returns an actor's path; of walkers and obstacles, the route that they are in the way of.
 
         Those choose from the egos that are present, counted in order and over again.
         """

@@ -31,7 +31,7 @@ class Database:
         self.numbers: list[int] = []
 
     def __len__(self) -> int:
-        """Gives the number n of candidates."""
+        """Returns the number n of candidates."""
         return len(self.numbers)
 
     def add(self, number: int, values: FloatArray, objectives: Mapping[str, float | None]) -> None:
@@ -49,7 +49,7 @@ class Database:
         self._known.add(self._encoding.encode(values[None])[0].tobytes())
 
     def knows(self, features: FloatArray) -> bool:
-        """Tells whether a candidate with these features (e,) was proposed or simulated before."""
+        """Returns whether a candidate with these features (e,) was proposed or simulated before."""
         return features.tobytes() in self._known
 
     @property
@@ -68,7 +68,7 @@ class Database:
         return np.stack(self._objectives)
 
     def nearest(self, objectives: IntArray, count: int) -> IntArray:
-        """Gives the rows of up to ``count`` candidates nearest to a violation, each row once.
+        """Returns the rows of up to ``count`` candidates nearest to a violation, each row once.
 
         The objectives take turns: first the best of each, then the second of each, and so on.
         """
@@ -78,7 +78,7 @@ class Database:
         return found
 
     def training_rows(self, objectives: IntArray, limit: int) -> IntArray:
-        """Gives the rows to train surrogates with, in ascending order.
+        """Returns the rows to train surrogates with, in ascending order.
 
         Up to the limit: all. Beyond it: half of the limit are those nearest to a violation, where
         the surrogates must be right, the rest lies evenly spread over all others in the order of
@@ -125,7 +125,7 @@ class Archive:
         return frozenset(self._covered)
 
     def best(self, objective: str) -> tuple[float, int] | None:
-        """Gives an objective's least value of all rounds and the number of its evaluation."""
+        """Returns an objective's least value of all rounds and the number of its evaluation."""
         return self._best.get(objective)
 
     def uncovered(self, names: tuple[str, ...]) -> BoolArray:

@@ -29,7 +29,7 @@ class Region:
 
     @staticmethod
     def around(space: GeneSpace, members: FloatArray) -> Region:
-        """Gives the smallest region that contains the members (k, d)."""
+        """Returns the smallest region that contains the members (k, d)."""
         lows, highs = members.min(axis=0), members.max(axis=0)
         blocks = tuple(_narrowed(block, lows, highs) for block in space.blocks)
         return Region(space=GeneSpace(blocks), members=members)
@@ -116,6 +116,6 @@ class Breeding:
 
 
 def _cuts(space: GeneSpace) -> IntArray:
-    """Gives the genes from which on parents may exchange; actors stay whole."""
+    """Returns the genes from which on parents may exchange; actors stay whole."""
     starts = [block.start for block in space.blocks[1:]]
     return np.array(starts or range(1, max(len(space), 2)), dtype=np.int64)

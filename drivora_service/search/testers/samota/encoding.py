@@ -46,7 +46,7 @@ class Encoding:
         self._depends = self._present != genes
 
     def encode(self, values: FloatArray) -> FloatArray:
-        """Gives the features (n, e) of candidates (n, d)."""
+        """Returns the features (n, e) of candidates (n, d)."""
         magnitudes = (values[:, self._magnitudes] - self._lows) / self._ranges
         chosen = (values[:, self._categories] == self._choices) * np.sqrt(0.5)
         features: FloatArray = np.concatenate((magnitudes, chosen), axis=1)

@@ -86,7 +86,7 @@ def validation_errors(
     *,
     folds: int,
 ) -> FloatArray:
-    """Gives the root mean squared errors (s, m) of cross-validation."""
+    """Returns the root mean squared errors (s, m) of cross-validation."""
     part = random.permutation(len(features)) % folds
     squared = np.zeros((len(fits), objectives.shape[1]))
     for held in range(folds):
@@ -99,7 +99,7 @@ def validation_errors(
 
 
 def weights(errors: FloatArray) -> FloatArray:
-    """Gives each of s surrogates a share in the mean of each objective, by the others' errors.
+    """Returns the weight of each of s surrogates in the mean of each objective, by their errors.
 
     Source: Goel et al., "Ensemble of surrogates" (2007), their first scheme: the share of a
     surrogate is the sum of the errors of the others over s - 1 times the sum of all.

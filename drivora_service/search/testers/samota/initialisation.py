@@ -22,7 +22,7 @@ class AdaptiveRandom:
         self._given: FloatArray = np.empty((0, len(space)))
 
     def draw(self, random: np.random.Generator) -> FloatArray:
-        """Gives the next candidate (d,)."""
+        """Returns the next candidate (d,)."""
         drawn = self._space.sample(random, self._pool)
         chosen = 0
         if len(self._given):

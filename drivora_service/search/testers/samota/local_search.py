@@ -77,7 +77,7 @@ class LocalSearch:
         encoding: Encoding,
         random: np.random.Generator,
     ) -> tuple[LocalFind, ...]:
-        """Gives the most promising new candidate of each cluster, for one objective (a column)."""
+        """Returns the most promising new candidate of each cluster for one objective (a column)."""
         scores = database.objectives[:, objective]
         count = max(math.ceil(self.top * len(database)), self.cluster)
         top = np.sort(np.argsort(scores, kind="stable")[:count])
@@ -99,7 +99,7 @@ class LocalSearch:
         database: Database,
         random: np.random.Generator,
     ) -> FloatArray | None:
-        """Gives the best candidate that is not known; None where the region has no other."""
+        """Returns the best candidate that is not known; None where the region has no other."""
         values = region.sample(random, self.population)
         features = encoding.encode(values)
         scores = surrogate.predict(features)
@@ -117,7 +117,7 @@ class LocalSearch:
 
 
 def _scaled(scores: FloatArray) -> FloatArray:
-    """Gives scores (n,) as one objective (n, 1) of mean 0 and deviation 1."""
+    """Returns scores (n,) as one objective (n, 1) of mean 0 and deviation 1."""
     deviation = float(scores.std())
     centred = scores - scores.mean()
     scaled: FloatArray = centred / deviation if deviation > 1e-12 else centred

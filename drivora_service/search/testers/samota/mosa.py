@@ -33,7 +33,7 @@ class PreferenceSorting:
 
 
 def preferred_rows(objectives: FloatArray) -> IntArray:
-    """Gives the rows of the best candidate of each objective, each row once.
+    """Returns the rows of the best candidate of each objective, each row once.
 
     Of equals the one is preferred whose objectives are smallest in all, then the first.
 
@@ -109,8 +109,8 @@ class Mosa:
         Args:
             start: (n, d) its candidates.
             region: Where to search.
-            encode: Gives the features (n, e) of candidates (n, d).
-            predict: Gives the objectives and uncertainties (n, m) of features (n, e).
+            encode: Returns the features (n, e) of candidates (n, d).
+            predict: Returns the objectives and uncertainties (n, m) of features (n, e).
             is_known: Whether a candidate with features (e,) is not wanted.
             random: For every draw.
         """

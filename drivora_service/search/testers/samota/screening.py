@@ -33,13 +33,13 @@ class Screened:
     parts: tuple[tuple[IntArray, Surrogate], ...]
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Gives the objectives (q, m)."""
+        """Returns the objectives (q, m)."""
         said = [surrogate.predict(features[:, chosen]) for chosen, surrogate in self.parts]
         return np.concatenate(said, axis=1)
 
 
 def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
-    """Gives a way to fit a kind of surrogate over the relevant features of each objective."""
+    """Returns a way to fit a kind of surrogate over the relevant features of each objective."""
 
     def fit_screened(features: FloatArray, objectives: FloatArray) -> Screened:
         parts = []
@@ -52,7 +52,7 @@ def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
 
 
 def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
-    """Gives the features that correlate with an objective, or whose distance from their mean does.
+    """Returns the features that correlate with an objective, or whose distance to the mean does.
 
     Sure independence screening (Fan and Lv, 2008), with squares besides: an objective is often best
     in the middle of a magnitude.
@@ -76,7 +76,7 @@ def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
 
 
 def _correlations(centred: FloatArray, objective: FloatArray) -> FloatArray:
-    """Gives the absolute correlation (e,) of features (n, e) of mean 0; 0 for those that are 0."""
+    """Returns the absolute correlation (e,) of centred features (n, e); 0 for constant ones."""
     other = objective - objective.mean()
     spread = np.sqrt(np.einsum("ij,ij->j", centred, centred) * (other @ other))
     shares: FloatArray = np.abs(other @ centred) / np.where(spread > 1e-9, spread, np.inf)

@@ -35,7 +35,7 @@ class Surrogate(Protocol):
     """A model of several objectives."""
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Gives the objectives (q, m) of candidates with features (q, e)."""
+        """Returns the objectives (q, m) of candidates with features (q, e)."""
         ...
 
 
@@ -73,7 +73,7 @@ class RadialBasis:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Gives the objectives."""
+        """Returns the objectives."""
         values = np.exp(-squared_distances(features, self.centres) / self.width)
         predicted: FloatArray = values @ self.coefficients
         return predicted
@@ -103,7 +103,7 @@ class Polynomial:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Gives the objectives."""
+        """Returns the objectives."""
         predicted: FloatArray = _products(_centred(features), self.points) @ self.coefficients
         return predicted
 
@@ -145,7 +145,7 @@ class Kriging:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Gives the objectives."""
+        """Returns the objectives."""
         return np.stack([latent.predict(features) for latent in self.latents], axis=1)
 
 
@@ -177,7 +177,7 @@ def _fit_latent(features: FloatArray, objective: FloatArray, components: int) ->
 
 
 def latent_directions(features: FloatArray, objective: FloatArray, components: int) -> FloatArray:
-    """Gives the directions in which the features vary together with the objective.
+    """Returns the directions in which the features vary together with the objective.
 
     Partial least squares of one target (PLS1; Wold et al., "PLS-regression", 2001). scikit-learn's
     warns and divides by zero where the features are exhausted before the components.
@@ -212,7 +212,7 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
 
 
 def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Gives the squared distances (q, n) between points (q, e) and (n, e)."""
+    """Returns the squared distances (q, n) between points (q, e) and (n, e)."""
     products = first @ second.T
     products *= -2.0
     products += np.einsum("ij,ij->i", first, first)[:, None]
@@ -222,13 +222,13 @@ def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def _products(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Gives the kernel (q, n) whose functions are all polynomials up to degree 2."""
+    """Returns the kernel (q, n) whose functions are all polynomials up to degree 2."""
     kernel: FloatArray = (1.0 + first @ second.T / first.shape[1]) ** 2
     return kernel
 
 
 def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
-    """Gives the coefficients (n, m) of a kernel (n, n), which is changed, with a ridge."""
+    """Returns the coefficients (n, m) of a kernel (n, n), which is changed, with a ridge."""
     kernel.flat[:: len(kernel) + 1] += ridge
     return np.asarray(solve(kernel, objectives, assume_a="pos", check_finite=False))
 

@@ -100,7 +100,7 @@ class SamotaSearch:
             self.database.note(values)
 
     def _targets(self) -> IntArray:
-        """Gives the objectives to search for: columns of the database.
+        """Returns the objectives to search for: columns of the database.
 
         They are not covered, and candidates differ in them. Where there is none, a new round
         begins.
@@ -176,7 +176,7 @@ class SamotaSearch:
         )
 
     def _is_new(self, values: FloatArray) -> bool:
-        """Tells whether a candidate was not proposed before, and notes that it is now."""
+        """Returns whether a candidate was not proposed before, and notes that it is now."""
         is_new = not self.database.knows(self._encoding.encode(values[None])[0])
         self.database.note(values)
         return is_new
