@@ -101,7 +101,7 @@ def run_whole(
     records = list(journal.evaluations())
     status = [record.status for record in records]
     figures = figures_of(
-        Subject(campaign="", group=wanted.tester, scenario=wanted.town, seed=wanted.seed),
+        Subject(campaign="", method=wanted.tester, scenario=wanted.town, seed=wanted.seed),
         records,
         ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes,
     )
@@ -152,7 +152,7 @@ def _told(record: EvaluationRecord) -> tuple[object, ...]:
         record.proposal.parents,
         record.status,
         record.document_sha256,
-        record.failure_keys,
+        record.failure_kinds,
         None if report is None else report.trace_sha256,
     )
 

@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any, Literal, TextIO
 
 from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
-from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.conducting import conduct
+from drivora_service.campaigns.grouping import Grouping
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
@@ -125,7 +125,7 @@ ARMS = (
     Arm(tester="random", egos="one ego", target="at_fault"),
     Arm(tester="avfuzzer", egos="one ego", target="at_fault"),
     Arm(tester="behavexplor", egos="one ego", target="situations"),
-    Arm(tester="samota", egos="one ego", target="rules"),
+    Arm(tester="samota", egos="one ego", target="oracles"),
     Arm(tester="random", egos="several egos", target="kinds"),
     Arm(tester="doppeltest", egos="several egos", target="kinds"),
 )
@@ -174,7 +174,7 @@ def run_campaign(
     wall = time.perf_counter() - begun
     genes = ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes
     figures = figures_of(
-        Subject(campaign=name, group=arm.name, scenario=scene.name, seed=repetition),
+        Subject(campaign=name, method=arm.name, scenario=scene.name, seed=repetition),
         list(journal.evaluations()),
         genes,
     )
@@ -187,7 +187,7 @@ def run_campaign(
         "failures": [
             {
                 "evaluation": failure.evaluation,
-                "key": failure.key,
+                "key": failure.kind,
                 "oracle": failure.verdict.oracle,
                 "at_fault": failure.verdict.at_fault,
                 "time": failure.verdict.time,
@@ -277,18 +277,18 @@ def with_groups(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
     Groups made campaign by campaign could not be compared: their scales would differ.
     """
     violations = [[_verdict(found) for found in line["failures"]] for line in lines]
-    clusters = Clustering().count_each(violations)
+    counts = Grouping().count_each(violations)
     situations = count_situations(violations)
     return [
         CampaignFigures(
             **{
                 **line["figures"],
                 "found": tuple(line["figures"]["found"]),
-                "clusters": groups,
+                "groups": groups,
                 "situations": places,
             }
         )
-        for line, groups, places in zip(lines, clusters, situations, strict=True)
+        for line, groups, places in zip(lines, counts, situations, strict=True)
     ]
 
 
@@ -327,7 +327,7 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
         "failing": len({found["evaluation"] for found in failures}),
         "at_fault": len({found["evaluation"] for found in failures if found["at_fault"]}),
         "kinds": len({found["key"] for found in failures}),
-        "rules": len(
+        "oracles": len(
             {(found["oracle"], found["evidence"].get("counterpart_role")) for found in failures}
         ),
         "time_limit_s": limit,
@@ -357,15 +357,15 @@ def show(options: argparse.Namespace) -> None:
 
 
 def figures(
-    lines: Sequence[dict[str, Any]], egos: str, groups: Collection[str], equal_time: bool
+    lines: Sequence[dict[str, Any]], egos: str, methods: Collection[str], equal_time: bool
 ) -> list[CampaignFigures]:
-    """Returns the figures of all campaigns of some groups, scene by scene."""
+    """Returns the figures of all campaigns of some methods, scene by scene."""
     found: list[CampaignFigures] = []
     for scene in SCENES:
         here = [
             line
             for line in lines
-            if line["figures"]["scenario"] == scene.name and line["figures"]["group"] in groups
+            if line["figures"]["scenario"] == scene.name and line["figures"]["method"] in methods
         ]
         if scene.egos == egos and here:
             found += with_groups(at_equal_time(here) if equal_time else here)
@@ -379,14 +379,14 @@ def print_heading(baseline: str) -> None:
 
 
 def print_rows(found: Sequence[CampaignFigures], baseline: str, measures: Sequence[str]) -> None:
-    """Prints a row for each scene, measure and group but the baseline."""
-    if len({one.group for one in found}) < 2:
+    """Prints a row for each scene, measure and method but the baseline."""
+    if len({one.method for one in found}) < 2:
         return
     for row in compare_campaigns(found, baseline, [measure(name) for name in measures]):
         a12 = f"{row.a12:.2f} ({row.low:.2f} to {row.high:.2f})"
         mark = " *" if row.is_better else ""
         print(
-            f"| {row.scenario} | {row.title} | {row.group} | "
+            f"| {row.scenario} | {row.title} | {row.method} | "
             f"{row.repetitions}/{row.baseline_repetitions} | {row.median:g} | "
             f"{row.baseline_median:g} | {a12} | {row.p:.2g} | {row.p_holm:.2g}{mark} |"
         )
@@ -409,7 +409,7 @@ def main() -> None:
     showing.add_argument(
         "--measure",
         nargs="+",
-        default=["at_fault", "clusters", "situations", "kinds", "rules", "first_failure"],
+        default=["at_fault", "groups", "situations", "kinds", "oracles", "first_failure"],
     )
     showing.add_argument(
         "--ablation",

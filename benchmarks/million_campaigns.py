@@ -46,7 +46,7 @@ def fill_campaigns(database: Database, evaluations: int) -> None:
                 _fill_chunk(transaction.session, draw, seq, chunk, kinds, numbers)
         with database.write() as transaction:
             if kinds:
-                counted = [kind | {"clusters": len(kind["clusters"])} for kind in kinds.values()]
+                counted = [kind | {"groups": len(kind["groups"])} for kind in kinds.values()]
                 transaction.session.execute(insert(FailureKindRow), counted)
             row = transaction.session.get_one(CampaignRow, seq)
             row.judged, row.invalid, row.failed = (
@@ -136,7 +136,7 @@ def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[d
             "at_fault": at_fault,
             "accountability": Accountability.AVOIDABLE if at_fault else Accountability.UNDETERMINED,
             "confirmation": Confirmation.CONFIRMED if draw.random() < 0.9 else Confirmation.FLAKY,
-            "cluster": draw.randrange(8),
+            "group": draw.randrange(8),
             "verdict": _VERDICT,
         }
 
@@ -151,12 +151,12 @@ def _count(
     alike = [failure for failure in broken if failure["key"] == key]
     kind = kinds.setdefault(
         key,
-        {"campaign_seq": campaign_seq, "key": key, "first": number, "clusters": set()}
+        {"campaign_seq": campaign_seq, "key": key, "first": number, "groups": set()}
         | dict.fromkeys(
             ("failures", "violations", "at_fault", "avoidable", "confirmed", "flaky"), 0
         ),
     )
-    kind["clusters"].update(failure["cluster"] for failure in alike)
+    kind["groups"].update(failure["group"] for failure in alike)
     kind["failures"] += 1
     kind["violations"] += len(alike)
     kind["at_fault"] += any(failure["at_fault"] for failure in alike)

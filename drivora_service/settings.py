@@ -116,7 +116,7 @@ class Settings(BaseSettings):
         default=None,
         ge=0,
         description="Days after the end of a campaign for which traces of its failures are kept, "
-        "but the first of each kind and cluster; unset: for ever.",
+        "but the first of each kind and group; unset: for ever.",
     )
     log_format: Literal["console", "json"] = Field(
         default="console", description="How log lines look."

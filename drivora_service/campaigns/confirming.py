@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.grouping import Grouping
 from drivora_service.campaigns.journal import Journal
 from drivora_service.campaigns.judging import refuse_lost
 from drivora_service.runs.report import RunReport, RunSpec
@@ -73,11 +73,11 @@ def confirm_failures(
 
 def group_failures(
     journal: Journal,
-    clustering: Clustering = Clustering(),  # noqa: B008 # frozen
+    grouping: Grouping = Grouping(),  # noqa: B008 # frozen
 ) -> None:
     """Groups the failures of a campaign, those that did not happen again left out."""
     failures = [f for f in journal.failures() if f.confirmation is not Confirmation.FLAKY]
-    labels = clustering.label([failure.verdict for failure in failures])
+    labels = grouping.label([failure.verdict for failure in failures])
     journal.group(
         {(f.evaluation, f.place): label for f, label in zip(failures, labels, strict=True)}
     )

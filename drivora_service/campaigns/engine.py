@@ -57,7 +57,7 @@ class Search:
     Attributes:
         run_prefix: Begins the ids of the runs; the number follows.
         feedback: What the tester wants measured.
-        key_of: Returns the kind of failure of a violation.
+        kind_of: Returns the kind of failure of a violation.
     """
 
     run_prefix: str
@@ -67,7 +67,7 @@ class Search:
     oracles: frozenset[str]
     budget: int
     lookahead: int
-    key_of: Callable[[Verdict], str]
+    kind_of: Callable[[Verdict], str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -256,7 +256,7 @@ class Engine:
             document_sha256=_sha256(document),
             report=report,
             violations=violations,
-            failure_keys=tuple(self._search.key_of(verdict) for verdict in violations),
+            failure_kinds=tuple(self._search.kind_of(verdict) for verdict in violations),
             search_s=self._search_s,
             prepare_s=waiting.prepare_s,
         )

@@ -42,7 +42,7 @@ class Journal(Protocol):
         """Writes down whether the failures of an evaluation happened again."""
         ...
 
-    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+    def group(self, groups: Mapping[tuple[int, int], int]) -> None:
         """Writes down the groups of failures, by number of the evaluation and place."""
         ...
 
@@ -50,9 +50,9 @@ class Journal(Protocol):
 def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
     """Returns the failures that an evaluation found."""
     return tuple(
-        Failure(evaluation=record.number, place=place, key=key, verdict=verdict)
-        for place, (verdict, key) in enumerate(
-            zip(record.violations, record.failure_keys, strict=True)
+        Failure(evaluation=record.number, place=place, kind=kind, verdict=verdict)
+        for place, (verdict, kind) in enumerate(
+            zip(record.violations, record.failure_kinds, strict=True)
         )
     )
 
@@ -102,9 +102,9 @@ class MemoryJournal:
             for failure in self._failures
         ]
 
-    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+    def group(self, groups: Mapping[tuple[int, int], int]) -> None:
         """Keeps the groups of failures."""
         self._failures = [
-            replace(failure, cluster=clusters.get((failure.evaluation, failure.place)))
+            replace(failure, group=groups.get((failure.evaluation, failure.place)))
             for failure in self._failures
         ]

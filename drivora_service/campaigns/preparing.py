@@ -9,7 +9,7 @@ import numpy as np
 from drivora_service.campaigns.campaign import FeedbackMode
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine import Search
-from drivora_service.campaigns.failure_keys import FailureKeys
+from drivora_service.campaigns.failure_kinds import FailureKinds
 from drivora_service.campaigns.reading import ValidCampaign
 from drivora_service.campaigns.scenario_candidates import ScenarioCandidates
 from drivora_service.campaigns.shuffling import ShuffledFeedback
@@ -57,7 +57,7 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         oracles=frozenset(campaign.oracles),
         budget=campaign.budget,
         lookahead=campaign.lookahead,
-        key_of=FailureKeys(valid.network),
+        kind_of=FailureKinds(valid.network),
     )
 
 

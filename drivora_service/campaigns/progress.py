@@ -66,7 +66,7 @@ class ProgressMeter:
         self._violating += bool(record.violations)
         self._at_fault += record.at_fault
         self._accountable[record.accountability] += 1
-        self._kinds.update(record.failure_keys)
+        self._kinds.update(record.failure_kinds)
         if not told.replayed and record.status is not EvaluationStatus.INVALID:
             self._times.append(self._clock())
         measurement = record.report.measurement

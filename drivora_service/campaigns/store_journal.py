@@ -59,10 +59,10 @@ class StoreJournal:
         with self._database.write() as transaction:
             transaction.evaluations.confirm(self._campaign_id, number, confirmation, trace=trace)
 
-    def group(self, clusters: Mapping[tuple[int, int], int]) -> None:
+    def group(self, groups: Mapping[tuple[int, int], int]) -> None:
         """Writes down the groups of failures."""
         with self._database.write() as transaction:
-            transaction.evaluations.group(self._campaign_id, clusters)
+            transaction.evaluations.group(self._campaign_id, groups)
 
     def requested(self) -> CampaignRequest:
         """Says what somebody wants of the campaign."""

@@ -37,7 +37,7 @@ def print_comparison(comparison: Comparison) -> None:
 
 def _cells(row: Difference) -> tuple[str, ...]:
     return (
-        row.group,
+        row.method,
         value(row.median),
         value(row.baseline_median),
         a12(row),

@@ -78,11 +78,11 @@ def failure_result(failure: Failure) -> dict[str, Any]:
     """Returns the printed form of a failure."""
     return {
         "evaluation": failure.evaluation,
-        "key": failure.key,
+        "key": failure.kind,
         "at_fault": failure.verdict.at_fault,
         "accountability": str(accountability(failure.verdict)),
         "confirmation": str(failure.confirmation),
-        "cluster": failure.cluster,
+        "group": failure.group,
         "trace": failure.trace,
         "verdict": json.loads(verdict_to_json(failure.verdict)),
     }
@@ -98,7 +98,7 @@ def evaluation_result(record: EvaluationRecord) -> dict[str, Any]:
         "status": str(record.status),
         "genes": record.proposal.values.tolist(),
         "scenario_sha256": record.document_sha256,
-        "failure_keys": list(record.failure_keys),
+        "failure_kinds": list(record.failure_kinds),
         "search_s": record.search_s,
         "prepare_s": record.prepare_s,
         "report": json.loads(report_to_json(record.report)),
@@ -155,14 +155,14 @@ def print_campaign(found: CampaignFindings) -> None:
             ),
             (
                 (
-                    kind.key.replace("|", " | "),
+                    kind.kind.replace("|", " | "),
                     str(kind.failures),
                     str(kind.violations),
                     str(kind.at_fault),
                     str(kind.avoidable),
                     str(kind.confirmed),
                     str(kind.flaky),
-                    "-" if kind.clusters is None else str(kind.clusters),
+                    "-" if kind.groups is None else str(kind.groups),
                     f"#{kind.first}",
                 )
                 for kind in found.kinds

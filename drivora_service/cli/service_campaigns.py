@@ -203,7 +203,7 @@ def _evaluation(item: dict[str, Any]) -> EvaluationRecord:
             agents={ego: AgentChoice(**agent) for ego, agent in item["agents"].items()},
         ),
         violations=_VERDICTS.validate_python(item["failures"]),
-        failure_keys=tuple(item["failure_keys"]),
+        failure_kinds=tuple(item["failure_kinds"]),
         search_s=item["search_s"],
         prepare_s=item["prepare_s"],
     )

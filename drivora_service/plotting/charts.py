@@ -1,4 +1,4 @@
-"""What all charts share: how groups look, panels side by side, and writing them as SVG and PNG."""
+"""What all charts share: how methods look, panels side by side, and writing them as SVG and PNG."""
 
 from __future__ import annotations
 
@@ -45,21 +45,21 @@ LineStyle = str | tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """How a group is drawn; colour, line and marker each tell it apart where they can."""
+    """How a method is drawn; colour, line and marker each tell it apart where they can."""
 
     color: str
     line: LineStyle
     marker: str
 
 
-def looks_of(groups: Sequence[str], baseline: str) -> dict[str, Look]:
-    """Returns the look of each group: the baseline, first, is grey, the others have colours."""
+def looks_of(methods: Sequence[str], baseline: str) -> dict[str, Look]:
+    """Returns the look of each method: the baseline, first, is grey, the others have colours."""
     looks: dict[str, Look] = {}
-    if baseline in groups:
+    if baseline in methods:
         looks[baseline] = Look(color=colors.FAINT_INK, line=(0, (2.5, 1.2)), marker="x")
-    others = [group for group in dict.fromkeys(groups) if group != baseline]
-    for index, group in enumerate(others):
-        looks[group] = Look(
+    others = [method for method in dict.fromkeys(methods) if method != baseline]
+    for index, method in enumerate(others):
+        looks[method] = Look(
             color=colors.ego_color(index),
             line=_LINES[index % len(_LINES)],
             marker=_MARKERS[index % len(_MARKERS)],
@@ -96,8 +96,8 @@ def panels(count: int, *, width: float = 4.6, height: float = 3.3) -> tuple[Figu
 def legend_below(figure: Figure, looks: dict[str, Look]) -> None:
     """Writes below all panels which line is whose, and makes the figure higher for it."""
     handles = [
-        Line2D([], [], color=look.color, ls=look.line, lw=2.0, label=group)
-        for group, look in looks.items()
+        Line2D([], [], color=look.color, ls=look.line, lw=2.0, label=method)
+        for method, look in looks.items()
     ]
     entry = LETTER * max(map(len, looks)) + 0.75
     columns = min(len(handles), max(1, int(figure.get_figwidth() // entry)))

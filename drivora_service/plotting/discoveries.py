@@ -44,21 +44,21 @@ class Discoveries:
 
     Attributes:
         title: Above the panel.
-        groups: Repetitions by group.
+        methods: Repetitions by method.
     """
 
     title: str
-    groups: Mapping[str, Sequence[Repetition]]
+    methods: Mapping[str, Sequence[Repetition]]
 
 
 def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
     """Draws different failures found against simulations: median and quartiles of repetitions.
 
-    A group's curve ends where its shortest repetition does.
+    A method's curve ends where its shortest repetition does.
 
     Args:
         shown: A panel each; at least one.
-        baseline: Name of the group that is drawn in grey.
+        baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
 
     Returns:
@@ -85,7 +85,7 @@ def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
 
     Args:
         shown: A panel each; at least one.
-        baseline: Name of the group that is drawn in grey.
+        baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
 
     Returns:
@@ -114,7 +114,7 @@ def counts_after(repetitions: Sequence[Repetition]) -> FloatArray:
 
 
 def _looks(shown: Sequence[Discoveries], baseline: str) -> dict[str, Look]:
-    return looks_of([group for one in shown for group in one.groups], baseline)
+    return looks_of([method for one in shown for method in one.methods], baseline)
 
 
 def _draw_groups(
@@ -124,9 +124,9 @@ def _draw_groups(
     draw: Callable[[Axes, Sequence[Repetition], Look], None],
     label: str,
 ) -> None:
-    for group, look in looks.items():
-        if group in one.groups:
-            draw(axes, one.groups[group], look)
+    for method, look in looks.items():
+        if method in one.methods:
+            draw(axes, one.methods[method], look)
     axes.set_title(textwrap.fill(one.title, _TITLE_CHARACTERS))
     axes.set_xlabel("simulations")
     axes.set_ylabel(label)

@@ -1,4 +1,4 @@
-"""How large the differences between groups are: effects with intervals, and all single values."""
+"""How large the differences between methods are: effects with intervals, and all single values."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drivora_service.plotting.charts import LETTER, Look, chart_style, looks_of,
 _ROW = 0.24
 """Inches from one row of the forest plot to the next."""
 _STRIP = 0.27
-"""Inches of a group in a panel of values."""
+"""Inches of a method in a panel of values."""
 _CHANCE = 0.5
 _LARGE = (0.29, 0.71)
 _JITTER = 0.22
@@ -26,16 +26,16 @@ _JITTER = 0.22
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffectRow:
-    """One group against the baseline, by one measure.
+    """One method against the baseline, by one measure.
 
     Attributes:
         section: What rows are listed under.
-        a12: Probability that the group is better, with the ends of its interval.
+        a12: Probability that the method is better, with the ends of its interval.
         is_significant: Whether it is hardly chance.
     """
 
     section: str
-    group: str
+    method: str
     a12: float
     low: float
     high: float
@@ -49,12 +49,12 @@ class Values:
     Attributes:
         measure: Names a row of panels.
         scenario: Names a column of panels.
-        groups: One value a repetition, by group.
+        methods: One value a repetition, by method.
     """
 
     measure: str
     scenario: str
-    groups: Mapping[str, Sequence[float]]
+    methods: Mapping[str, Sequence[float]]
 
 
 def draw_effects(rows: Sequence[EffectRow], baseline: str, stem: Path) -> tuple[Path, Path]:
@@ -70,10 +70,10 @@ def draw_effects(rows: Sequence[EffectRow], baseline: str, stem: Path) -> tuple[
     Returns:
         The files, SVG and PNG.
     """
-    looks = looks_of([row.group for row in rows], baseline)
+    looks = looks_of([row.method for row in rows], baseline)
     sections = [(name, list(found)) for name, found in groupby(rows, key=lambda row: row.section)]
     lines = len(rows) + len(sections)
-    left = LETTER * max(len(row.group) for row in rows) + 0.35
+    left = LETTER * max(len(row.method) for row in rows) + 0.35
     width, height = left + 5.2, _ROW * (lines + 1) + 0.75
     with chart_style():
         figure = Figure(figsize=(width, height), facecolor="white")
@@ -89,8 +89,8 @@ def draw_effects(rows: Sequence[EffectRow], baseline: str, stem: Path) -> tuple[
             axes.fill_betweenx(rows_of_section, *_LARGE, color="#edeff1", lw=0.0)
             axes.plot((_CHANCE, _CHANCE), rows_of_section, color=colors.FAINT_INK, lw=1.0)
             for row in found:
-                _draw_effect(axes, row, y, looks[row.group])
-                ticks.append((y, row.group))
+                _draw_effect(axes, row, y, looks[row.method])
+                ticks.append((y, row.method))
                 y += 1.0
         axes.set_yticks([at for at, _ in ticks], [label for _, label in ticks])
         axes.tick_params(axis="y", length=0, labelcolor=colors.INK)
@@ -111,16 +111,16 @@ def draw_values(shown: Sequence[Values], baseline: str, stem: Path) -> tuple[Pat
 
     Args:
         shown: At least one.
-        baseline: Name of the group that is drawn in grey.
+        baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
 
     Returns:
         The files, SVG and PNG.
     """
-    looks = looks_of([group for one in shown for group in one.groups], baseline)
+    looks = looks_of([method for one in shown for method in one.methods], baseline)
     measures = list(dict.fromkeys(one.measure for one in shown))
     scenarios = list(dict.fromkeys(one.scenario for one in shown))
-    names = [group for group in looks if any(group in one.groups for one in shown)]
+    names = [method for method in looks if any(method in one.methods for one in shown)]
     left = LETTER * max(len(name) for name in names)
     panel_height = _STRIP * len(names) + 0.75 + 0.15 * (len(scenarios) > 1)
     with chart_style():
@@ -138,9 +138,9 @@ def draw_values(shown: Sequence[Values], baseline: str, stem: Path) -> tuple[Pat
             title = one.measure if len(scenarios) == 1 else f"{one.measure}\n{one.scenario}"
             axes.set_title(title, fontsize=9)
             for place, name in enumerate(names):
-                if name in one.groups:
-                    _draw_strip(axes, np.array(one.groups[name]), float(place), looks[name])
-            _set_range(axes, [number for group in one.groups.values() for number in group])
+                if name in one.methods:
+                    _draw_strip(axes, np.array(one.methods[name]), float(place), looks[name])
+            _set_range(axes, [number for method in one.methods.values() for number in method])
             axes.set_yticks(range(len(names)), names)
             axes.set_ylim(len(names) - 0.4, -0.6)
             axes.tick_params(axis="y", length=0, labelcolor=colors.INK)

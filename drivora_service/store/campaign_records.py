@@ -209,7 +209,7 @@ class EvaluationRecord:
         document_sha256: Hash of the canonical scenario; "" where the candidate is none.
         report: Of its run; of an invalid candidate, what is wrong with it.
         violations: Those that count as failures, in the order of their times.
-        failure_keys: One a violation: kinds of failure, see ``campaigns.failures``.
+        failure_kinds: One a violation: kinds of failure, see ``campaigns.failures``.
         search_s: Seconds that the tester has worked since the evaluation before.
         prepare_s: Seconds that repairing, decoding and checking took.
     """
@@ -220,7 +220,7 @@ class EvaluationRecord:
     document_sha256: str
     report: RunReport
     violations: tuple[Verdict, ...] = ()
-    failure_keys: tuple[str, ...] = ()
+    failure_kinds: tuple[str, ...] = ()
     search_s: float = 0.0
     prepare_s: float = 0.0
 
@@ -248,7 +248,7 @@ class EvaluationSummary(Shape):
         at_fault_violations: Those for which an ego is responsible.
         accountability: The strongest of its failures; null without one, or where it was judged
             before this was recorded.
-        failure_keys: Kind of each failure.
+        failure_kinds: Kind of each failure.
         objectives: Of the tester's feedback, to be minimised, by name; null: not measurable.
         cause: Why it has no result, as in `error`; empty if it has one.
         told_at: When the tester was told.
@@ -263,7 +263,7 @@ class EvaluationSummary(Shape):
     violations: int
     at_fault_violations: int
     accountability: Accountability | None
-    failure_keys: tuple[str, ...]
+    failure_kinds: tuple[str, ...]
     objectives: Mapping[str, float | None]
     cause: str
     sim_time_s: float
@@ -284,7 +284,7 @@ class EvaluationFilter:
 class FailureFilter:
     """Which failures are wanted; what is left out does not restrict."""
 
-    key: str = ""
+    kind: str = ""
     oracle: str = ""
     at_fault: bool | None = None
     accountability: Accountability | None = None
@@ -296,7 +296,7 @@ class FailureKind(Shape):
     """Failures of one kind. All numbers but `violations` count simulations.
 
     Attributes:
-        key: Oracle, place, and how the other actor stood to the ego.
+        kind: Oracle, place, and how the other actor stood to the ego.
         failures: Simulations that failed so, each once.
         violations: How often an oracle was violated so in them.
         at_fault: Those with an ego at fault.
@@ -304,10 +304,10 @@ class FailureKind(Shape):
         confirmed: Those that happened again in an identical run.
         flaky: Those that did not.
         first: Number of the first evaluation that showed it.
-        clusters: Groups of similar ones; null until they are grouped.
+        groups: Groups of similar ones; null until they are grouped.
     """
 
-    key: str
+    kind: str
     failures: int
     violations: int
     at_fault: int
@@ -315,7 +315,7 @@ class FailureKind(Shape):
     confirmed: int
     flaky: int
     first: int
-    clusters: int | None
+    groups: int | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -325,16 +325,16 @@ class Failure(Shape):
     Attributes:
         evaluation: Number of the evaluation.
         place: Among the failures of that evaluation, from 0.
-        key: Its kind.
+        kind: Oracle, place, and how the other actor stood to the ego.
         confirmation: Whether it happened again in an identical run.
-        cluster: Number of the group of similar failures, within its oracle's; null until grouped.
+        group: Number of the group of similar failures, within its oracle's; null until grouped.
         trace: Name of the file with the trace of the identical run; empty until then.
     """
 
     evaluation: int
     place: int
-    key: str
+    kind: str
     confirmation: Confirmation = Confirmation.OPEN
-    cluster: int | None = None
+    group: int | None = None
     verdict: Verdict
     trace: str = ""

@@ -112,7 +112,7 @@ class FailureRow(Base):
             "number",
             "place",
             "oracle",
-            "key",
+            "kind",
             "at_fault",
             "accountability",
             "confirmation",
@@ -125,24 +125,24 @@ class FailureRow(Base):
     number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     place: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     oracle: Mapped[str] = mapped_column(String(60))
-    key: Mapped[str] = mapped_column(String(400))
+    kind: Mapped[str] = mapped_column(String(400))
     at_fault: Mapped[bool | None]
     accountability: Mapped[str | None] = mapped_column(String(16))
     confirmation: Mapped[str] = mapped_column(String(16))
-    cluster: Mapped[int | None]
+    group: Mapped[int | None] = mapped_column("group_number")
     trace: Mapped[str] = mapped_column(Text, default="")
     verdict: Mapped[str] = mapped_column(Text)
 
 
 class FailureKindRow(Base):
-    """Counts of the failures of one key; see ``campaign_records.FailureKind``."""
+    """Counts of the failures of one kind; see ``campaign_records.FailureKind``."""
 
     __tablename__ = "failure_kinds"
 
     campaign_seq: Mapped[int] = mapped_column(
         ForeignKey("campaigns.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
     )
-    key: Mapped[str] = mapped_column(String(400), primary_key=True)
+    kind: Mapped[str] = mapped_column(String(400), primary_key=True)
     failures: Mapped[int]
     violations: Mapped[int]
     at_fault: Mapped[int]
@@ -150,4 +150,4 @@ class FailureKindRow(Base):
     confirmed: Mapped[int]
     flaky: Mapped[int]
     first: Mapped[int]
-    clusters: Mapped[int]
+    groups: Mapped[int]

@@ -93,15 +93,15 @@ def failure_findings(session: Session) -> Iterator[Finding]:
         "confirmed",
         "flaky",
         "first",
-        "clusters",
+        "groups",
     )
     says = {
-        (row.campaign_seq, row.key): tuple(getattr(row, name) for name in columns)
+        (row.campaign_seq, row.kind): tuple(getattr(row, name) for name in columns)
         for row in session.scalars(select(FailureKindRow))
     }
-    key = (FailureRow.campaign_seq, FailureRow.key)
+    kind = (FailureRow.campaign_seq, FailureRow.kind)
     recount = select(
-        *key,
+        *kind,
         func.count(FailureRow.number.distinct()),
         func.count(),
         _evaluations_if(FailureRow.at_fault.is_(True)),
@@ -109,8 +109,8 @@ def failure_findings(session: Session) -> Iterator[Finding]:
         _evaluations_if(FailureRow.confirmation == Confirmation.CONFIRMED),
         _evaluations_if(FailureRow.confirmation == Confirmation.FLAKY),
         func.min(FailureRow.number),
-        func.count(FailureRow.cluster.distinct()),
-    ).group_by(*key)
+        func.count(FailureRow.group.distinct()),
+    ).group_by(*kind)
     found = {(row[0], row[1]): tuple(row[2:]) for row in session.execute(recount)}
     for campaign_seq, name in sorted(says.keys() | found.keys()):
         said, holds = says.get((campaign_seq, name)), found.get((campaign_seq, name))

@@ -167,16 +167,16 @@ class CampaignViewRepository:
     def _summaries(
         self, campaign_seq: int, rows: Sequence[EvaluationRow]
     ) -> tuple[EvaluationSummary, ...]:
-        keys: dict[int, list[str]] = {}
+        kinds: dict[int, list[str]] = {}
         for chunk in batched([row.number for row in rows if row.violations]):
             found = self._session.execute(
-                select(FailureRow.number, FailureRow.key)
+                select(FailureRow.number, FailureRow.kind)
                 .where(FailureRow.campaign_seq == campaign_seq, FailureRow.number.in_(chunk))
                 .order_by(FailureRow.number, FailureRow.place)
             )
-            for number, key in found:
-                keys.setdefault(number, []).append(key)
-        return tuple(_summary(row, tuple(keys.get(row.number, ()))) for row in rows)
+            for number, kind in found:
+                kinds.setdefault(number, []).append(kind)
+        return tuple(_summary(row, tuple(kinds.get(row.number, ()))) for row in rows)
 
 
 def _branches(campaign_seq: int, wanted: EvaluationFilter) -> list[Branch]:
@@ -204,8 +204,8 @@ def _branches(campaign_seq: int, wanted: EvaluationFilter) -> list[Branch]:
 
 def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
     conditions: list[ColumnElement[bool]] = []
-    if wanted.key:
-        conditions.append(FailureRow.key == wanted.key)
+    if wanted.kind:
+        conditions.append(FailureRow.kind == wanted.kind)
     if wanted.oracle:
         conditions.append(FailureRow.oracle == wanted.oracle)
     if wanted.at_fault is not None:
@@ -217,7 +217,7 @@ def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
     return conditions
 
 
-def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:
+def _summary(row: EvaluationRow, kinds: tuple[str, ...]) -> EvaluationSummary:
     # Reading the whole report into its classes would cost a page of evaluations a second.
     report: dict[str, Any] = from_json(row.report)
     measurement = report.get("measurement") or {}
@@ -228,7 +228,7 @@ def _summary(row: EvaluationRow, keys: tuple[str, ...]) -> EvaluationSummary:
         status=EvaluationStatus(row.status),
         scenario_sha256=row.document_sha256 or "",
         accountability=None if row.accountability is None else Accountability(row.accountability),
-        failure_keys=keys,
+        failure_kinds=kinds,
         objectives=measurement.get("objectives") or {},
         cause=(report.get("failure") or {}).get("cause", ""),
     )

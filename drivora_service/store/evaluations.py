@@ -23,9 +23,9 @@ from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, Fa
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
 from drivora_service.store.failure_kinds import (
-    count_clusters,
     count_confirmation,
     count_failures,
+    count_groups,
 )
 from drivora_service.store.tables import DocumentRow
 
@@ -73,14 +73,14 @@ class EvaluationRepository:
                 number=record.number,
                 place=place,
                 oracle=verdict.oracle,
-                key=key,
+                kind=kind,
                 at_fault=verdict.at_fault,
                 accountability=accountability(verdict),
                 confirmation=Confirmation.OPEN,
                 verdict=verdict_to_json(verdict),
             )
-            for place, (verdict, key) in enumerate(
-                zip(record.violations, record.failure_keys, strict=True)
+            for place, (verdict, kind) in enumerate(
+                zip(record.violations, record.failure_kinds, strict=True)
             )
         ]
         self._session.add_all(failures)
@@ -229,8 +229,8 @@ class EvaluationRepository:
         for failure in failures:
             failure.confirmation, failure.trace = confirmation, trace
 
-    def group(self, campaign_id: str, clusters: Mapping[tuple[int, int], int]) -> None:
-        """Writes the clusters of failures, by number of the evaluation and place.
+    def group(self, campaign_id: str, groups: Mapping[tuple[int, int], int]) -> None:
+        """Writes the groups of failures, by number of the evaluation and place.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -241,10 +241,10 @@ class EvaluationRepository:
         )
         found: dict[str, set[int]] = {}
         for row in rows:
-            row.cluster = clusters.get((row.number, row.place))
-            if row.cluster is not None:
-                found.setdefault(row.key, set()).add(row.cluster)
-        count_clusters(self._session, campaign.seq, found)
+            row.group = groups.get((row.number, row.place))
+            if row.group is not None:
+                found.setdefault(row.kind, set()).add(row.group)
+        count_groups(self._session, campaign.seq, found)
 
     def _records(
         self, campaign_seq: int, rows: Sequence[EvaluationRow]
@@ -348,7 +348,7 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
         document_sha256=row.document_sha256 or "",
         report=report_from_json(row.report),
         violations=tuple(verdict_from_json(failure.verdict) for failure in failures),
-        failure_keys=tuple(failure.key for failure in failures),
+        failure_kinds=tuple(failure.kind for failure in failures),
         search_s=row.search_s,
         prepare_s=row.prepare_s,
     )

@@ -19,8 +19,8 @@ def failure_kinds(session: Session, campaign_seq: int) -> tuple[FailureKind, ...
         select(FailureKindRow).where(FailureKindRow.campaign_seq == campaign_seq)
     )
     return tuple(
-        combine(FailureKind, row, clusters=row.clusters or None)
-        for row in sorted(rows, key=lambda row: (row.first, row.key))
+        combine(FailureKind, row, groups=row.groups or None)
+        for row in sorted(rows, key=lambda row: (row.first, row.kind))
     )
 
 
@@ -30,15 +30,15 @@ def _of_campaign(campaign_seq: int) -> Select[FailureKindRow]:
 
 def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
     """Counts the failures of one evaluation, which have just been stored."""
-    by_key: dict[str, list[FailureRow]] = {}
+    by_kind: dict[str, list[FailureRow]] = {}
     for failure in failures:
-        by_key.setdefault(failure.key, []).append(failure)
-    for key, alike in by_key.items():
-        row = session.get(FailureKindRow, (alike[0].campaign_seq, key))
+        by_kind.setdefault(failure.kind, []).append(failure)
+    for kind, alike in by_kind.items():
+        row = session.get(FailureKindRow, (alike[0].campaign_seq, kind))
         if row is None:
             row = FailureKindRow(
                 campaign_seq=alike[0].campaign_seq,
-                key=key,
+                kind=kind,
                 failures=0,
                 violations=0,
                 at_fault=0,
@@ -46,7 +46,7 @@ def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
                 confirmed=0,
                 flaky=0,
                 first=alike[0].number,
-                clusters=0,
+                groups=0,
             )
             session.add(row)
         row.failures += 1
@@ -61,20 +61,20 @@ def count_confirmation(
     session: Session, failures: Iterable[FailureRow], confirmation: Confirmation
 ) -> None:
     """Counts what the failures of one evaluation are about to be called."""
-    for campaign_seq, key, before in {
-        (failure.campaign_seq, failure.key, failure.confirmation) for failure in failures
+    for campaign_seq, kind, before in {
+        (failure.campaign_seq, failure.kind, failure.confirmation) for failure in failures
     }:
-        row = session.get_one(FailureKindRow, (campaign_seq, key))
+        row = session.get_one(FailureKindRow, (campaign_seq, kind))
         row.confirmed += (confirmation == Confirmation.CONFIRMED) - (
             before == Confirmation.CONFIRMED
         )
         row.flaky += (confirmation == Confirmation.FLAKY) - (before == Confirmation.FLAKY)
 
 
-def count_clusters(session: Session, campaign_seq: int, keys: Mapping[str, set[int]]) -> None:
-    """Writes how many clusters the failures of each key lie in."""
+def count_groups(session: Session, campaign_seq: int, groups: Mapping[str, set[int]]) -> None:
+    """Writes how many groups the failures of each kind lie in."""
     rows = session.scalars(
         select(FailureKindRow).where(FailureKindRow.campaign_seq == campaign_seq)
     )
     for row in rows:
-        row.clusters = len(keys.get(row.key, ()))
+        row.groups = len(groups.get(row.kind, ()))

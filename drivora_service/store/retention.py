@@ -34,7 +34,7 @@ class Retention:
         failing_traces: Traces of all other runs.
         failing_runs: Those runs themselves.
         campaign_traces: Traces of the failures of campaigns that are over, but the first of each
-            kind and of each cluster, which stay.
+            kind and of each group, which stay.
     """
 
     passed_traces: timedelta | None = None
@@ -127,14 +127,14 @@ def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
     """Forgets the traces that are not kept, and returns the names of those that are."""
     with database.read() as transaction:
         failures = transaction.session.execute(
-            select(FailureRow.number, FailureRow.key, FailureRow.cluster, FailureRow.trace)
+            select(FailureRow.number, FailureRow.kind, FailureRow.group, FailureRow.trace)
             .where(FailureRow.campaign_seq == campaign_seq, FailureRow.trace != "")
             .order_by(FailureRow.number, FailureRow.place)
         ).all()
     first: dict[tuple[str, object], int] = {}
     for row in failures:
-        first.setdefault(("kind", row.key), row.number)
-        first.setdefault(("cluster", row.key if row.cluster is None else row.cluster), row.number)
+        first.setdefault(("kind", row.kind), row.number)
+        first.setdefault(("group", row.kind if row.group is None else row.group), row.number)
     kept = set(first.values())
     for numbers in batched(sorted({row.number for row in failures} - kept), 200):
         with database.write() as transaction:

@@ -30,16 +30,16 @@ from drivora_service.studies.situations import count_situations
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FailureGroup:
-    """Failures of one kind in one cluster.
+    """Similar failures of one kind.
 
     Attributes:
-        key: Their kind.
-        cluster: Number within the oracle; ``None`` where failures have no cluster.
+        kind: Oracle, place, and how the other actor stood to the ego.
+        number: Of the group within the oracle; ``None`` until failures are grouped.
         failures: In the order of their evaluations.
     """
 
-    key: str
-    cluster: int | None
+    kind: str
+    number: int | None
     failures: tuple[Failure, ...]
 
     @property
@@ -116,13 +116,13 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
 
 
 def group(failures: Sequence[Failure]) -> tuple[FailureGroup, ...]:
-    """Puts failures of the same kind and cluster together."""
+    """Puts failures of the same kind and group together."""
     found: dict[tuple[str, int | None], list[Failure]] = defaultdict(list)
     for failure in failures:
-        found[failure.key, failure.cluster].append(failure)
+        found[failure.kind, failure.group].append(failure)
     return tuple(
-        FailureGroup(key=key, cluster=cluster, failures=tuple(members))
-        for (key, cluster), members in found.items()
+        FailureGroup(kind=kind, number=number, failures=tuple(members))
+        for (kind, number), members in found.items()
     )
 
 
@@ -134,19 +134,19 @@ def _figures(
     groups: Sequence[FailureGroup],
     records: Sequence[EvaluationRecord],
 ) -> CampaignFigures:
-    clusters = {
-        (one.failures[0].verdict.oracle, one.cluster) for one in groups if one.cluster is not None
+    numbers = {
+        (one.failures[0].verdict.oracle, one.number) for one in groups if one.number is not None
     }
     (situations,) = count_situations([[v for record in records for v in record.violations]])
     are_grouped = record.state is CampaignState.FINISHED
     subject = Subject(
-        campaign=record.id, group=record.tester, scenario=record.town, seed=document.seed
+        campaign=record.id, method=record.tester, scenario=record.town, seed=document.seed
     )
     figures = figures_of(
         subject,
         records,
         ground.space,
-        clusters=len(clusters) if are_grouped else None,
+        groups=len(numbers) if are_grouped else None,
         situations=situations,
         budget=record.budget,
     )

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.clustering import Clustering
 from drivora_service.campaigns.ground import Ground, ground_of
+from drivora_service.campaigns.grouping import Grouping
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError
 from drivora_service.networks.road_network import RoadNetwork
@@ -47,12 +47,12 @@ class Comparison(Shape):
     """What came of comparing campaigns.
 
     Attributes:
-        baseline: The group that the others are compared with.
+        baseline: The method that the others are compared with.
         budgets: Simulations that each campaign could make, by scenario.
         time_limits_s: Seconds of one worker within which evaluations count, by scenario; empty
             unless campaigns are compared at equal time.
         notes: What a reader should know besides.
-        differences: One for each measure, scenario and group but the baseline.
+        differences: One for each measure, scenario and method but the baseline.
         campaigns: Figures of each campaign, in the order of the campaigns.
     """
 
@@ -82,7 +82,7 @@ def compare_stored(
         database: Holds the campaigns.
         records: The campaigns; see :func:`choosing.choose_campaigns`.
         catalogues: Where their names are looked up.
-        baseline: Name of the group that the others are compared with.
+        baseline: Name of the method that the others are compared with.
         measures: By what.
         equal_time: Leave out what each campaign evaluated after the seconds (of one worker, the
             method's own time included) that the shortest campaign on the same scenario took.
@@ -138,7 +138,7 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
                 record,
                 report=report,
                 violations=record.violations if stands else (),
-                failure_keys=record.failure_keys if stands else (),
+                failure_kinds=record.failure_kinds if stands else (),
             )
         )
     return tuple(kept)
@@ -177,14 +177,14 @@ def _figures(
 ) -> list[CampaignFigures]:
     counted = [one if limit is None else within_time(one, limit) for one in evaluations]
     violations = [[verdict for record in one for verdict in record.violations] for one in counted]
-    clusters = Clustering().count_each(violations)
+    groups = Grouping().count_each(violations)
     situations = count_situations(violations)
     return [
         figures_of(
             campaign.subject,
             check_genes(records, ground, campaign.record),
             ground.space,
-            clusters=groups,
+            groups=groups,
             situations=places,
             network_coverage=network_coverage(
                 database,
@@ -196,7 +196,7 @@ def _figures(
             budget=campaign.record.budget,
         )
         for campaign, records, groups, places in zip(
-            campaigns, counted, clusters, situations, strict=True
+            campaigns, counted, groups, situations, strict=True
         )
     ]
 

@@ -75,27 +75,27 @@ MEASURES = (
     ),
     Measure(
         name="kinds",
-        title="different failures (by key)",
+        title="kinds of failures",
         larger_is_better=True,
         value=lambda f: float(f.kinds),
     ),
     Measure(
-        name="clusters",
-        title="different failures (by cluster)",
+        name="groups",
+        title="groups of similar failures",
         larger_is_better=True,
-        value=lambda f: None if f.clusters is None else float(f.clusters),
+        value=lambda f: None if f.groups is None else float(f.groups),
     ),
     Measure(
         name="situations",
-        title="different failures (by situation)",
+        title="situations with a failure",
         larger_is_better=True,
         value=lambda f: None if f.situations is None else float(f.situations),
     ),
     Measure(
-        name="rules",
-        title="rules broken",
+        name="oracles",
+        title="oracles violated",
         larger_is_better=True,
-        value=lambda f: float(f.rules),
+        value=lambda f: float(f.oracles),
     ),
     Measure(
         name="first_failure",
@@ -155,7 +155,7 @@ class Difference(Shape):
     Attributes:
         measure: Its name.
         title: Display name of the measure.
-        group: The method: campaigns of one group are repetitions.
+        method: The method: campaigns of one method are repetitions.
         repetitions: Of the method.
         baseline_repetitions: Of the baseline.
         median: Of the method's repetitions.
@@ -171,7 +171,7 @@ class Difference(Shape):
     title: str
     larger_is_better: bool
     scenario: str
-    group: str
+    method: str
     baseline: str
     repetitions: int
     baseline_repetitions: int
@@ -203,15 +203,15 @@ class Difference(Shape):
 def compare_campaigns(
     figures: Sequence[CampaignFigures], baseline: str, measures: Sequence[Measure] = MEASURES
 ) -> tuple[Difference, ...]:
-    """Compares every group with one of them.
+    """Compares every method with one of them.
 
     Args:
         figures: Of campaigns with the same budget on each seed scenario.
-        baseline: Name of the group that the others are compared with.
+        baseline: Name of the method that the others are compared with.
         measures: By what.
 
     Returns:
-        By measure, then scenario, then group. For a measure that a campaign of either group does
+        By measure, then scenario, then method. For a measure that a campaign of either method does
         not have there is none.
 
     Raises:
@@ -223,9 +223,9 @@ def compare_campaigns(
         found = [
             row
             for scenario in _unique(f.scenario for f in figures)
-            for group in _unique(f.group for f in figures if f.scenario == scenario)
-            if group != baseline
-            and (row := _row(figures, scenario, group, baseline, by)) is not None
+            for method in _unique(f.method for f in figures if f.scenario == scenario)
+            if method != baseline
+            and (row := _row(figures, scenario, method, baseline, by)) is not None
         ]
         corrected = holm([row.p for row in found])
         rows += [replace(row, p_holm=p) for row, p in zip(found, corrected, strict=True)]
@@ -233,48 +233,48 @@ def compare_campaigns(
 
 
 def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str) -> None:
-    """Checks that every group has repetitions, and a baseline to be compared with.
+    """Checks that every method has repetitions, and a baseline to be compared with.
 
     Args:
         figures: The campaigns, counted or not yet.
-        baseline: Name of the group that the others are compared with.
+        baseline: Name of the method that the others are compared with.
 
     Raises:
         CampaignError: If the campaigns cannot be compared; says why.
     """
-    groups = _unique(f.group for f in figures)
-    if baseline not in groups:
+    methods = _unique(f.method for f in figures)
+    if baseline not in methods:
         raise CampaignError(
-            f"there is no campaign of {baseline!r} to compare with; there are: {', '.join(groups)}"
+            f"there is no campaign of {baseline!r} to compare with; there are: {', '.join(methods)}"
         )
-    if len(groups) < 2:
+    if len(methods) < 2:
         raise CampaignError(f"all campaigns are of {baseline!r}: there is nothing to compare")
     for scenario in _unique(f.scenario for f in figures):
         here = [f for f in figures if f.scenario == scenario]
-        if not any(f.group == baseline for f in here):
+        if not any(f.method == baseline for f in here):
             raise CampaignError(f"on {scenario!r} there is no campaign of {baseline!r}")
-        for group in _unique(f.group for f in here):
-            if sum(f.group == group for f in here) < 2:
+        for method in _unique(f.method for f in here):
+            if sum(f.method == method for f in here) < 2:
                 raise CampaignError(
-                    f"on {scenario!r} there is one campaign of {group!r} only; chance can be told "
+                    f"on {scenario!r} there is one campaign of {method!r} only; chance can be told "
                     "from difference with repetitions alone: run it with other seeds, 20 in all "
                     "for a result that can be relied on"
                 )
         seen: dict[tuple[str, int], str] = {}
         for f in here:
-            twin = seen.setdefault((f.group, f.seed), f.campaign)
+            twin = seen.setdefault((f.method, f.seed), f.campaign)
             if twin != f.campaign:
                 raise CampaignError(
-                    f"campaigns {twin} and {f.campaign} are the same search ({f.group}, seed "
+                    f"campaigns {twin} and {f.campaign} are the same search ({f.method}, seed "
                     f"{f.seed}): repetitions need seeds of their own"
                 )
 
 
 def _row(
-    figures: Sequence[CampaignFigures], scenario: str, group: str, baseline: str, by: Measure
+    figures: Sequence[CampaignFigures], scenario: str, method: str, baseline: str, by: Measure
 ) -> Difference | None:
-    first = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, group)]
-    second = [by.value(f) for f in figures if (f.scenario, f.group) == (scenario, baseline)]
+    first = [by.value(f) for f in figures if (f.scenario, f.method) == (scenario, method)]
+    second = [by.value(f) for f in figures if (f.scenario, f.method) == (scenario, baseline)]
     ours = [value for value in first if value is not None]
     theirs = [value for value in second if value is not None]
     if len(ours) < len(first) or len(theirs) < len(second):
@@ -288,7 +288,7 @@ def _row(
         title=by.title,
         larger_is_better=by.larger_is_better,
         scenario=scenario,
-        group=group,
+        method=method,
         baseline=baseline,
         repetitions=len(ours),
         baseline_repetitions=len(theirs),

@@ -11,13 +11,13 @@ from drivora_service.plotting.discoveries import Discoveries, Repetition, draw_f
 from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
-from drivora_service.studies.comparison_text import comparison_markdown, groups_of, measures_of
+from drivora_service.studies.comparison_text import comparison_markdown, measures_of, methods_of
 from drivora_service.studies.figures import CampaignFigures
 
 _ROW_COLUMNS = (
     "measure",
     "scenario",
-    "group",
+    "method",
     "baseline",
     "repetitions",
     "baseline_repetitions",
@@ -55,13 +55,13 @@ def _draw(comparison: Comparison, folder: Path) -> list[Path]:
     discoveries = [
         Discoveries(
             title=scenario,
-            groups={
-                group: [
+            methods={
+                method: [
                     Repetition(simulations=f.simulations, found=f.found)
                     for f in comparison.campaigns
-                    if (f.scenario, f.group) == (scenario, group)
+                    if (f.scenario, f.method) == (scenario, method)
                 ]
-                for group in groups_of(f for f in comparison.campaigns if f.scenario == scenario)
+                for method in methods_of(f for f in comparison.campaigns if f.scenario == scenario)
             },
         )
         for scenario in comparison.budgets
@@ -81,7 +81,7 @@ def _effects(comparison: Comparison) -> list[EffectRow]:
     return [
         EffectRow(
             section=f"{row.title}, {row.scenario}" if several else row.title,
-            group=row.group,
+            method=row.method,
             a12=row.a12,
             low=row.low,
             high=row.high,
@@ -100,9 +100,9 @@ def _values(comparison: Comparison) -> list[Values]:
             for figures in here:
                 found = measure.value(figures)
                 if found is not None:
-                    known.setdefault(figures.group, []).append(found)
+                    known.setdefault(figures.method, []).append(found)
             if known:
-                shown.append(Values(measure=measure.title, scenario=scenario, groups=known))
+                shown.append(Values(measure=measure.title, scenario=scenario, methods=known))
     return shown
 
 
@@ -110,7 +110,7 @@ def _row_cells(row: Difference) -> tuple[object, ...]:
     return (
         row.measure,
         row.scenario,
-        row.group,
+        row.method,
         row.baseline,
         row.repetitions,
         row.baseline_repetitions,

@@ -33,7 +33,7 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
             "|---|---|---|---|---|---|---|---|---|",
         ]
         lines += [
-            f"| {row.scenario} | {row.group} | {row.repetitions} | {value(row.median)} "
+            f"| {row.scenario} | {row.method} | {row.repetitions} | {value(row.median)} "
             f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.p)} "
             f"| {probability(row.p_holm)} | {row.judgement} |"
             for row in comparison.differences
@@ -60,8 +60,8 @@ def setting(comparison: Comparison) -> tuple[str, ...]:
     lines = []
     for scenario, budget in comparison.budgets.items():
         here = [f for f in comparison.campaigns if f.scenario == scenario]
-        counts = {group: sum(f.group == group for f in here) for group in groups_of(here)}
-        told = ", ".join(f"{count} of {group}" for group, count in counts.items())
+        counts = {method: sum(f.method == method for f in here) for method in methods_of(here)}
+        told = ", ".join(f"{count} of {method}" for method, count in counts.items())
         limit = comparison.time_limits_s.get(scenario)
         until = (
             f"{budget} simulations each"
@@ -94,6 +94,6 @@ def measures_of(comparison: Comparison) -> tuple[Measure, ...]:
     )
 
 
-def groups_of(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:
-    """Returns the names of the groups, in their order."""
-    return tuple(dict.fromkeys(f.group for f in figures))
+def methods_of(figures: Iterable[CampaignFigures]) -> tuple[str, ...]:
+    """Returns the names of the methods, in their order."""
+    return tuple(dict.fromkeys(f.method for f in figures))

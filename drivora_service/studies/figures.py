@@ -27,7 +27,7 @@ class CampaignFigures(Shape):
 
     Attributes:
         campaign: Its id.
-        group: What is compared: campaigns of one group are repetitions of one another.
+        method: What is compared: campaigns of one method are repetitions of one another.
         scenario: Name of the seed scenario; only campaigns of the same one are compared.
         seed: Of the search.
         simulations: Candidates that were simulated.
@@ -38,10 +38,10 @@ class CampaignFigures(Shape):
         avoidable: Those of them with one that a careful and competent driver avoids.
         unavoidable: Those of them in which that driver avoids none.
         undetermined: Simulations in which fault cannot be told of any failure.
-        kinds: Different failures by key (``campaigns.failures``).
-        rules: Different rules broken, collisions apart by what the other was: an ego, an NPC
+        kinds: Kinds of failures (``campaigns.failure_kinds``).
+        oracles: Different oracles violated, collisions apart by what the other was: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
-        clusters: Groups of similar failures; ``None`` if they were not grouped.
+        groups: Groups of similar failures; ``None`` if they were not grouped.
         situations: Situations that failures occurred in (``campaigns.situations``); ``None`` if
             they were not counted.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
@@ -59,7 +59,7 @@ class CampaignFigures(Shape):
     """
 
     campaign: str
-    group: str
+    method: str
     scenario: str
     seed: int
     simulations: int
@@ -71,8 +71,8 @@ class CampaignFigures(Shape):
     unavoidable: int
     undetermined: int
     kinds: int
-    rules: int
-    clusters: int | None
+    oracles: int
+    groups: int | None
     situations: int | None
     first_failure: int | None
     found: tuple[int, ...]
@@ -96,7 +96,7 @@ class Subject:
     """Whose figures they are; see :class:`CampaignFigures`."""
 
     campaign: str
-    group: str
+    method: str
     scenario: str
     seed: int
 
@@ -106,7 +106,7 @@ def figures_of(
     records: Sequence[EvaluationRecord],
     space: GeneSpace,
     *,
-    clusters: int | None = None,
+    groups: int | None = None,
     situations: int | None = None,
     network_coverage: float | None = None,
     time_limit_s: float | None = None,
@@ -118,7 +118,7 @@ def figures_of(
         subject: The campaign.
         records: Its evaluations in order.
         space: Its genes.
-        clusters: Groups of similar failures, where they are known.
+        groups: Groups of similar failures, where they are known.
         situations: Situations that they occurred in, where those are known.
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
@@ -129,7 +129,7 @@ def figures_of(
         records = within_time(records, time_limit_s)
     simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
     found: dict[str, int] = {}
-    rules: set[tuple[str, str]] = set()
+    oracles: set[tuple[str, str]] = set()
     failing = at_fault = 0
     accountable = Counter[Accountability | None]()
     first: int | None = None
@@ -145,15 +145,15 @@ def figures_of(
         accountable[record.accountability] += 1
         if first is None:
             first, first_s = count, elapsed_s
-        for key, verdict in zip(record.failure_keys, record.violations, strict=True):
-            found.setdefault(key, count)
+        for kind, verdict in zip(record.failure_kinds, record.violations, strict=True):
+            found.setdefault(kind, count)
             # By its part: an actor of the seed scenario may be called anything.
-            rules.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
+            oracles.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
     failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
     values = np.array([r.proposal.values for r in simulated]).reshape(len(simulated), len(space))
     return CampaignFigures(
         campaign=subject.campaign,
-        group=subject.group,
+        method=subject.method,
         scenario=subject.scenario,
         seed=subject.seed,
         simulations=len(simulated),
@@ -165,8 +165,8 @@ def figures_of(
         unavoidable=accountable[Accountability.UNAVOIDABLE],
         undetermined=accountable[Accountability.UNDETERMINED],
         kinds=len(found),
-        rules=len(rules),
-        clusters=clusters,
+        oracles=len(oracles),
+        groups=groups,
         situations=situations,
         first_failure=first,
         found=tuple(sorted(found.values())),

@@ -13,7 +13,7 @@ from drivora_service.studies.campaign_report import CampaignReport
 def draw_examples(
     report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
 ) -> dict[int, Path]:
-    """Draws the example of each cluster whose trace is there, once an evaluation.
+    """Draws the example of each group whose trace is there, once an evaluation.
 
     Args:
         report: The campaign.
@@ -34,10 +34,10 @@ def draw_examples(
     for one in report.groups:
         example = one.example
         source = traces / example.trace
-        cluster = (example.verdict.oracle, one.cluster)
-        if cluster in drawn or not example.trace or not source.is_file():
+        group = (example.verdict.oracle, one.number)
+        if group in drawn or not example.trace or not source.is_file():
             continue
-        drawn.add(cluster)
+        drawn.add(group)
         if example.evaluation in pictures:
             continue
         trace = read_trace(source)

@@ -90,13 +90,13 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
     first = figures.first_failure
     covered = figures.network_coverage
     return [
-        ("different failures, by key", str(figures.kinds)),
+        ("kinds of failures", str(figures.kinds)),
         (
-            "different failures, by cluster",
-            "not grouped" if figures.clusters is None else str(figures.clusters),
+            "groups of similar failures",
+            "not grouped" if figures.groups is None else str(figures.groups),
         ),
         (
-            "different failures, by situation",
+            "situations with a failure",
             "not counted" if figures.situations is None else str(figures.situations),
         ),
         ("first failure", "none" if first is None else f"in simulation {first}"),
@@ -119,7 +119,7 @@ def _failures(report: CampaignReport) -> list[str]:
     return _table(
         (
             "kind",
-            "cluster",
+            "group",
             "runs",
             "violations",
             "at fault",
@@ -131,7 +131,7 @@ def _failures(report: CampaignReport) -> list[str]:
         [
             (
                 _kind(group),
-                _cluster(group),
+                _number(group),
                 str(len({failure.evaluation for failure in group.failures})),
                 str(len(group.failures)),
                 str(group.at_fault),
@@ -153,7 +153,7 @@ def _group(
     words = IN_WORDS[accountability(verdict)]
     fault = f", {words}" if words else ""
     when = "" if verdict.time is None else f" at {verdict.time:.1f} s"
-    heading = _kind(group) + ("" if group.cluster is None else f", cluster {group.cluster}")
+    heading = _kind(group) + ("" if group.number is None else f", group {group.number}")
     file = f"{report.record.town}-{number}.json"
     extra = f" {options}" if options else ""
     lines = [
@@ -178,11 +178,11 @@ def _count(number: int | None) -> str:
 
 
 def _kind(group: FailureGroup) -> str:
-    return group.key.replace("|", ", ")
+    return group.kind.replace("|", ", ")
 
 
-def _cluster(group: FailureGroup) -> str:
-    return "-" if group.cluster is None else str(group.cluster)
+def _number(group: FailureGroup) -> str:
+    return "-" if group.number is None else str(group.number)
 
 
 def _numbers(group: FailureGroup) -> str:

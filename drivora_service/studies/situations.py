@@ -1,6 +1,6 @@
 """Counting the situations that violations occurred in, also where they fill a scenario evenly.
 
-Chains of neighbours (``campaigns.clustering``) grow together as more violations are found, and
+Chains of neighbours (``campaigns.grouping``) grow together as more violations are found, and
 thousands of one rule can end as one group. Here a situation reaches no farther than a radius around
 the violation that it is named after: more violations never make fewer situations.
 """
@@ -13,12 +13,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drivora_service.campaigns.clustering import scale, situation_features
+from drivora_service.campaigns.grouping import scale, situation_features
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Verdict
 
 RADIUS = 0.15
-"""As far as neighbours of a cluster are from one another: see ``campaigns.clustering``."""
+"""As far as neighbours of a group are from one another: see ``campaigns.grouping``."""
 
 
 def count_situations(samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:

@@ -41,7 +41,7 @@ def compared_campaigns(
 ) -> tuple[Compared, ...]:
     """Names campaigns for a comparison.
 
-    A group is called like its tester, with "without feedback" where it was told the results of
+    A method is called like its tester, with "without feedback" where it was told the results of
     others, and with those of its parameters, components and lookahead in which the campaigns of
     this tester differ. A scenario is called like its town, with the beginning of a hash where there
     are several of one town.
@@ -58,15 +58,17 @@ def compared_campaigns(
         _refuse_unfinished(record)
     documents = [CampaignDocument.model_validate(record.document) for record in records]
     scenarios = _scenario_names(documents)
-    groups = _group_names(documents, testers)
+    methods = _method_names(documents, testers)
     compared = tuple(
         Compared(
             record=record,
             document=document,
-            subject=Subject(campaign=record.id, group=group, scenario=scenario, seed=document.seed),
+            subject=Subject(
+                campaign=record.id, method=method, scenario=scenario, seed=document.seed
+            ),
         )
-        for record, document, scenario, group in zip(
-            records, documents, scenarios, groups, strict=True
+        for record, document, scenario, method in zip(
+            records, documents, scenarios, methods, strict=True
         )
     )
     first: dict[str, Compared] = {}
@@ -150,7 +152,7 @@ def _scenario_hash(document: CampaignDocument) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _group_names(documents: Sequence[CampaignDocument], testers: TesterCatalogue) -> list[str]:
+def _method_names(documents: Sequence[CampaignDocument], testers: TesterCatalogue) -> list[str]:
     traits = [_traits(document, testers) for document in documents]
     differing: dict[str, list[str]] = {}
     for tester in {document.tester.name for document in documents}:

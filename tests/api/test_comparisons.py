@@ -103,7 +103,7 @@ def test_a_campaign_is_told_in_the_same_figures(offline: Offline, study: list[st
         answer = offline.client.get(f"/api/v1/campaigns/{campaign_id}/figures").json()
         assert answer["note"] == ""
         # Groups of failures are made over all that are compared, and here for the one.
-        apart = {"clusters": None, "situations": None, "scenario": "", "network_coverage": None}
+        apart = {"groups": None, "situations": None, "scenario": "", "network_coverage": None}
         assert {**answer["figures"], **apart} == {**theirs, **apart}
     is_problem(offline.client.get("/api/v1/campaigns/nobody/figures"), 404)
 

@@ -173,7 +173,7 @@ def search_of(tester: Tester, **changes: object) -> Search:
         "oracles": frozenset({"collision"}),
         "budget": 60,
         "lookahead": 8,
-        "key_of": lambda verdict: verdict.oracle,
+        "kind_of": lambda verdict: verdict.oracle,
     }
     return Search(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
 
@@ -205,7 +205,7 @@ def sequence(records: Sequence[EvaluationRecord]) -> list[tuple[object, ...]]:
             record.status,
             record.document_sha256,
             record.violations,
-            record.failure_keys,
+            record.failure_kinds,
             record.report.measurement,
         )
         for record in records

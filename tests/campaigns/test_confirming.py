@@ -49,7 +49,7 @@ def test_another_trace_or_none_is_flaky(journal: MemoryJournal) -> None:
     assert {answers[number] for number in rest} == {Confirmation.CONFIRMED}
     assert {f.evaluation: f.confirmation for f in journal.failures()} == answers
     group_failures(journal)
-    ungrouped = {f.evaluation for f in journal.failures() if f.cluster is None}
+    ungrouped = {f.evaluation for f in journal.failures() if f.group is None}
     assert ungrouped == {other, none}
 
 

@@ -111,7 +111,7 @@ def test_the_failure_is_found_and_happens_again(
         evaluator = LocalEvaluator(executor)
         Engine(search, evaluator, journal, requested=requested, on_told=count).run()
     found = [failure for failure in journal.failures() if failure.evaluation == discovery.number]
-    (failure,) = (failure for failure in found if failure.key == discovery.key)
+    (failure,) = (failure for failure in found if failure.kind == discovery.key)
     assert failure.verdict.at_fault is discovery.at_fault
     assert {**failure.verdict.evidence, **discovery.evidence} == failure.verdict.evidence
 

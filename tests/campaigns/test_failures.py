@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.clustering import Clustering, scale, situation_features
-from drivora_service.campaigns.failure_keys import FailureKeys, junction_of, relation
+from drivora_service.campaigns.failure_kinds import FailureKinds, junction_of, relation
+from drivora_service.campaigns.grouping import Grouping, scale, situation_features
 from drivora_service.oracles.verdict import Outcome, Verdict
 
 
@@ -35,11 +35,11 @@ def violation(
 
 
 @pytest.fixture(scope="module")
-def keys(catalogues: Catalogues) -> FailureKeys:
-    return FailureKeys(catalogues.networks.get("tee-town"))
+def keys(catalogues: Catalogues) -> FailureKinds:
+    return FailureKinds(catalogues.networks.get("tee-town"))
 
 
-def test_a_key_names_rule_place_and_relation(keys: FailureKeys) -> None:
+def test_a_key_names_rule_place_and_relation(keys: FailureKinds) -> None:
     network = keys.network
     road = next(lane for lane in network.lanes if lane.drivable and not lane.is_internal)
     x, y, _ = road.position_at(0.5 * float(road.arc[-1]))
@@ -47,7 +47,7 @@ def test_a_key_names_rule_place_and_relation(keys: FailureKeys) -> None:
     assert key == f"collision|road {road.edge_id}|npc_vehicle, side"
 
 
-def test_all_of_a_junction_is_one_place(keys: FailureKeys) -> None:
+def test_all_of_a_junction_is_one_place(keys: FailureKinds) -> None:
     inside: dict[str, set[str]] = {}
     for lane in keys.network.lanes:
         if lane.drivable and lane.is_internal:
@@ -59,7 +59,7 @@ def test_all_of_a_junction_is_one_place(keys: FailureKeys) -> None:
     assert inside == {junction: {f"junction {junction}"} for junction in inside}
 
 
-def test_lanes_of_one_road_are_one_place_and_its_directions_are_two(keys: FailureKeys) -> None:
+def test_lanes_of_one_road_are_one_place_and_its_directions_are_two(keys: FailureKinds) -> None:
     edges = {lane.edge_id for lane in keys.network.lanes if lane.drivable and not lane.is_internal}
     places = set()
     for lane in keys.network.lanes:
@@ -69,7 +69,7 @@ def test_lanes_of_one_road_are_one_place_and_its_directions_are_two(keys: Failur
     assert places == {f"road {edge}" for edge in edges}
 
 
-def test_what_is_not_known_is_left_out(keys: FailureKeys) -> None:
+def test_what_is_not_known_is_left_out(keys: FailureKinds) -> None:
     assert keys(violation("blocked", location=None)) == "blocked"
     assert keys(violation("off_road", location=(1e5, 1e5))) == "off_road|off every road"
 
@@ -95,28 +95,28 @@ def test_near_failures_are_a_group_and_far_ones_are_not() -> None:
     here = [violation(location=(0.3 * i, 0.0), time=5.0, ego_speed=6.0) for i in range(4)]
     there = [violation(location=(80.0 + 0.3 * i, 40.0), time=9.0, ego_speed=2.0) for i in range(3)]
     alone = violation(location=(0.0, 90.0), time=30.0, ego_speed=6.0)
-    labels = Clustering().label([*here, alone, *there])
+    labels = Grouping().label([*here, alone, *there])
     assert len(set(labels[:4])) == len(set(labels[5:])) == 1
     assert len({labels[0], labels[4], labels[5]}) == 3
 
 
 def test_groups_are_within_an_oracle() -> None:
     verdicts = [violation("collision"), violation("off_road"), violation("collision")]
-    assert Clustering().label(verdicts) == (0, 0, 0)
+    assert Grouping().label(verdicts) == (0, 0, 0)
 
 
 @pytest.mark.parametrize(("least", "label"), [(1, 0), (2, -1)])
 def test_a_failure_like_no_other_is_a_group_if_one_is_enough(least: int, label: int) -> None:
-    clustering = Clustering(least=least)
+    grouping = Grouping(least=least)
     alone = violation(location=(0.0, 90.0), time=30.0)
-    assert clustering.label([alone]) == (label,)
+    assert grouping.label([alone]) == (label,)
     far = violation(location=(80.0, 0.0), time=5.0)
-    assert set(clustering.label([alone, far])) == ({0, 1} if least == 1 else {-1})
+    assert set(grouping.label([alone, far])) == ({0, 1} if least == 1 else {-1})
 
 
 def test_small_differences_are_not_stretched() -> None:
     nearly = [violation(location=(0.1 * i, 0.0), time=5.0 + 0.05 * i) for i in range(5)]
-    assert set(Clustering().label(nearly)) == {0}
+    assert set(Grouping().label(nearly)) == {0}
 
 
 def test_words_of_a_fixed_set_count_and_texts_for_people_do_not() -> None:
@@ -134,8 +134,8 @@ def test_features_are_those_that_all_have() -> None:
     assert situation_features(verdicts)[:, 3:].tolist() == [[1.0], [2.0]]
     nowhere = [violation(location=None, time=None), violation()]
     assert situation_features(nowhere).shape == (2, 0)
-    assert Clustering().label(nowhere) == (0, 0)
-    assert Clustering().label([]) == ()
+    assert Grouping().label(nowhere) == (0, 0)
+    assert Grouping().label([]) == ()
 
 
 def test_scaling_is_by_least_and_greatest() -> None:
@@ -150,8 +150,8 @@ def test_the_order_of_failures_does_not_change_groups() -> None:
         violation(location=(float(x), float(y)), time=float(t))
         for x, y, t in random.uniform(0.0, 60.0, (30, 3))
     ]
-    labels = Clustering().label(verdicts)
+    labels = Grouping().label(verdicts)
     order = random.permutation(30)
-    shuffled = Clustering().label([verdicts[i] for i in order])
+    shuffled = Grouping().label([verdicts[i] for i in order])
     pairs = {(labels[i], shuffled[k]) for k, i in enumerate(order)}
     assert len(pairs) == len(set(labels)) == len(set(shuffled))

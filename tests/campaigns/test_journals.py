@@ -84,13 +84,13 @@ def test_every_violation_is_a_failure(journal: Journal, records: list[Evaluation
         (record.number, place, key, verdict)
         for record in records
         for place, (key, verdict) in enumerate(
-            zip(record.failure_keys, record.violations, strict=True)
+            zip(record.failure_kinds, record.violations, strict=True)
         )
     ]
     found = journal.failures()
-    assert [(f.evaluation, f.place, f.key, f.verdict) for f in found] == expected
+    assert [(f.evaluation, f.place, f.kind, f.verdict) for f in found] == expected
     assert {f.confirmation for f in found} == {Confirmation.OPEN}
-    assert {f.cluster for f in found} == {None}
+    assert {f.group for f in found} == {None}
 
 
 def test_confirmations_and_groups_are_kept(journal: Journal) -> None:
@@ -102,7 +102,7 @@ def test_confirmations_and_groups_are_kept(journal: Journal) -> None:
     journal.group({(first.evaluation, first.place): 4})
     kept = journal.failures()
     assert kept[0] == replace(
-        first, confirmation=Confirmation.CONFIRMED, trace="a.trace.parquet", cluster=4
+        first, confirmation=Confirmation.CONFIRMED, trace="a.trace.parquet", group=4
     )
     assert kept[-1].confirmation is Confirmation.FLAKY
     assert {f.confirmation for f in kept[1:-1]} <= {Confirmation.OPEN}
@@ -118,7 +118,7 @@ def test_failures_are_run_again_and_grouped_without_changing_the_search(
     failing = {r.number for r in records if r.violations}
     assert sorted(evaluator.submitted) == sorted(failing)
     assert {f.confirmation for f in journal.failures()} == {Confirmation.CONFIRMED}
-    assert all(f.cluster is not None for f in journal.failures())
+    assert all(f.group is not None for f in journal.failures())
     assert sequence(list(journal.evaluations())) == sequence(records)
     again = Computed()
     confirm_failures(journal, again, run_prefix="test", traces=None)

@@ -133,10 +133,10 @@ def test_failures_are_confirmed_and_their_traces_kept(
     by_number = {e.number: e for e in campaigns.evaluations(campaign_id)}
     for failure in failures:
         assert failure.confirmation is Confirmation.CONFIRMED
-        assert failure.cluster is not None
+        assert failure.group is not None
         trace = read_trace(campaigns.folder(campaign_id).traces / failure.trace)
         assert trace_sha256(trace) == by_number[failure.evaluation].report.trace_sha256
-        assert failure.key.startswith(failure.verdict.oracle)
+        assert failure.kind.startswith(failure.verdict.oracle)
     assert {f.evaluation for f in failures} == {n for n, e in by_number.items() if e.violations}
 
 

@@ -10,9 +10,8 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
-from drivora_service.api.campaign_examples import DOCUMENT
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.examples import CAMPAIGN, SCENARIO
 from drivora_service.api.schemas.batches import Batch, ItemResult
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.api.schemas.runs import Run
@@ -41,7 +40,7 @@ def runs(client: Client) -> tuple[Run, ...]:
 
 def small_campaign(tester: str, seed: int = 3) -> dict[str, Any]:
     return {
-        **copy.deepcopy(DOCUMENT),
+        **copy.deepcopy(CAMPAIGN),
         "name": f"tee, {tester}",
         "tester": {"name": tester},
         "space": {"vehicles": 2, "walkers": 1},
@@ -248,10 +247,10 @@ def test_the_evaluations_of_a_campaign(client: Client, campaign: Campaign) -> No
 
 def test_the_failures_of_a_campaign(client: Client, campaign: Campaign, tmp_path: Path) -> None:
     failures = tuple(client.failures(campaign.id))
-    assert {failure.key for failure in failures} == {kind.key for kind in campaign.kinds}
-    key = failures[0].key
-    assert tuple(client.failures(campaign.id, FailureFilter(key=key))) == tuple(
-        failure for failure in failures if failure.key == key
+    assert {failure.kind for failure in failures} == {kind.kind for kind in campaign.kinds}
+    kind = failures[0].kind
+    assert tuple(client.failures(campaign.id, FailureFilter(kind=kind))) == tuple(
+        failure for failure in failures if failure.kind == kind
     )
     recorded = next(failure for failure in failures if failure.trace)
     path = tmp_path / recorded.trace
@@ -293,7 +292,7 @@ def test_a_campaign_that_is_over_is_neither_paused_nor_resumed(
 
 
 def test_a_campaign_is_paused_resumed_and_cancelled(client: Client) -> None:
-    document = {**copy.deepcopy(DOCUMENT), "budget": {"simulations": 500}, "name": "long"}
+    document = {**copy.deepcopy(CAMPAIGN), "budget": {"simulations": 500}, "name": "long"}
     posted = client.post_campaign(document)
     client.pause_campaign(posted.id)
     assert client.follow_campaign(posted.id).state is CampaignState.PAUSED

@@ -9,17 +9,16 @@ from typing import Any
 from urllib.parse import parse_qs, urlencode
 
 import httpx
-from drivora_service.api.campaign_examples import RUNNING
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivora_service.api.examples import FINISHED_CAMPAIGN, read_recorded
 from drivora_service.api.schemas.batches import Batch
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.client.connecting import ignore_retry
 from drivora_service.client.flows import Emit, Request, Terms
 from drivora_service.client.following import batch_runs, followed_campaign
 from drivora_service.client.replies import Reply, Service
-from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import CampaignState
 from tests.client.examples import BATCH, JOB
 
@@ -163,7 +162,7 @@ def test_a_campaign_is_followed_until_it_rests() -> None:
         asked.append(path)
         if path == "/readyz":
             return READY
-        value = json.loads(to_json(Campaign, RUNNING))
+        value = read_recorded(FINISHED_CAMPAIGN)
         return {**value, "state": next(states)}
 
     seen: list[Campaign] = []

@@ -22,7 +22,7 @@ from drivora_service.plotting.discoveries import (
 from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
 
 LONG = "samota without feedback (population 12, mutation gaussian)"
-GROUPS = {"random": 3, "avfuzzer": 6, LONG: 9}
+METHODS = {"random": 3, "avfuzzer": 6, LONG: 9}
 
 
 def discoveries(count: int) -> list[Discoveries]:
@@ -30,15 +30,15 @@ def discoveries(count: int) -> list[Discoveries]:
     return [
         Discoveries(
             title=f"scenario {number}",
-            groups={
-                group: [
+            methods={
+                method: [
                     Repetition(
                         simulations=60,
                         found=tuple(sorted(random.integers(1, 60, random.poisson(mean)).tolist())),
                     )
                     for _ in range(5)
                 ]
-                for group, mean in GROUPS.items()
+                for method, mean in METHODS.items()
             },
         )
         for number in range(count)
@@ -49,21 +49,21 @@ def effects(count: int) -> list[EffectRow]:
     return [
         EffectRow(
             section=f"a measure with quite a long name, scenario {number}",
-            group=group,
+            method=method,
             a12=a12,
             low=max(0.0, a12 - 0.2),
             high=min(1.0, a12 + 0.2),
             is_significant=a12 > 0.9,
         )
         for number in range(count)
-        for group, a12 in (("avfuzzer", 1.0), (LONG, 0.0))
+        for method, a12 in (("avfuzzer", 1.0), (LONG, 0.0))
     ]
 
 
 def values(count: int) -> list[Values]:
     return [
-        Values(measure=measure, scenario=f"scenario {number}", groups=groups)
-        for measure, groups in (
+        Values(measure=measure, scenario=f"scenario {number}", methods=methods)
+        for measure, methods in (
             ("failures", {"random": [0.0, 0.0], "avfuzzer": [0.0, 0.0], LONG: [0.0, 0.0]}),
             ("share", {"random": [0.1, 0.4], LONG: [0.2, 1.0, 0.3]}),
         )

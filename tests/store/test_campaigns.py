@@ -89,7 +89,7 @@ def evaluation(
         document_sha256=hashlib.sha256(str(number).encode()).hexdigest() if valid else "",
         report=report,
         violations=verdicts,
-        failure_keys=tuple("collision|road a" for _ in verdicts),
+        failure_kinds=tuple("collision|road a" for _ in verdicts),
         search_s=0.01,
         prepare_s=0.02,
     )

@@ -140,7 +140,7 @@ def test_evaluations_and_failures_are_found_by_an_index_whatever_the_filters(
         ).id
     evaluations = EvaluationFilter(status=EvaluationStatus.JUDGED, violating=False, generation=0)
     failures = FailureFilter(
-        key="collision",
+        kind="collision",
         oracle="collision",
         at_fault=True,
         accountability=Accountability.AVOIDABLE,

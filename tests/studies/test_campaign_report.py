@@ -23,7 +23,7 @@ def study(catalogues: Catalogues, tmp_path: Path) -> Iterator[Study]:
         yield study
 
 
-def failure(number: int, key: str, cluster: int | None, **changes: object) -> Failure:
+def failure(number: int, key: str, group: int | None, **changes: object) -> Failure:
     verdict = Verdict(
         oracle=key.partition("|")[0], ego="ego", outcome=Outcome.VIOLATED, message="", at_fault=True
     )
@@ -32,7 +32,7 @@ def failure(number: int, key: str, cluster: int | None, **changes: object) -> Fa
         "place": 0,
         "key": key,
         "verdict": verdict,
-        "cluster": cluster,
+        "group": group,
     }
     return Failure(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
 
@@ -48,7 +48,7 @@ def test_failures_are_put_together_by_kind_and_cluster() -> None:
             failure(6, "collision|a", 0, confirmation=Confirmation.FLAKY),
         ]
     )
-    assert [(g.key, g.cluster, [f.evaluation for f in g.failures]) for g in groups] == [
+    assert [(g.kind, g.number, [f.evaluation for f in g.failures]) for g in groups] == [
         ("collision|a", 0, [2, 5, 6]),
         ("collision|b", 0, [3]),
         ("collision|a", 1, [4]),
@@ -84,8 +84,8 @@ def test_a_campaign_that_found_nothing_has_no_group_of_failures(study: Study) ->
     told = read_report(study.database, record.id, study.catalogues)
     assert told.groups == ()
     assert told.figures is not None
-    assert (told.figures.clusters, told.figures.budget) == (0, 12)
-    assert "| different failures, by cluster | 0 |" in report_markdown(told)
+    assert (told.figures.groups, told.figures.budget) == (0, 12)
+    assert "| different failures, by group | 0 |" in report_markdown(told)
 
 
 def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
@@ -96,7 +96,7 @@ def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
     assert "None were found." in text
     assert told.figures is not None
     assert told.figures.network_coverage is None
-    assert told.figures.clusters is None
+    assert told.figures.groups is None
 
 
 def test_what_cannot_be_known_any_more_is_said(study: Study) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.clustering import Clustering
+from drivora_service.campaigns.grouping import Grouping
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError, UnknownName
 from drivora_service.oracles.verdict import Outcome, Verdict
@@ -60,7 +60,7 @@ def test_campaigns_are_counted_and_compared(
 ) -> None:
     comparison = compare_stored(study.database, records, study.catalogues)
     assert [f.campaign for f in comparison.campaigns] == [record.id for record in records]
-    assert {f.group for f in comparison.campaigns} == {
+    assert {f.method for f in comparison.campaigns} == {
         "random",
         "avfuzzer",
         "avfuzzer without feedback",
@@ -68,8 +68,8 @@ def test_campaigns_are_counted_and_compared(
     for record, figures in zip(records, comparison.campaigns, strict=True):
         assert figures.simulations == 14
         assert figures.failing == record.counts.violating > 0
-        assert figures.clusters is not None
-        assert 0 < figures.clusters <= figures.failing
+        assert figures.groups is not None
+        assert 0 < figures.groups <= figures.failing
         assert figures.network_coverage is not None
         assert 0.0 < figures.network_coverage < 1.0
         assert 0.0 < figures.gene_coverage < 1.0
@@ -122,10 +122,10 @@ def test_groups_of_failures_are_made_of_all_campaigns_together() -> None:
             for place in places
         ]
 
-    clustering = Clustering()
-    assert clustering.count_each([at(0.0, 1.0)]) == (2,)
+    grouping = Grouping()
+    assert grouping.count_each([at(0.0, 1.0)]) == (2,)
     # On the scale of both samples a metre is little.
-    assert clustering.count_each([at(0.0, 1.0), [], at(0.0, 100.0)]) == (1, 0, 2)
+    assert grouping.count_each([at(0.0, 1.0), [], at(0.0, 100.0)]) == (1, 0, 2)
 
 
 def test_campaigns_of_another_version_are_refused(

@@ -12,10 +12,10 @@ from drivora_service.studies.comparison import MEASURES, compare_campaigns, meas
 from drivora_service.studies.figures import CampaignFigures
 
 
-def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> CampaignFigures:
+def figures(method: str, seed: int, at_fault: int, scenario: str = "s") -> CampaignFigures:
     return CampaignFigures(
-        campaign=f"{scenario}-{group}-{seed}",
-        group=group,
+        campaign=f"{scenario}-{method}-{seed}",
+        method=method,
         scenario=scenario,
         seed=seed,
         simulations=100,
@@ -27,8 +27,8 @@ def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> Campai
         unavoidable=at_fault - at_fault // 2,
         undetermined=0,
         kinds=min(at_fault, 3),
-        rules=1,
-        clusters=None,
+        oracles=1,
+        groups=None,
         situations=None,
         first_failure=10 if at_fault else None,
         found=(),
@@ -41,9 +41,9 @@ def figures(group: str, seed: int, at_fault: int, scenario: str = "s") -> Campai
 def study(shift: int, scenarios: tuple[str, ...] = ("s",)) -> list[CampaignFigures]:
     random = np.random.default_rng(0)
     return [
-        figures(group, seed, int(random.poisson(5 + more)), scenario)
+        figures(method, seed, int(random.poisson(5 + more)), scenario)
         for scenario in scenarios
-        for group, more in (("random", 0), ("avfuzzer", shift))
+        for method, more in (("random", 0), ("avfuzzer", shift))
         for seed in range(20)
     ]
 
@@ -64,8 +64,8 @@ def test_chance_is_not_called_better() -> None:
 
 
 def test_fewer_simulations_to_the_first_failure_are_better() -> None:
-    found = [replace(f, first_failure=5 + f.seed) for f in study(6) if f.group == "avfuzzer"]
-    late = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    found = [replace(f, first_failure=5 + f.seed) for f in study(6) if f.method == "avfuzzer"]
+    late = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.method == "random"]
     (row,) = compare_campaigns(found + late, "random", [measure("first_failure")])
     assert row.a12 == 1.0
     # A campaign that found nothing counts as later than all of its simulations.
@@ -75,11 +75,11 @@ def test_fewer_simulations_to_the_first_failure_are_better() -> None:
 
 
 def test_who_ends_early_without_a_failure_was_not_early_to_find_one() -> None:
-    found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.group == "random"]
+    found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.method == "random"]
     ended = [
         replace(f, simulations=30, budget=100, first_failure=None)
         for f in study(6)
-        if f.group == "avfuzzer"
+        if f.method == "avfuzzer"
     ]
     (row,) = compare_campaigns(found + ended, "random", [measure("first_failure")])
     assert row.median == 101.0
@@ -96,13 +96,13 @@ def test_p_is_corrected_for_all_rows_of_a_measure() -> None:
 
 
 def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
-    assert compare_campaigns(study(2), "random", [measure("clusters")]) == ()
+    assert compare_campaigns(study(2), "random", [measure("groups")]) == ()
 
 
 def test_every_measure_can_be_compared() -> None:
     known = [
         replace(
-            f, clusters=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
+            f, groups=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
         )
         for f in study(2)
     ]
@@ -113,13 +113,13 @@ def test_at_equal_time_seconds_to_the_first_failure_count_in_place_of_simulation
     early = [
         replace(f, first_failure=2, first_failure_s=2.0, time_limit_s=9.0)
         for f in study(0)
-        if f.group == "avfuzzer"
+        if f.method == "avfuzzer"
     ]
     # Few simulations were made in this time, so that one more than all of them would seem early.
     never = [
         replace(f, simulations=1, first_failure=None, time_limit_s=9.0)
         for f in study(0)
-        if f.group == "random"
+        if f.method == "random"
     ]
     wanted = [measure("first_failure"), measure("first_failure_s")]
     (row,) = compare_campaigns(early + never, "random", wanted)
@@ -150,7 +150,7 @@ def test_the_judgement_says_who_is_better_and_how_much(
     ("campaigns", "baseline", "message"),
     [
         (study(1), "samota", "no campaign of 'samota'"),
-        ([f for f in study(1) if f.group == "random"], "random", "nothing to compare"),
+        ([f for f in study(1) if f.method == "random"], "random", "nothing to compare"),
         ([*study(1), figures("avfuzzer", 0, 1, "t")], "random", "on 't' there is no"),
         ([*study(1), replace(study(1)[0], campaign="twin")], "random", "the same search"),
         ([*study(1), figures("samota", 0, 1)], "random", "one campaign of 'samota' only"),

@@ -33,7 +33,7 @@ SPACE = GeneSpace(
         ),
     )
 )
-SUBJECT = Subject(campaign="c1", group="random", scenario="s", seed=1)
+SUBJECT = Subject(campaign="c1", method="random", scenario="s", seed=1)
 
 
 def record(
@@ -67,7 +67,7 @@ def record(
         document_sha256="",
         report=RunReport(run_id=str(number), status=RunStatus.FINISHED, wall_time_s=0.1),
         violations=violations,
-        failure_keys=keys,
+        failure_kinds=keys,
         search_s=0.01,
         prepare_s=0.01,
     )
@@ -97,14 +97,14 @@ def test_everything_is_counted_once() -> None:
         record(4, status=EvaluationStatus.FAILED),
         record(5, "collision:a", at_fault=None),
     ]
-    figures = figures_of(SUBJECT, records, SPACE, clusters=2)
+    figures = figures_of(SUBJECT, records, SPACE, groups=2)
     assert figures.simulations == 5
     assert figures.invalid_share == pytest.approx(1 / 6)
     assert figures.failed_share == pytest.approx(1 / 5)
     assert (figures.failing, figures.at_fault) == (3, 2)
     assert figures.kinds == 2
     # With a vehicle, with a walker, and the red light.
-    assert figures.rules == 3
+    assert figures.oracles == 3
     # Invalid candidates are no simulations: the second simulation is evaluation 2.
     assert figures.first_failure == 2
     assert figures.found == (2, 3)
@@ -115,9 +115,9 @@ def test_everything_is_counted_once() -> None:
 def test_collisions_are_told_apart_by_what_the_other_was_and_not_by_its_name() -> None:
     names = ("vehicle_0", "van", "lead", "bus_0")
     records = [record(n, "collision:a", counterpart=name) for n, name in enumerate(names)]
-    assert figures_of(SUBJECT, records, SPACE).rules == 1
+    assert figures_of(SUBJECT, records, SPACE).oracles == 1
     stood = record(4, "collision:a", counterpart="parked_van", role="npc_obstacle")
-    assert figures_of(SUBJECT, [*records, stood], SPACE).rules == 2
+    assert figures_of(SUBJECT, [*records, stood], SPACE).oracles == 2
 
 
 def test_a_campaign_without_failures_has_no_first_one() -> None:

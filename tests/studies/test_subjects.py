@@ -49,9 +49,9 @@ def record(seed: int, **changes: Any) -> CampaignRecord:
     )
 
 
-def groups(catalogues: Catalogues, *records: CampaignRecord) -> list[str]:
+def methods(catalogues: Catalogues, *records: CampaignRecord) -> list[str]:
     compared = compared_campaigns(records, catalogues.testers)
-    return [campaign.subject.group for campaign in compared]
+    return [campaign.subject.method for campaign in compared]
 
 
 def method(name: str = "avfuzzer", **changes: Any) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def method(name: str = "avfuzzer", **changes: Any) -> dict[str, Any]:
 
 
 def test_groups_are_called_like_their_testers(catalogues: Catalogues) -> None:
-    found = groups(
+    found = methods(
         catalogues,
         record(1),
         record(2, tester=method()),
@@ -70,7 +70,7 @@ def test_groups_are_called_like_their_testers(catalogues: Catalogues) -> None:
 
 def test_only_parameters_that_differ_are_named(catalogues: Catalogues) -> None:
     parameters = {"population": 6, "crossover_rate": 0.5}
-    found = groups(
+    found = methods(
         catalogues,
         record(1),
         record(2, tester=method(parameters=parameters)),
@@ -84,7 +84,7 @@ def test_only_parameters_that_differ_are_named(catalogues: Catalogues) -> None:
 
 
 def test_a_default_that_is_written_down_is_no_difference(catalogues: Catalogues) -> None:
-    found = groups(
+    found = methods(
         catalogues,
         record(1, tester=method()),
         record(2, tester=method(parameters={"population": 4})),
@@ -93,7 +93,7 @@ def test_a_default_that_is_written_down_is_no_difference(catalogues: Catalogues)
 
 
 def test_parameters_of_a_tester_that_is_not_here_are_told_apart(catalogues: Catalogues) -> None:
-    found = groups(
+    found = methods(
         catalogues,
         record(1, tester=method("gone")),
         record(2, tester=method("gone", parameters={"speed": 2})),
@@ -102,7 +102,7 @@ def test_parameters_of_a_tester_that_is_not_here_are_told_apart(catalogues: Cata
 
 
 def test_components_and_lookahead_set_groups_apart(catalogues: Catalogues) -> None:
-    found = groups(
+    found = methods(
         catalogues,
         record(1, tester=method()),
         record(2, tester=method(mutation="gaussian")),

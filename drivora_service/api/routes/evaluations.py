@@ -154,7 +154,7 @@ def list_failures(
     request: Request,
     context: Context,
     campaign_id: str,
-    key: Annotated[str, Query(max_length=400, description="Of this kind.")] = "",
+    kind: Annotated[str, Query(max_length=400, description="Of this kind.")] = "",
     oracle: Annotated[str, Query(max_length=60, description="Of this rule.")] = "",
     at_fault: Annotated[bool | None, Query(description="By the fault of an ego, or not.")] = None,
     accountability: Annotated[
@@ -168,7 +168,7 @@ def list_failures(
 ) -> Response:
     """Lists the failures that a campaign has found, in the order of their evaluations."""
     wanted = FailureFilter(
-        key=key,
+        kind=kind,
         oracle=oracle,
         at_fault=at_fault,
         accountability=accountability,

@@ -103,7 +103,7 @@ def report(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Write it there, with a picture of each cluster in a folder beside it "
+            help="Write it there, with a picture of each group in a folder beside it "
             "[default: print it].",
         ),
     ] = None,

@@ -194,7 +194,7 @@ def failures(
 
     wanted = wanted or FailureFilter()
     query = {
-        "key": wanted.key,
+        "kind": wanted.kind,
         "oracle": wanted.oracle,
         "at_fault": wanted.at_fault,
         "accountability": wanted.accountability,

@@ -1,4 +1,4 @@
-"""Batches whose runs are for the process of one command."""
+"""Batches whose runs are for the process of one command; failures have a kind and a group."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ def upgrade() -> None:
         sqlite_where=sa.text("owner_id != ''"),
         postgresql_where=sa.text("owner_id != ''"),
     )
+    op.execute("ALTER TABLE failures RENAME COLUMN key TO kind")
+    op.execute("ALTER TABLE failures RENAME COLUMN cluster TO group_number")
+    op.execute("ALTER TABLE failure_kinds RENAME COLUMN key TO kind")
+    op.execute("ALTER TABLE failure_kinds RENAME COLUMN clusters TO groups")
 
 
 def downgrade() -> None:

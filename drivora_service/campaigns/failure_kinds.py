@@ -2,7 +2,7 @@
 
 The key of a violation names the rule, where it was broken, and how the other actor stood to the ego
 (after DoppelTest's type and routes): ``collision|junction C|vehicle, front``. Two violations with
-the same key may still differ much; ``campaigns.clustering`` looks at their numbers.
+the same key may still differ much; ``campaigns.grouping`` looks at their numbers.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _SEPARATOR = "|"
 
 
 @dataclass(frozen=True, slots=True)
-class FailureKeys:
+class FailureKinds:
     """Returns keys of violations on one road network."""
 
     network: RoadNetwork

@@ -22,7 +22,7 @@ from drivora_service.oracles.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Clustering:
+class Grouping:
     """How alike failures of a group are.
 
     Attributes:
