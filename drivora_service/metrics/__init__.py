@@ -1,1 +1,1 @@
-"""Measures that describe a judged trace."""
+"""Metrics of a judged run."""

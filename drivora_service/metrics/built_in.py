@@ -31,12 +31,12 @@ def measure(
     Args:
         trace: The run.
         network: The road network it took place on.
-        verdicts: What the oracles said; metrics that stand on a missing verdict are ``None``.
-        view: A view of that run, if there is one already: what it has computed is used again.
+        verdicts: Verdicts of the oracles; metrics that need a missing verdict are ``None``.
+        view: An existing view of that run, whose computed values are reused.
 
     Returns:
-        Values by name. Where there are several egos, ``name`` is what their values come to and
-        ``name[ego id]`` the value of one of them.
+        Values by name. With several egos, ``name`` is the aggregated value and ``name[ego id]`` the
+        value of one ego.
     """
     run = view or RunView(trace, network)
     judgements = tuple(Judgement.of(ego.id, verdicts) for ego in run.egos)

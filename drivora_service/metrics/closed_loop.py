@@ -1,7 +1,7 @@
-"""nuPlan's closed-loop scores, as far as they can be measured without an expert's log.
+"""nuPlan's closed-loop scores, as far as they are measurable without an expert's log.
 
-Progress needs an expert or a free-flow run of the same route to compare with; without it there is
-no overall score, and none is made up.
+Progress needs the log of an expert or a free-flow run of the same route; without it there is no
+overall score.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ LEAST_TIME_TO_COLLISION = 0.95
 """Seconds."""
 
 TOLERATED_OVERSPEED = 2.23
-"""m/s of overspeed throughout that brings the speed score to 0."""
+"""Mean overspeed at which the speed score is 0, m/s."""
 
 STANDING_SPEED = 0.005
-"""m/s up to which the ego stands and cannot run into anybody."""
+"""m/s up to which the ego stands and endangers no actor."""
 
 
 def closed_loop(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
@@ -68,7 +68,7 @@ def _direction(judgement: Judgement) -> float | None:
 
 
 def _time_to_collision(ego: EgoView) -> float | None:
-    """1 if the time to collision with whoever is not behind stays above the limit."""
+    """1 if the time to collision with actors that are not behind stays above the limit."""
     if not ego.count:
         return None
     soon = ego.proximity.forward_time_to_collision < LEAST_TIME_TO_COLLISION

@@ -1,4 +1,4 @@
-"""How much of the time an ego drove comfortably."""
+"""Comfort of an ego's motion."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.oracles.discomfort import Discomfort
 
 SEGMENT = 20
-"""Rows a segment (Bench2Drive)."""
+"""Rows in a segment (Bench2Drive)."""
 
 
 def comfort(ego: EgoView) -> float | None:
     """Returns the share of 20-row segments in which all six signals keep to their bounds.
 
-    Rows after the last whole segment are left out; ``None`` if there is none.
+    Rows after the last whole segment are ignored; ``None`` without a whole segment.
     """
     segments = ego.count // SEGMENT
     if ego.motion is None or not segments:

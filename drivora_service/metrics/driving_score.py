@@ -2,8 +2,8 @@
 
 Driving score = route completion (per cent) x infraction penalty. In 1.0 and 2.0 the penalty is the
 product of a factor for each event; in 2.1 it is 1 / (1 + the sum of their costs). Distance driven
-outside the lanes multiplies it in all of them. Scenario timeouts have no oracle here and never
-count.
+outside the lanes multiplies it in all of them. Scenario timeouts have no oracle here and are not
+counted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ STANDING_SPEED = 0.1
 
 
 class Version(StrEnum):
-    """Of the Leaderboard's rules."""
+    """Version of the Leaderboard's score."""
 
     V1_0 = "1.0"
     V2_0 = "2.0"
@@ -31,7 +31,7 @@ class Version(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tariff:
-    """What an event costs.
+    """The costs of events.
 
     Attributes:
         pedestrian: Collision with a walker.
@@ -39,9 +39,9 @@ class Tariff:
         static: Collision with an obstacle.
         red_light: A red light run.
         stop_sign: A stop sign run.
-        slowness: What driving at no speed at all would cost, against the traffic around.
-        summed: The costs are added (2.1); else they are factors to multiply, and ``slowness`` is
-            taken off one.
+        slowness: Cost of a standstill throughout, compared with the surrounding traffic.
+        summed: Whether costs are added (2.1); else they are factors to multiply, and ``slowness``
+            is subtracted from one.
     """
 
     pedestrian: float
@@ -100,7 +100,7 @@ class DrivingScore:
 
 
 def driving_score(ego: EgoView, judgement: Judgement, version: Version) -> DrivingScore | None:
-    """Scores an ego; ``None`` if the verdicts that the score stands on are not there."""
+    """Scores an ego; ``None`` if the verdicts that the score needs are missing."""
     completion = route_completion(ego, judgement)
     if completion is None:
         return None
@@ -114,7 +114,7 @@ def driving_score(ego: EgoView, judgement: Judgement, version: Version) -> Drivi
 
 
 def infraction_penalty(ego: EgoView, judgement: Judgement, tariff: Tariff) -> float | None:
-    """Returns the penalty that a tariff makes of an ego's infractions."""
+    """Returns the penalty for an ego's infractions by a tariff."""
     collisions = judgement.violations("collision")
     red_lights = judgement.violations("red_light")
     stop_signs = judgement.violations("stop_sign")

@@ -10,21 +10,21 @@ from drivora_service.oracles.verdict import Outcome, Verdict
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judgement:
-    """What the oracles said of one ego.
+    """The verdicts of the oracles on one ego.
 
     Attributes:
-        verdicts: All of them.
+        verdicts: All verdicts on the ego.
     """
 
     verdicts: tuple[Verdict, ...]
 
     @staticmethod
     def of(ego_id: str, verdicts: Sequence[Verdict]) -> Judgement:
-        """Picks the verdicts on an ego."""
+        """Selects the verdicts on an ego."""
         return Judgement(verdicts=tuple(v for v in verdicts if v.ego == ego_id))
 
     def by(self, oracle: str) -> tuple[Verdict, ...] | None:
-        """Returns an oracle's verdicts; ``None`` if it could not judge or was not asked."""
+        """Returns an oracle's verdicts; ``None`` if it was not measurable or did not judge."""
         found = tuple(v for v in self.verdicts if v.oracle == oracle)
         if not found or any(v.outcome is Outcome.NOT_MEASURABLE for v in found):
             return None

@@ -1,4 +1,4 @@
-"""A measured quantity: one value an ego, and one for the run."""
+"""A measured quantity: a value for each ego, and one for the run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from statistics import fmean
 
 
 class Combine(Enum):
-    """What the values of several egos come to; egos without a value are left out."""
+    """How the values of the egos are aggregated; egos without a value are left out."""
 
     MEAN = "mean"
     LEAST = "least"
@@ -22,9 +22,9 @@ class Measured:
     """A quantity of a run.
 
     Attributes:
-        name: Its key, with its unit as a suffix unless it is a share, a percentage or a score.
-        values: One an ego; ``None`` is "not measurable".
-        combine: How they make the value of the run.
+        name: Name, with its unit as a suffix unless it is a share, a percentage or a score.
+        values: A value for each ego; ``None`` if not measurable.
+        combine: How they are aggregated to the value of the run.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Measured:
 
 
 def combined(values: Sequence[float | None], combine: Combine) -> float | None:
-    """Brings the values of several egos to one."""
+    """Aggregates the values of several egos."""
     known = [value for value in values if value is not None and math.isfinite(value)]
     if not known:
         return None

@@ -1,4 +1,4 @@
-"""How much of its route an ego drove."""
+"""Route completion of an ego."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivora_service.oracles.verdict import Outcome
 def route_completion(ego: EgoView, judgement: Judgement) -> float | None:
     """Returns per cent of the route (Leaderboard): 100 on arrival, 0 for an ego that never started.
 
-    Beyond the first deviation from the route nothing more is completed.
+    The first deviation from the route ends the completion.
     """
     if not ego.count:
         return 0.0

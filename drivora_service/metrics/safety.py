@@ -1,4 +1,4 @@
-"""Safety surrogates: how near an ego came to a crash that did not happen."""
+"""Safety surrogates: how close an ego came to a collision."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _Measure = Callable[[EgoView], float | None]
 
 
 def safety(run: RunView) -> tuple[Measured, ...]:
-    """Measures gaps, times and decelerations; ``None`` where nobody else was there.
+    """Measures gaps, times and decelerations; ``None`` without other actors.
 
-    ``None`` also for a time where nobody was on a collision course, or no paths crossed, within the
+    Times are also ``None`` if no actor was on a collision course, or no paths crossed, within the
     horizons of ``observations.proximity``. Decelerations are the largest before the boxes touch.
     """
     return (

@@ -1,4 +1,4 @@
-"""Whether an ego did what it should without breaking a rule."""
+"""Success of an ego: arrival without infractions."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ RULES = (
     "route_deviation",
     "blocked",
 )
-"""Oracles whose violation is an infraction in Bench2Drive's sense; slowness is none."""
+"""Oracles whose violation is an infraction in Bench2Drive's sense; slowness is not."""
 
 
 def success(judgement: Judgement) -> float | None:
     """Returns 1 for arrival without infraction, else 0 (Bench2Drive).
 
-    Collisions that the ego is not at fault for are infractions too, as in that benchmark.
+    Collisions without the ego's fault are infractions too, as in that benchmark.
 
     Returns:
-        ``None`` if the ego arrived and a rule could not be judged, or arrival was not judged.
+        ``None`` if the ego arrived and an oracle was not measurable, or arrival was not judged.
     """
     arrival = judgement.by("destination")
     if arrival is None:

@@ -1,4 +1,4 @@
-"""How fast an ego was, compared with the traffic around it."""
+"""Speed of an ego relative to the surrounding traffic."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ RADIUS = 50.0
 _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 
-# Two metrics are made of them. They go with their ego: a view holds the whole trace of its run.
+# Two metrics use the ratios. Weak keys release them with their ego, which holds its whole trace.
 _RATIOS: WeakKeyDictionary[EgoView, FloatArray] = WeakKeyDictionary()
 
 
 def pace_ratios(ego: EgoView) -> FloatArray:
-    """Returns the ego's mean speed over that of the traffic around it, by section of the route.
+    """Returns the ego's mean speed over that of the surrounding traffic, by section of the route.
 
     Returns:
         (k,) ratios, for the at most ``CHECKPOINTS`` sections that the ego reached with moving

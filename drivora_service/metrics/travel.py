@@ -1,4 +1,4 @@
-"""Plain facts of a drive: way, time and speed."""
+"""Distance, time and speed of a drive."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from drivora_service.oracles.blocked import standing_clock
 
 
 def travel(run: RunView) -> tuple[Measured, ...]:
-    """Measures the way driven, the time taken, the mean speed and the longest standstill.
+    """Measures the distance driven, the time taken, the mean speed and the longest standstill.
 
     A standstill at a signal that is not green does not count, as for the oracle ``blocked``.
     """

@@ -1,1 +1,1 @@
-"""The rules: each judges a trace and says whether, when, where and by whom it was broken."""
+"""Oracles, each of which judges a trace: whether, when, where and by which ego it is violated."""

@@ -1,4 +1,4 @@
-"""How far an ego is accountable for a violation: at fault, and able to avoid it."""
+"""The accountability of an ego for a violation, from its fault and the avoidability."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from drivora_service.oracles.verdict import Answer, Verdict
 
 
 class Accountability(StrEnum):
-    """How far an ego is accountable for a violation, the strongest first."""
+    """The degrees of an ego's accountability for a violation, the strongest first."""
 
     AVOIDABLE = "avoidable"
-    """At fault, and a careful and competent driver avoids it; also where the rule does not ask."""
+    """At fault, and avoided by a careful and competent driver, or avoidability is not judged."""
     NOT_MEASURABLE = "not_measurable"
-    """At fault; the trace does not show whether it could be avoided."""
+    """At fault; the trace does not show whether it was avoidable."""
     UNAVOIDABLE = "unavoidable"
     """At fault, and a careful and competent driver does not avoid it either."""
     UNDETERMINED = "undetermined"
-    """The rule knows fault and cannot tell it here."""
+    """The oracle attributes fault, but not in this case."""
     NOT_JUDGED = "not_judged"
-    """The rule knows no fault."""
+    """The oracle does not attribute fault."""
     NOT_AT_FAULT = "not_at_fault"
     """Another actor is responsible."""
 
@@ -33,7 +33,7 @@ IN_WORDS = {
     Accountability.NOT_JUDGED: "",
     Accountability.NOT_AT_FAULT: "not at fault",
 }
-"""How texts name each; nothing where the rule knows no fault."""
+"""Names of the degrees in texts; "" where the oracle does not attribute fault."""
 
 _RANK = {member: rank for rank, member in enumerate(Accountability)}
 _AT_FAULT = {
@@ -45,9 +45,9 @@ _AT_FAULT = {
 
 
 def accountability(verdict: Verdict) -> Accountability:
-    """Returns how far the ego of a violation is accountable for it.
+    """Returns the accountability of a violation's ego.
 
-    Only ``avoidable`` counts; ``physically_avoidable`` never does by itself.
+    It depends on ``avoidable``; ``physically_avoidable`` has no effect.
     """
     return accountable(verdict.at_fault, verdict.avoidable, undetermined=verdict.undetermined)
 
@@ -55,7 +55,7 @@ def accountability(verdict: Verdict) -> Accountability:
 def accountable(
     at_fault: bool | None, avoidable: Answer | None, *, undetermined: bool
 ) -> Accountability:
-    """Returns what those three fields of a verdict come to."""
+    """Returns the accountability for three fields of a verdict."""
     if at_fault:
         return _AT_FAULT[avoidable]
     if at_fault is False:

@@ -1,4 +1,4 @@
-"""The ego stands still for so long that it is stuck."""
+"""The ego is stuck: it stands for a long time without a signal to wait for."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Blocked:
     """Violated where the ego stands for a minute (Bench2Drive).
 
     The clock pauses while the ego waits at a signal that is not green, also in the queue before it,
-    and starts anew when the ego moves. So a queue that dissolves is no block, and an ego that lets
-    every green pass is blocked.
+    and starts anew when the ego moves. So a queue that dissolves is not a block, and an ego that
+    misses every green phase is blocked.
 
     Attributes:
         standing_speed: m/s below which the ego stands.
@@ -83,8 +83,8 @@ class Blocked:
                 not_measurable(
                     self.name,
                     ego,
-                    f"Stood for {clock[-1]:.1f} s when its part ended, and would have to stand for "
-                    f"{self.duration:g} s: a longer max_sim_time and stuck_after would tell.",
+                    f"Stood for {clock[-1]:.1f} s when its part ended; {self.duration:g} s needed: "
+                    "extend max_sim_time and stuck_after.",
                     duration=longest,
                 )
             ]
@@ -92,9 +92,9 @@ class Blocked:
 
 
 def waiting_at_signal(ego: EgoView, queue_reach: float = QUEUE_REACH) -> BoolArray:
-    """Tells the (n,) rows in which the next signal is near and not green.
+    """Returns the (n,) flags of rows in which the next signal is near and not green.
 
-    On its route that is the route's next signal, off it the next on the lane that the ego is on.
+    For an ego on its route that is the route's next signal, off it the next on the ego's lane.
     """
     off = off_route(ego)
     near = ego.value(EgoCol.LIGHT_DISTANCE) < queue_reach
@@ -110,7 +110,7 @@ def standing_clock(
     standing_speed: float = STANDING_SPEED,
     queue_reach: float = QUEUE_REACH,
 ) -> FloatArray:
-    """Returns the (n,) seconds that the ego has stood without a signal to wait for, 0 in motion."""
+    """Returns the (n,) seconds of standing without a signal to wait for, 0 in motion."""
     standing = ego.speed < standing_speed
     counted = standing & ~waiting_at_signal(ego, queue_reach)
     total = np.cumsum(counted) * ego.step_length

@@ -60,8 +60,8 @@ def judge_all(
     Args:
         trace: The run.
         network: The road network it took place on.
-        oracles: The rules, in the order in which their verdicts are wanted.
-        view: A view of that run, if there is one already: what it has computed is used again.
+        oracles: The oracles, in the order of their verdicts.
+        view: An existing view of that run, whose computed values are reused.
     """
     view = view or RunView(trace, network)
     return tuple(verdict for oracle in oracles for verdict in oracle.judge(view))

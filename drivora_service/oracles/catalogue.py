@@ -1,4 +1,4 @@
-"""The oracles that judge every run: those built in and those of installed packages."""
+"""The catalogue of oracles that judge every run: built-in ones and those of installed packages."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from drivora_service.plugin_table import PluginTable
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 60
-"""Characters that the database keeps of it."""
+"""Maximum length of a name in the database, characters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OracleEntry:
-    """What is known of an oracle.
+    """The description of an oracle.
 
     Attributes:
-        description: One sentence for people.
+        description: One sentence.
         thresholds: By name, as JSON has them; SI units.
-        package: That brings it; "" for a built-in one.
-        reason: Why it cannot judge, which then no run can be; "" if it can.
+        package: Its package; "" for a built-in oracle.
+        reason: Why it cannot be loaded, which prevents the judging of all runs; "" if it can.
     """
 
     name: str
@@ -44,8 +44,8 @@ class OracleEntry:
 class OracleCatalogue:
     """Oracles by name.
 
-    Packages bring them by entry point, found when the catalogue is made and loaded when first asked
-    for. One that cannot be loaded is not tried again.
+    Packages provide them by entry points, found when the catalogue is made and loaded on first
+    use. An oracle that cannot be loaded is not tried again.
     """
 
     def __init__(self) -> None:
@@ -72,7 +72,7 @@ class OracleCatalogue:
         return (*self._built_in.values(), *self.installed())
 
     def installed(self) -> tuple[InstalledOracle, ...]:
-        """Returns the oracles of installed packages, by name.
+        """Returns the oracles of installed packages, sorted by name.
 
         Raises:
             OracleError: One of them cannot be loaded or made.
@@ -97,7 +97,7 @@ class OracleCatalogue:
         return self._installed_oracle(name)
 
     def entry(self, name: str) -> OracleEntry:
-        """Returns what is known of an oracle; of one that cannot judge, why.
+        """Returns the description of an oracle, with the reason if it cannot be loaded.
 
         Raises:
             UnknownName: If there is none of that name.
@@ -126,7 +126,7 @@ class OracleCatalogue:
                 self._installed[name] = error
         made = self._installed[name]
         if isinstance(made, OracleError):
-            # Raised as it is, it would take the frames of every raising with it.
+            # Raising the same exception again would add frames to its traceback each time.
             raise OracleError(str(made), cause=made.cause, log=made.log) from made
         return made
 
@@ -154,7 +154,9 @@ class OracleCatalogue:
         if not callable(judge):
             raise refusal(f"{of} is a {type(oracle).__name__}, which has no method `judge`")
         if called != name:
-            raise refusal(f"{of} calls itself {called!r}: its plug-in must be called like it")
+            raise refusal(
+                f"{of} has the name {called!r}; allowed: the name of its entry point, {name!r}"
+            )
         return InstalledOracle(name=name, package=package, oracle=oracle)
 
 
@@ -164,7 +166,7 @@ def _plugin(oracle: Oracle) -> OraclePlugin:
 
 
 def _thresholds(oracle: object) -> dict[str, Any]:
-    """Returns the fields of an oracle that is a dataclass; as text what JSON has not."""
+    """Returns the fields of a dataclass oracle; values that JSON cannot express as text."""
     if not is_dataclass(oracle):
         return {}
     return {

@@ -1,4 +1,4 @@
-"""The ego's box overlaps another's; who is responsible."""
+"""Collisions of the ego, and the responsible party."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from drivora_service.oracles.verdict import Verdict, not_started, passed, violat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """Violated where the ego's box overlaps another; the same actor counts once.
+    """Violated where the ego's box overlaps another actor's; the same actor counts once.
 
-    Who is responsible follows from a table of rules, judged by the evidence in the trace: see
-    ``oracles/responsibility`` and the reference. Where no rule tells, it is undetermined.
+    The responsible party follows from a table of rules, judged by the evidence in the trace: see
+    ``oracles/responsibility`` and the reference. Where no rule decides, it is undetermined.
 
     Attributes:
         standing_speed: m/s up to which an actor stands (nuPlan).
@@ -50,7 +50,7 @@ class Collision:
                 continue
             met.add(other)
             verdicts.append(self._verdict(ego, k, ego.trace.actors[other]))
-        return verdicts or [passed(self.name, ego, "Touched nobody.")]
+        return verdicts or [passed(self.name, ego, "No collision.")]
 
     def _verdict(self, ego: EgoView, k: int, other: Actor) -> Verdict:
         step = ego.first + k

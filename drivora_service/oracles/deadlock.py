@@ -1,4 +1,4 @@
-"""Egos that wait for one another."""
+"""Deadlock: egos that wait for one another."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from drivora_service.oracles.verdict import Severity, Verdict, not_started, pass
 class Deadlock:
     """Violated where two or more egos stand, each because of another of them, in a cycle.
 
-    An ego waits for another that stands before it: near its front, in sight, within the angle in
-    which a driver looks for crossing traffic. A cycle cannot dissolve by waiting, so it takes less
-    time to tell than a block.
+    An ego waits for another that stands ahead of it: near its front, in sight, within the angle in
+    which a driver looks for crossing traffic. A cycle cannot dissolve by waiting, so the duration
+    is shorter than that of a block.
 
     Attributes:
         standing_speed: m/s below which an ego stands.
@@ -77,7 +77,7 @@ class Deadlock:
         stuck = np.zeros((run.trace.step_count, len(run.egos)), dtype=np.bool_)
         for ego, clock in zip(run.egos, clocks, strict=True):
             stuck[ego.first : ego.first + ego.count, ego.row] = clock >= self.duration - 1e-9
-        # Whoever stands does not change what it waits for: look once for each group that stands.
+        # An ego that stands keeps waiting for the same egos: search once for each set that stands.
         groups = np.flatnonzero(np.any(stuck[1:] & ~stuck[:-1], axis=1)) + 1
         for step in [0, *groups] if stuck[0].any() else groups:
             rows = np.flatnonzero(stuck[step])

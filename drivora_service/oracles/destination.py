@@ -18,14 +18,14 @@ from drivora_service.oracles.verdict import Severity, Verdict, not_started, pass
 class Destination:
     """Violated if the ego does not reach the end of its route within the time limit.
 
-    Arrival is CARLA Leaderboard's, the limit is that of its routes, from the ego's start time on.
+    Arrival and the time limit, counted from the ego's start time, are those of CARLA Leaderboard.
     Its clock pauses while the ego waits at a signal that is not green, as that of ``Blocked``.
 
     Attributes:
-        progress: Share of the route's length that must be behind.
+        progress: Share of the route's length that must be driven.
         distance: Metres from the goal below which the ego must be.
-        time_per_metre: Seconds a metre of route.
-        time_to_start: Seconds on top.
+        time_per_metre: Seconds for each metre of route.
+        time_to_start: Seconds in addition.
     """
 
     progress: float = 0.99
@@ -45,7 +45,7 @@ class Destination:
     def time_limit(self, ego: EgoView) -> float:
         """Returns the seconds from its start time within which an ego had to arrive.
 
-        What it has waited at signals is part of them.
+        They include the time that it waited at signals.
         """
         return float(self._limits(ego)[-1]) if ego.count else self._allowed(ego)
 
@@ -53,7 +53,7 @@ class Destination:
         return self.time_per_metre * ego.route.length + self.time_to_start
 
     def _limits(self, ego: EgoView) -> FloatArray:
-        """Returns the (n,) limits in every row: later by what the ego has waited at signals."""
+        """Returns the (n,) limits in every row, extended by the time waited at signals."""
         waiting = (ego.speed < STANDING_SPEED) & waiting_at_signal(ego)
         limits = self._allowed(ego) + np.cumsum(waiting) * ego.step_length
         left = ego.trace.max_sim_time - ego.trace.ego_start_times[ego.row]
@@ -89,18 +89,18 @@ class Destination:
                 **facts,
             )
         if ego.end is TerminalEvent.ARRIVED:
-            # Whoever SUMO drives leaves the road at the end of its last edge, behind the goal.
+            # Egos driven by SUMO leave the road at the end of their last edge, beyond the goal.
             return passed(self.name, ego, "Left the road at the end of its route.", **facts)
         ended = f"{away[-1]:.1f} m from the goal after {elapsed[-1]:.1f} s"
         late = np.flatnonzero(elapsed > limits - 1e-9)
         if ego.end is TerminalEvent.TIME_LIMIT or len(late):
             k = int(late[0]) if len(late) else ego.count - 1
-            message = f"Not there when its time was up: {ended}; the limit is {limit:.1f} s."
+            message = f"Not arrived within the time limit: {ended}; the limit is {limit:.1f} s."
             return violated(
                 self.name, ego, k, message, severity=Severity.MINOR, reason="timeout", **facts
             )
         how = ego.end.value.replace("_", " ")
-        message = f"Not there: its part ended ({how}) {ended}."
+        message = f"Not arrived: its part ended ({how}) {ended}."
         return violated(
             self.name,
             ego,

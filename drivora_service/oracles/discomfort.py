@@ -1,4 +1,4 @@
-"""The ego drives so roughly that its passengers mind."""
+"""The ego's motion exceeds the bounds of passenger comfort."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Discomfort:
         )
 
     def broken(self, motion: FilteredMotion) -> dict[str, BoolArray]:
-        """Tells for each signal the (n,) rows in which it is out of its bounds."""
+        """Returns for each signal the (n,) flags of rows in which it is out of its bounds."""
         ahead = motion.longitudinal_acceleration
         return {
             "longitudinal acceleration": (ahead < self.min_longitudinal_acceleration)

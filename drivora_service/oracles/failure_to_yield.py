@@ -1,4 +1,4 @@
-"""The ego takes the way of another that has the right of way."""
+"""The ego takes the right of way of another actor."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class FailureToYield:
 
     At junctions that is a vehicle whose movement goes before the ego's by the network's own table,
     where neither the ego has a protected green nor the other a red signal. On crossings it is a
-    walker who has the right of way there: on a marked crossing without a signal, or with a green
-    one. The other is hindered if the ego leaves a place less than the bound before the other is
-    there, if they touch, or if a vehicle must brake hard with no other before it. Which goes
+    walker with the right of way: on a marked crossing without a signal, or with a green one. The
+    other is hindered if the ego leaves a place less than the bound before the other is
+    there, if they touch, or if a vehicle must brake hard with no other before it. Which actor goes
     first where each yields to the other, as at an all-way stop, is not judged.
 
     Attributes:
@@ -58,12 +58,12 @@ class FailureToYield:
             "conflicts": len(conflicts),
             "least_encroachment": nearest if nearest is None or nearest < 1e3 else None,
         }
-        return [passed(self.name, ego, "Hindered nobody with the right of way.", **facts)]
+        return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
 
     def _hindered(self, ego: EgoView, conflict: Conflict) -> Verdict:
         who = ego.trace.actors[conflict.other].id
         if conflict.lag < self.encroachment:
-            how = f"was where it had been {conflict.lag:.1f} s before"
+            how = f"reached its place {conflict.lag:.1f} s later"
         else:
             how = f"had to brake at {conflict.braking:.1f} m/s²"
         return violated(

@@ -1,4 +1,4 @@
-"""An oracle that a package brings, which is not trusted to answer as it should."""
+"""An oracle of an installed package, whose answers are checked."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from drivora_service.observations.run_view import RunView
 
 _LOG = 4000
-"""Characters of a traceback that are kept."""
+"""Maximum length of a kept traceback, characters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InstalledOracle:
-    """Judges as the oracle of a package does, and names it where that goes wrong.
+    """Wraps the oracle of a package; its errors name the oracle and the package.
 
     Attributes:
-        name: Of the oracle.
-        package: That brings it.
-        oracle: What judges.
+        name: Name of the oracle.
+        package: Name of its package.
+        oracle: The oracle.
     """
 
     name: str
@@ -39,7 +39,7 @@ class InstalledOracle:
             Verdicts that hold nothing but Python's own types.
 
         Raises:
-            OracleError: The oracle raised, or its answer breaks the rules for oracles.
+            OracleError: The oracle raised, or its answer violates the protocol.
         """
         try:
             answer: Any = self.oracle.judge(run)
@@ -57,7 +57,7 @@ class InstalledOracle:
         return verdicts
 
     def _plain(self, answer: Any) -> tuple[Verdict, ...]:
-        """Returns an answer as it comes back from storage, if it is one."""
+        """Returns a valid answer as it is read back from storage."""
         if not isinstance(answer, tuple):
             raise self._refusal(f"a {type(answer).__name__}; allowed: a tuple of Verdict")
         for part in answer:
@@ -66,17 +66,18 @@ class InstalledOracle:
         try:
             return tuple(plain_verdict(verdict) for verdict in answer)
         except Exception as error:
-            # Evidence may hold objects of the package, which do what they like when they are read.
+            # Evidence may hold objects of the package, which may raise any error when they are
+            # read.
             raise self._refusal(f"a verdict that cannot be stored: {error}") from error
 
     def _problems(self, verdicts: tuple[Verdict, ...], run: RunView) -> Iterator[str]:
-        """Finds what is wrong with verdicts, as ends of a sentence that begins with "answered"."""
+        """Yields the problems of verdicts, as ends of a sentence that begins with "answered"."""
         outcomes: dict[str, list[Outcome]] = {ego.id: [] for ego in run.egos}
         for verdict in verdicts:
             if verdict.oracle != self.name:
                 yield f"in the name of {verdict.oracle!r}; allowed: its own"
             if verdict.ego not in outcomes:
-                yield f"for ego {verdict.ego!r}; there are: {', '.join(outcomes)}"
+                yield f"for ego {verdict.ego!r}; known: {', '.join(outcomes)}"
                 continue
             if not verdict.message:
                 yield "without a message"

@@ -1,4 +1,4 @@
-"""The ego drives outside the lanes that it may use."""
+"""The ego drives outside the lanes of its direction."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class LaneKeeping:
     """Violated where the ego's centre is outside all lanes, or in a lane of the other direction.
 
     After CARLA Leaderboard's test for driving outside the route's lanes; its share of the route is
-    what the driving score takes off. Lanes inside junctions have no wrong direction. What is
-    shorter than a moment and a step of the way is noise of the road's geometry and does not count.
+    deducted by the driving score. Lanes inside junctions have no wrong direction. Stays shorter
+    than the least time and distance are noise of the road's geometry and do not count.
 
     Attributes:
         margin: Metres beyond the edge of the nearest lane that count as within.
@@ -65,7 +65,7 @@ class LaneKeeping:
         )
 
     def _lasting(self, ego: EgoView, wrong: BoolArray) -> BoolArray:
-        """Tells the rows of the stays outside that are long enough to count."""
+        """Returns the flags of rows in the stays outside that are long enough to count."""
         lasting = np.zeros_like(wrong)
         for first, last in stretches(wrong):
             far = float(ego.moved[first:last].sum()) >= self.least_distance

@@ -25,20 +25,20 @@ from drivora_service.oracles.verdict import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MinimumSpeed:
-    """Violated where the ego is much slower than it may be, for long and for no reason.
+    """Violated where the ego is much slower than permitted for a long time without a reason.
 
-    After the minimum-speed test of CARLA Leaderboard 2.0, which asks for the pace of the traffic
-    around; here an ego alone is held to its limit, and reasons are looked for: an actor in its way,
-    a signal that is not green, a junction that it comes to or is in, a bend, the start and the end
-    of its way.
+    After the minimum-speed test of CARLA Leaderboard 2.0, which requires the pace of the
+    surrounding traffic; here an ego without traffic is compared with its speed limit, and the
+    accepted reasons are: an actor in its way, a signal that is not green, a junction that it
+    approaches or is in, a bend, the start and the end of its route.
 
     Attributes:
         share: Of the speed limit below which the ego is slow.
-        duration: Seconds for which it must be.
+        duration: Seconds for which it must be slow.
         ahead: Metres within which an actor in its way is a reason.
         junction: Metres to a stop line, or to its route's end, within which that is a reason.
-        start: Seconds after its start that are no reason to judge.
-        lateral_acceleration: m/s² in bends up to which more speed is asked for.
+        start: Seconds after its start that are not judged.
+        lateral_acceleration: Lateral acceleration that is expected in bends, m/s².
     """
 
     share: float = 0.5
@@ -97,7 +97,7 @@ class MinimumSpeed:
         return reason
 
     def _near_line(self, ego: EgoView) -> BoolArray:
-        """Tells the (n,) rows in which the ego comes to the end of its lane at a junction."""
+        """Returns the (n,) flags of rows in which the ego nears its lane's end at a junction."""
         lines = stop_lines(ego.network)
         near = np.zeros(ego.count, dtype=np.bool_)
         for row in np.flatnonzero(np.isin(lines.lanes, ego.lanes)).tolist():
@@ -107,7 +107,7 @@ class MinimumSpeed:
         return near
 
     def _bend_speed(self, ego: EgoView) -> FloatArray:
-        """Returns the (n,) m/s at which the bends ahead on the route ask for the given grip."""
+        """Returns the (n,) m/s at which bends ahead need ``lateral_acceleration``."""
         line, arc = ego.route.line, ego.route.arc
         if len(line) < 3:
             return np.full(ego.count, np.inf)
@@ -116,7 +116,7 @@ class MinimumSpeed:
         places = np.arange(0.0, arc[-1] + 5.0, 5.0)
         at = np.interp(places, middle, heading)
         bend = np.abs(np.gradient(at, 5.0)) if len(places) > 1 else np.zeros(len(places))
-        # A bend asks for its speed from 30 m before it to 15 m behind it on.
+        # A bend limits the speed from 30 m before it to 15 m behind it.
         widest = np.array([bend[max(k - 3, 0) : k + 7].max() for k in range(len(bend))])
         s = np.nan_to_num(ego.value(EgoCol.ROUTE_S))
         sharp = np.interp(s, places, widest)

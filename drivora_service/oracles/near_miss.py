@@ -1,4 +1,4 @@
-"""The ego all but hits another actor."""
+"""The ego nearly collides with another actor."""
 
 from __future__ import annotations
 
@@ -19,17 +19,16 @@ from drivora_service.oracles.verdict import Severity, Verdict, not_started, pass
 class NearMiss:
     """Violated where a time to collision, or the post-encroachment time, is below its bound.
 
-    A conflict with others behind the ego is theirs to keep clear of, and contacts are for
-    ``collision`` to judge. A vehicle that comes the other way round a bend is for a moment on a
-    straight course into the ego: others that move, and not the ego's way, count only if they then
-    came near.
+    Conflicts with actors behind the ego are their responsibility, and contacts are judged by
+    ``collision``. An oncoming vehicle in a bend is for a moment on a straight course into the ego:
+    moving actors that do not go the ego's way count only if they then come near.
 
     Attributes:
         time_to_collision: Seconds, at constant velocities.
-        duration: Seconds for which it must be below the bound: one row alone may be noise.
+        duration: Seconds for which it must be below the bound: a single row may be noise.
         post_encroachment_time: Seconds between one leaving a place and the other being there.
-        standing_speed: m/s below which an ego endangers no other.
-        gap: Metres between the boxes that are near, for others that move another way.
+        standing_speed: m/s below which an ego endangers no actor.
+        gap: Metres between the boxes up to which actors that move another way are near.
     """
 
     time_to_collision: float = 0.95
@@ -67,14 +66,14 @@ class NearMiss:
             "time_to_collision": soonest if np.isfinite(soonest) else None,
             "post_encroachment_time": ego.proximity.post_encroachment_time,
         }
-        return verdicts or [passed(self.name, ego, "Kept clear of the others.", **facts)]
+        return verdicts or [passed(self.name, ego, "Kept clear of other actors.", **facts)]
 
     def _moves(self, ego: EgoView) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         moves: np.ndarray[tuple[int], np.dtype[np.bool_]] = ego.speed >= self.standing_speed
         return moves
 
     def _came_near(self, ego: EgoView, k: int, other: int) -> bool:
-        """Returns whether an actor on the ego's course from row ``k`` on was in its way in fact."""
+        """Returns whether an actor on the ego's course from row ``k`` on came into its way."""
         trace, row = ego.trace, ego.first + k
         state = trace.states[row, other]
         moves = np.hypot(state[Col.VX], state[Col.VY]) >= self.standing_speed

@@ -1,4 +1,4 @@
-"""What makes an oracle known by a name."""
+"""The plug-in by which a package registers an oracle."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from drivora_service.oracles.verdict import Oracle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OraclePlugin:
-    """What an entry point of the group ``drivora_service.oracles`` gives.
+    """The object that an entry point of the group ``drivora_service.oracles`` names.
 
     Attributes:
-        name: Of the oracle that the factory makes: in snake case, at most 60 characters.
-        description: One sentence for people.
-        create: Makes the oracle, once a process.
+        name: Name of the oracle that the factory makes: in snake case, at most 60 characters.
+        description: One sentence.
+        create: Factory of the oracle, called once in each process.
     """
 
     name: str

@@ -14,10 +14,10 @@ from drivora_service.observations.trace import EgoCol, Light
 from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
 
 _SAME_PLACE = 0.1
-"""Metres by which the place of a stop line on the route may differ from row to row."""
+"""Metres by which the place of a stop line on the route may differ between rows."""
 
 _SAME_LINE = 5.0
-"""Metres of way within which a crossing seen along the route and one seen on the road are one."""
+"""Metres along the way within which a crossing on the route and one on the road are the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,9 +25,9 @@ class _Passage:
     """A stop line that the tail has crossed.
 
     Attributes:
-        front: Row in which the front is beyond it.
-        tail: Row in which the tail is beyond it.
-        shown: (n,) ``Light`` of the ego's movement, by row; ``None`` if it cannot be told.
+        front: Row in which the front is first beyond it.
+        tail: Row in which the tail is first beyond it.
+        shown: (n,) ``Light`` of the ego's movement, by row; ``None`` if it is unknown.
     """
 
     front: int
@@ -42,11 +42,11 @@ class RedLight:
     Every stop line of the network counts that the ego drives over along its lane, on the route or
     off it; where the ego leaves its lane to drive past the line of its route, that line counts as
     well. A vehicle whose front has passed on green or yellow and whose tail follows on red has
-    violated the rule: that is how the Leaderboard counts.
+    violated the rule, as in the Leaderboard.
 
     Attributes:
         seen_within: Metres before the stop line within which the front bumper must have been at
-            some time; a signal that the ego never approached is not its signal.
+            some time; a signal that the ego never approached does not apply to it.
     """
 
     seen_within: float = 15.0
@@ -75,8 +75,8 @@ class RedLight:
         facts = {"lines": len(passages), "unclear": unclear}
         if unclear:
             message = (
-                f"Crossed {unclear} of {len(passages)} stop lines where no movement leads that the "
-                "ego drove: which signal was its own is not known."
+                f"Crossed {unclear} of {len(passages)} stop lines whose signal is unknown: the ego "
+                "followed no movement from them."
             )
             return [not_measurable(self.name, ego, message, **facts)]
         message = f"Crossed {len(passages)} stop lines, none on red."
@@ -132,7 +132,8 @@ class RedLight:
         for start, last, tail in _stretches(ego):
             seen = distance[start : last + 1]
             approached = np.any((seen >= 0.0) & (seen <= self.seen_within))
-            # The trace shows one signal at a time: one close behind another appears under the ego.
+            # The trace records one signal at a time: one close behind another appears under the
+            # ego.
             concealed = start > 0 and distance[start - 1] < 0.0
             if not (approached or concealed) or lateral[tail] > BESIDE_ROUTE:
                 continue
@@ -145,7 +146,7 @@ class RedLight:
 
 
 def _shown(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
-    """Returns whether a line has a signal, and what it showed by row, if that can be told."""
+    """Returns whether a line has a signal, and its state by row; ``None`` if that is unknown."""
     all_shown = [signal_shown(ego, way.connection) for way in crossing.ways]
     known = [shown for shown in all_shown if shown is not None]
     if not known:
@@ -158,14 +159,14 @@ def _shown(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
 
 
 def _stretches(ego: EgoView) -> list[tuple[int, int, int]]:
-    """Returns, for every stop line of the route that the tail crossed, the rows that speak of it.
+    """Returns, for every stop line of the route that the tail crossed, its rows.
 
-    The distance falls below zero as the front passes the line, and speaks of the next signal as
-    soon as the tail has passed. The place of the line on the route, which is the distance ahead of
-    the ego's own, tells one signal from the next.
+    The distance falls below zero as the front passes the line, and refers to the next signal as
+    soon as the tail has passed. The position of the line on the route, which is the distance plus
+    the ego's own, distinguishes the signals.
 
     Returns:
-        First and last row that speak of the signal, and the first with the tail beyond the line.
+        First and last row that refer to the signal, and the first with the tail beyond the line.
     """
     distance = ego.value(EgoCol.LIGHT_DISTANCE)
     known = ~np.isnan(distance)

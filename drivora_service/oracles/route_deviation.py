@@ -23,7 +23,7 @@ class RouteDeviation:
     """Violated once the ego is far off its route, or has driven long beside it (Leaderboard).
 
     Attributes:
-        far: Metres from the reference line that end the patience at once.
+        far: Metres from the reference line that violate the oracle immediately.
         beside: Metres from the reference line from which on the ego is beside its route.
         share: Of the route's length that may be driven beside it.
     """

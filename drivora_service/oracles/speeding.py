@@ -22,11 +22,11 @@ from drivora_service.oracles.verdict import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Speeding:
-    """Violated where the ego is faster than its lane allows for longer than a moment.
+    """Violated where the ego exceeds its lane's limit for longer than ``duration``.
 
     Attributes:
         excess: Share of the limit that may be exceeded.
-        duration: Seconds for which more is excused.
+        duration: Seconds for which a higher speed is tolerated.
     """
 
     excess: float = 0.05
@@ -38,7 +38,7 @@ class Speeding:
         return "speeding"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Returns a verdict for every time that an ego was too fast for too long."""
+        """Returns a verdict for every violation of the speed limit."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def _judge(self, ego: EgoView) -> list[Verdict]:
@@ -46,7 +46,7 @@ class Speeding:
             return [not_started(self.name, ego)]
         limit = ego.value(EgoCol.SPEED_LIMIT)
         if not np.isfinite(limit).any():
-            return [not_measurable(self.name, ego, "No speed limit was known at any time.")]
+            return [not_measurable(self.name, ego, "No speed limit was known.")]
         over = overspeed(ego)
         total = float(over.sum() * ego.step_length)
         verdicts = []
@@ -77,6 +77,6 @@ class Speeding:
 
 
 def overspeed(ego: EgoView) -> FloatArray:
-    """Returns the (n,) m/s by which the ego was over the limit, 0 where none is known."""
+    """Returns the (n,) m/s by which the ego exceeded the limit, 0 where none is known."""
     excess: FloatArray = np.nan_to_num(ego.speed - ego.value(EgoCol.SPEED_LIMIT), nan=0.0)
     return np.maximum(excess, 0.0)

@@ -21,10 +21,10 @@ _STOPS = ("s", "w")
 class StopSign:
     """Violated where the ego's front crosses a line at which its movement must stop first.
 
-    Those are movements to which the network gives a stop sign or an all-way stop, and signals that
-    show SUMO's "stop, then go" (``s``) as the front crosses. The ego has stood if it came less far
-    than ``standing_speed`` allows within ``window``, with its front at most ``reach`` before the
-    line: what counts is the place, not the speed that was recorded.
+    Such movements have a stop sign or an all-way stop in the network, or a signal that shows SUMO's
+    "stop, then go" (``s``) as the front crosses. The ego has stood if within ``window`` it advanced
+    less than ``standing_speed`` allows, with its front at most ``reach`` before the line: the
+    positions count, not the recorded speed.
 
     Attributes:
         standing_speed: m/s below which it stands.
@@ -66,8 +66,8 @@ class StopSign:
                     self.name,
                     ego,
                     crossing.front,
-                    f"Drove past a stop sign at {ego.speed[crossing.front]:.1f} m/s; at its "
-                    f"slowest it came on at {slowest:.1f} m/s, {before:.1f} m before the line.",
+                    f"Drove past a stop sign at {ego.speed[crossing.front]:.1f} m/s; its slowest "
+                    f"approach was {slowest:.1f} m/s, {before:.1f} m before the line.",
                     at_fault=True,
                     speed=float(ego.speed[crossing.front]),
                     slowest=slowest,
@@ -77,18 +77,18 @@ class StopSign:
         if verdicts:
             return verdicts
         if unclear:
-            message = f"Crossed {unclear} lines of which it is not known whether they were its own."
+            message = f"Crossed {unclear} lines; whether it had to stop there is unknown."
             return [not_measurable(self.name, ego, message, lines=lines, unclear=unclear)]
         return [passed(self.name, ego, f"Stood at all of {lines} stop signs.", lines=lines)]
 
     def _slowest(self, ego: EgoView, crossing: Crossing) -> tuple[float, float]:
-        """Returns the least mean speed over the window before a line, m/s, and where that was.
+        """Returns the least mean speed over a window before a line, m/s, and its distance to the line.
 
-        An ego that started within reach of the line has stood there.
+        An ego that started within reach of the line counts as having stood.
         """
         front = crossing.front
         way = np.cumsum(ego.moved)
-        # In the row before, the front was not yet beyond the line.
+        # In the preceding row, the front was not yet beyond the line.
         near = np.flatnonzero(way[front - 1] - way[: front + 1] <= self.reach)
         first = int(near[0])
         if first == 0 and ego.speed[0] < self.standing_speed:

@@ -15,20 +15,20 @@ from drivora_service.oracles.verdict import Severity, Verdict, not_started, pass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tailgating:
-    """Violated where the ego is nearer to the vehicle that it follows than RSS allows, for long.
+    """Violated where the ego follows a vehicle more closely than RSS allows for a long time.
 
     The safe distance is definition 1 of Shalev-Shwartz, Shammah and Shashua, "On a formal model of
-    safe and scalable self-driving cars" (2017): what the ego needs that reacts after the response
-    time and then brakes, while the one in front brakes as hard as it can. Parameters are those of
-    UNECE's competent driver rather than the cautious ones of the metric ``rss_violation_share``,
-    under which an ego that keeps two seconds tailgates.
+    safe and scalable self-driving cars" (2017): the distance for an ego that reacts after the
+    response time and then brakes, while the vehicle ahead brakes as hard as it can. Parameters are
+    those of UNECE's competent driver rather than the cautious ones of the metric
+    ``rss_violation_share``, under which an ego with a headway of two seconds tailgates.
 
     Attributes:
         duration: Seconds for which the distance must be too short.
         response_time: Seconds.
-        acceleration: m/s² that the ego gains during the response time.
+        acceleration: m/s² of the ego during the response time.
         own_braking: m/s² with which the ego brakes.
-        other_braking: m/s² with which the one in front brakes.
+        other_braking: m/s² with which the vehicle ahead brakes.
     """
 
     duration: float = 2.0
@@ -43,15 +43,15 @@ class Tailgating:
         return "tailgating"
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Returns a verdict for every time that an ego was too near for too long."""
+        """Returns a verdict for every time that an ego was too close for too long."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
     def safe_distance(self, speed: FloatArray, lead: FloatArray) -> FloatArray:
-        """Returns the (n,) metres that must be between the ego and the one in front.
+        """Returns the (n,) safe distances in metres between the ego and the vehicle ahead.
 
         Args:
-            speed: (n,) of the ego, m/s, not negative.
-            lead: (n,) of the one in front, m/s, not negative.
+            speed: (n,) speed of the ego, m/s, not negative.
+            lead: (n,) speed of the vehicle ahead, m/s, not negative.
         """
         reached = speed + self.response_time * self.acceleration
         needed: FloatArray = (
@@ -82,7 +82,7 @@ class Tailgating:
                     ego,
                     first,
                     f"{ahead.room[k]:.1f} m behind {who} at {speed[k]:.1f} m/s, where "
-                    f"{needed[k]:.1f} m are safe; too near for {seconds:.1f} s.",
+                    f"{needed[k]:.1f} m are safe; too close for {seconds:.1f} s.",
                     severity=Severity.OBSERVATION,
                     counterpart=who,
                     duration=seconds,

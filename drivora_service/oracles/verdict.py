@@ -1,4 +1,4 @@
-"""What an oracle says about a run."""
+"""Oracles and their verdicts on a run."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 from drivora_service.shapes import Shape
 
 if TYPE_CHECKING:
-    # Whoever only handles verdicts and reports is spared the loading of what judges need.
+    # Modules that only handle verdicts need not load the dependencies of oracles.
     from drivora_service.observations.run_view import EgoView, RunView
 
 
 class Outcome(StrEnum):
-    """The three answers of an oracle."""
+    """The three possible outcomes of an oracle."""
 
     PASSED = "passed"
     VIOLATED = "violated"
@@ -23,20 +23,20 @@ class Outcome(StrEnum):
 
 
 class Severity(StrEnum):
-    """How much a violation of a rule weighs."""
+    """The severity of a violation."""
 
     CRITICAL = "critical"
     """Harm was done: a collision."""
     MAJOR = "major"
-    """Harm was risked, or traffic law broken: a red light, the wrong way."""
+    """Harm was risked, or traffic law was violated: a red light, the wrong way."""
     MINOR = "minor"
     """A fault of driving that endangers no other actor: speeding, a missed destination."""
     OBSERVATION = "observation"
-    """No failure unless a campaign or gate names the oracle: discomfort, a near miss."""
+    """Not a failure unless a campaign or gate names the oracle: discomfort, a near miss."""
 
 
 class Answer(StrEnum):
-    """The answer to a question about a violation that not every trace can decide."""
+    """The answer to a question about a violation, which some traces cannot decide."""
 
     YES = "yes"
     NO = "no"
@@ -45,26 +45,26 @@ class Answer(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict(Shape):
-    """One oracle's answer for one ego.
+    """An oracle's verdict on one ego.
 
     Attributes:
         oracle: Name of the oracle.
         ego: Id of the ego.
-        outcome: Violated or not, or why neither can be said (in ``message``).
-        message: One sentence for people.
-        severity: Of the rule that was broken.
-        at_fault: Whether the ego is responsible; ``None`` where the rule knows no fault, and where
-            it cannot tell.
-        undetermined: The rule knows fault and cannot tell it here (``at_fault`` is ``None``).
+        outcome: Violated, passed or not measurable (``message`` has the reason).
+        message: One sentence.
+        severity: Severity of the oracle's violations.
+        at_fault: Whether the ego is responsible; ``None`` if the oracle does not attribute fault,
+            and if the fault is undetermined.
+        undetermined: The oracle attributes fault, but not in this case (``at_fault`` is ``None``).
         avoidable: Whether a careful and competent driver would have avoided it (UNECE R157);
-            ``None`` where the rule does not ask.
-        physically_avoidable: Whether braking or steering to the full grip from the same moment
-            without delay would have; ``None`` where the rule does not ask.
-        time: Seconds of simulation at which the violation began; ``None`` if there is none.
+            ``None`` if the oracle does not measure that.
+        physically_avoidable: Whether full braking or steering without delay from the same moment on
+            would have avoided it; ``None`` if the oracle does not measure that.
+        time: Simulation time in seconds at which the violation began; ``None`` if there is none.
         step: Row of the trace at that time.
         location: (x, y) in metres at that time.
         counterpart: Id of the other actor involved, or "".
-        evidence: Measured values by name; SI units.
+        evidence: Measured values by name, SI units.
     """
 
     oracle: str
@@ -84,7 +84,7 @@ class Verdict(Shape):
 
 
 class Oracle(Protocol):
-    """A rule. Frozen dataclasses whose fields are the thresholds implement it."""
+    """An oracle: a frozen dataclass whose fields are its thresholds."""
 
     @property
     def name(self) -> str:
@@ -92,23 +92,23 @@ class Oracle(Protocol):
         ...
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
-        """Judges a run: at least one verdict for every ego; several where a rule is broken often.
+        """Judges a run: at least one verdict for every ego, and one for each violation.
 
-        A rule that was not broken by an ego gives exactly one verdict for it. Only rows of the
-        trace up to the end of the ego's part count.
+        An ego without violations has exactly one verdict. Only rows of the trace up to the end of
+        the ego's part count.
         """
         ...
 
 
 def passed(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
-    """Says that an ego kept a rule."""
+    """Returns the verdict that an ego passed."""
     return Verdict(
         oracle=oracle, ego=ego.id, outcome=Outcome.PASSED, message=message, evidence=evidence
     )
 
 
 def not_measurable(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
-    """Says why it cannot be said whether an ego kept a rule."""
+    """Returns the verdict that an oracle is not measurable for an ego, with the reason."""
     return Verdict(
         oracle=oracle,
         ego=ego.id,
@@ -132,7 +132,7 @@ def violated(
     counterpart: str = "",
     **evidence: Any,
 ) -> Verdict:
-    """Says that an ego broke a rule, from its row ``k`` on."""
+    """Returns the verdict of a violation that begins in the ego's row ``k``."""
     return Verdict(
         oracle=oracle,
         ego=ego.id,
@@ -152,5 +152,5 @@ def violated(
 
 
 def not_started(oracle: str, ego: EgoView) -> Verdict:
-    """Says that an ego never began to drive."""
+    """Returns the verdict on an ego that never started."""
     return not_measurable(oracle, ego, "The run ended before the ego's start time.")

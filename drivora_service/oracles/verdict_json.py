@@ -22,21 +22,21 @@ def verdict_from_json(text: str | bytes) -> Verdict:
 
 
 def plain_verdict(verdict: Verdict) -> Verdict:
-    """Returns a verdict as it comes back from storage: nothing but Python's own types.
+    """Returns a verdict as it is read back from storage, with Python's own types only.
 
     Raises:
         ValueError: A field is of a wrong type, or the evidence cannot be written as JSON.
     """
-    # Values of a wrong type are for the reader to judge, who takes NumPy's numbers for numbers.
+    # Types are checked on reading, where NumPy's numbers count as numbers.
     text = _adapter().dump_json(verdict, fallback=plain_value, warnings=False)
     return verdict_from_json(text)
 
 
 def plain_value(value: Any) -> Any:
-    """Turns the NumPy values that evidence may hold into Python's.
+    """Converts the NumPy values that evidence may hold to Python's.
 
     Raises:
-        TypeError: It is something else that JSON has not.
+        TypeError: JSON cannot express the value.
     """
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()

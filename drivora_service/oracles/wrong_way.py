@@ -23,7 +23,7 @@ class WrongWay:
     Attributes:
         window: Seconds over which the movement along the lane is summed.
         distance: Metres against the lane within the window that are allowed.
-        severe_distance: Metres from which on the violation is severe.
+        severe_distance: Metres from which on ``severe`` is set in the evidence.
     """
 
     window: float = 1.0
@@ -44,7 +44,7 @@ class WrongWay:
             return [not_started(self.name, ego)]
         known = np.isfinite(ego.value(EgoCol.LANE_HEADING))
         if not known.any():
-            return [not_measurable(self.name, ego, "The ego was on no lane at any time.")]
+            return [not_measurable(self.name, ego, "The ego was never on a lane.")]
         against = backwards(ego, self.window)
         verdicts = []
         for first, last in stretches(against > self.distance):

@@ -1,4 +1,4 @@
-"""Says of a collision whether it was avoidable, from when on that showed, and up to when."""
+"""Assessment of a collision: the risk perception point, and whether it was avoidable."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_m
 
 _KINDS = {Role.NPC_WALKER: ActorKind.WALKER, Role.NPC_OBSTACLE: ActorKind.OBSTACLE}
 _HEIGHTS = {ActorKind.VEHICLE: 1.5, ActorKind.WALKER: 1.7, ActorKind.OBSTACLE: 1.0}
-"""Metres, of actors whose model is not known."""
+"""Height of actors of unknown model, metres."""
 
 _WHEELBASE_SHARE = 0.6
 _MAX_STEER = 0.6
-"""Of vehicles whose model is not known: share of the length, and radians."""
+"""Vehicles of unknown model: wheelbase as a share of the length, and steering angle in radians."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,10 +36,10 @@ class Avoidability:
     """Whether a collision was avoidable.
 
     Attributes:
-        avoidable: By the careful and competent driver.
-        physically_avoidable: By braking and steering to the full grip, without delay, from the risk
-            perception point on.
-        evidence: What was measured, by name; SI units.
+        avoidable: Whether the careful and competent driver avoids it.
+        physically_avoidable: Whether full braking and steering without delay, from the risk
+            perception point on, avoid it.
+        evidence: Measured values by name, SI units.
     """
 
     avoidable: Answer
@@ -55,13 +55,13 @@ def assess(
     Args:
         ego: The ego.
         k: Its row at the contact.
-        counterpart: Row in the trace of the one that it touched.
-        driver: The careful driver; the regulation's unless told otherwise.
+        counterpart: Row in the trace of the actor that it touched.
+        driver: The careful driver; by default that of the regulation.
     """
     driver = driver or CarefulDriver()
     friction = ego.trace.meta.get("friction")
     if friction is None:
-        return _unknown("the trace does not say how much grip the road had")
+        return _unknown("the trace does not record the grip of the road")
     if k < 1:
         return _unknown("the contact is in the ego's first row: nothing is recorded before it")
     grip = float(friction) * GRAVITY
@@ -78,7 +78,7 @@ def assess(
         sight=float(ego.trace.meta.get("perception_range", np.inf)),
     )
     breach = own_breach(ego, k)
-    # Where no careful driver drives, the risk is known from the start of the record on.
+    # An ego in breach is assumed to know the risk from the start of the record on.
     since = perceived.row if breach is None else 0
     latest = careful_braking(replay, driver, grip, brakes)
     avoidable = latest >= since and latest >= 0
@@ -124,7 +124,7 @@ def _evidence(
     latest: int,
     friction: float,
 ) -> dict[str, Any]:
-    """Returns the seconds before the contact of what counts, and why."""
+    """Returns the evidence: the decisive moments in seconds before the contact, and the reasons."""
 
     def before(row: int) -> float:
         return round((replay.contact - row) * replay.step, 6)

@@ -13,24 +13,24 @@ from drivora_service.oracles.avoidability.driver import CarefulDriver
 from drivora_service.oracles.avoidability.replay import Replay
 
 _LEAST_SHARE = 0.2
-"""Of the grip that bends leave for braking (as of the ego's own dynamics)."""
+"""Share of the grip that is left in bends for braking (as in the ego's dynamics)."""
 
 WAIT = 2.0
-"""Seconds for which others may still run into the ego once it stands."""
+"""Seconds after the ego's standstill in which collisions with others count."""
 
 
 def latest_braking(
     replay: Replay, *, delay: float, full: float, grip: float, jerk: float, earliest: int
 ) -> int:
-    """Returns the last row at which braking begins early enough, -1 if none from ``earliest`` on.
+    """Returns the last row from which braking avoids a collision, -1 if none from ``earliest`` on.
 
     Args:
         replay: The collision.
-        delay: Seconds until deceleration begins; as recorded until then.
+        delay: Seconds until deceleration begins; until then the ego drives as recorded.
         full: The full deceleration, m/s².
-        grip: Friction times gravity, m/s²; what bends take of it is not left for braking.
+        grip: Friction times gravity, m/s²; what bends need of it is not available for braking.
         jerk: m/s³ with which the deceleration grows.
-        earliest: First row that is asked.
+        earliest: First row to consider.
     """
     for row in range(replay.contact - 1, max(earliest, 0) - 1, -1):
         if brakes_clear(replay, row, delay=delay, full=full, grip=grip, jerk=jerk):
@@ -41,7 +41,7 @@ def latest_braking(
 def brakes_clear(
     replay: Replay, row: int, *, delay: float, full: float, grip: float, jerk: float
 ) -> bool:
-    """Returns whether braking that is begun in ``row`` avoids everybody; see ``latest_braking``."""
+    """Returns whether braking from ``row`` on avoids all actors; see ``latest_braking``."""
     clear: bool = _brakes_clear(
         row,
         replay.step,
@@ -60,7 +60,7 @@ def brakes_clear(
 
 
 def careful_braking(replay: Replay, driver: CarefulDriver, grip: float, brakes: float) -> int:
-    """Returns the last row from which the careful driver avoids everybody, -1 if none."""
+    """Returns the last row from which the careful driver avoids all actors, -1 if none."""
     return latest_braking(
         replay,
         delay=driver.delay,
@@ -72,7 +72,7 @@ def careful_braking(replay: Replay, driver: CarefulDriver, grip: float, brakes: 
 
 
 def instant_braking(replay: Replay, grip: float, brakes: float, earliest: int) -> int:
-    """Returns the last row from which full braking without delay avoids everybody, -1 if none."""
+    """Returns the last row from which full braking without delay avoids all actors, -1 if none."""
     return latest_braking(
         replay,
         delay=0.0,
@@ -97,12 +97,12 @@ def meets(
     walks: BoolArray,
     followed: BoolArray,
 ) -> bool:
-    """Returns whether the ego's box overlaps another that counts.
+    """Returns whether the ego's box overlaps the box of an actor that counts.
 
-    The one that was hit (the first) always counts. Of the others, those that come up from behind
+    The actor that was hit (the first) always counts. Of the others, those that approach from behind
     do not: they were recorded behind an ego that drove on, and do not brake for this one. They are
-    noted in ``followed``, and what they do from then on does not matter. Walkers are spared
-    where the ego stands and their motion is no longer recorded: they do not walk into it.
+    marked in ``followed``, and ignored from then on. Walkers do not count where the ego stands and
+    their motion is no longer recorded: they do not walk into it.
     """
     radius = 0.5 * math.hypot(length, width)
     for m in range(poses.shape[0]):
@@ -125,7 +125,7 @@ def meets(
 
 @compiled
 def place_on(path: FloatArray, arc: float, near: int) -> int:
-    """Returns the index of the path's piece on which ``arc`` lies, looked for around ``near``."""
+    """Returns the index of the path's segment that contains ``arc``, searched from ``near`` on."""
     i = int(min(max(near, 0), path.shape[0] - 2))
     while i > 0 and path[i, 0] > arc:
         i -= 1
@@ -136,7 +136,7 @@ def place_on(path: FloatArray, arc: float, near: int) -> int:
 
 @compiled
 def pose_on(path: FloatArray, arc: float, i: int) -> tuple[float, float, float]:
-    """Returns x, y and heading at ``arc``, which lies on the path's piece ``i``."""
+    """Returns x, y and heading at ``arc``, which lies on the path's segment ``i``."""
     span = path[i + 1, 0] - path[i, 0]
     share = (arc - path[i, 0]) / span if span > 1e-9 else 1.0
     share = min(max(share, 0.0), 1.0)
@@ -168,7 +168,7 @@ def _brakes_clear(
     stood = 0.0
     followed = np.zeros(sizes.shape[0], dtype=np.bool_)
     for t in range(row, others.shape[0] - 1):
-        # Time since the start at the end of this step; braking may begin within it.
+        # Time since the start at the end of this step. Braking may begin within the step.
         since = (t + 1 - row) * step - delay
         if since <= 1e-9 and t < contact:
             arc, speed = path[t + 1, 0], recorded[t + 1]

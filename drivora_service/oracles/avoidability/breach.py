@@ -1,4 +1,4 @@
-"""Whether the ego was where no careful driver is: over a red light, off its road, or oncoming."""
+"""Breaches by the ego: entered on red, off its road, or on the oncoming side."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
 
 OUTSIDE = 0.3
-"""Metres beyond the road of its own direction that a careful driver keeps within (nuPlan)."""
+"""Tolerance in metres beyond the road of the ego's own direction (nuPlan)."""
 
 
 class Breach(StrEnum):
-    """What the ego did that a careful driver does not do."""
+    """A breach by the ego that excludes a careful driver."""
 
     RED_LIGHT = "red_light"
     """It was inside a junction that it had entered on red."""
@@ -24,7 +24,7 @@ class Breach(StrEnum):
 
 
 def own_breach(ego: EgoView, k: int) -> tuple[Breach, int] | None:
-    """Returns what the ego was doing in row ``k``, and since which row; ``None`` if nothing."""
+    """Returns the ego's breach in row ``k`` and the row of its beginning; ``None`` without one."""
     astray = _astray(ego)
     if astray[k]:
         begun = k
@@ -49,7 +49,7 @@ def _astray(ego: EgoView) -> BoolArray:
 
 
 def _entered_on_red(ego: EgoView, k: int) -> int | None:
-    """Returns the row in which it passed the stop line of the junction it is in, on red."""
+    """Returns the row in which the ego passed the stop line of its present junction on red."""
     if not ego.in_junction[k]:
         return None
     distance = ego.value(EgoCol.LIGHT_DISTANCE)

@@ -1,4 +1,4 @@
-"""The careful and competent driver of UN Regulation No. 157, and the grip that the road leaves it.
+"""The careful and competent driver of UN Regulation No. 157, and the grip available to it.
 
 Source of the figures: UN Regulation No. 157 (automated lane keeping systems), Annex 4, Appendix 3
 of the original series of amendments (Annex 3 from the 01 series on), "Guidance on traffic
@@ -22,20 +22,20 @@ Number = TypeVar("Number", float, FloatArray)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CarefulDriver:
-    """What the regulation states of the driver, and what it leaves open.
+    """Parameters of the driver: those of the regulation, and those that it leaves open.
 
     Attributes:
-        evaluation_time: Seconds from the risk perception point until the risk is understood.
+        evaluation_time: Seconds from the risk perception point until the risk is evaluated.
         braking_delay: Seconds from then until deceleration begins.
         jerking_time: Seconds from then to the full deceleration on a dry road.
         deceleration: m/s², the full deceleration.
         wander: Metres by which a vehicle may move sideways in its lane before it is cutting in.
         leader_braking: m/s² from which on the braking of the vehicle in front is a risk.
         headway: Seconds behind the vehicle in front within which its braking is a risk.
-        foresight: Seconds for which the motion of others is thought ahead (ours; UN Regulation No.
+        foresight: Seconds for which the motion of others is predicted (ours; UN Regulation No.
             152 on emergency braking begins its tests at a time to collision of 4 s).
-        margin: Factor on the time that braking takes, for which others are thought ahead where that
-            is longer than ``foresight`` (ours).
+        margin: Factor on the braking time for which the motion of others is predicted where that is
+            longer than ``foresight`` (ours).
     """
 
     evaluation_time: float = 0.4
@@ -59,14 +59,14 @@ class CarefulDriver:
         return self.deceleration / self.jerking_time
 
     def full_braking(self, grip: float, brakes: float) -> float:
-        """Returns the deceleration that a road's grip and a vehicle's brakes leave, all m/s²."""
+        """Returns the deceleration that a road's grip and a vehicle's brakes allow, all m/s²."""
         return min(self.deceleration, grip, brakes)
 
     def time_for(self, closing: Number, grip: float) -> Number:
-        """Returns the seconds before a meeting at which braking has to begin, about.
+        """Returns the approximate seconds before a meeting at which braking has to begin.
 
         Args:
-            closing: m/s, a number or an array, that braking has to take off.
+            closing: Closing speed to be braked off, m/s; a number or an array.
             grip: Friction times gravity, m/s².
         """
         full = self.full_braking(grip, math.inf)

@@ -1,8 +1,8 @@
-"""Evading to the full grip: braking and steering at once, within the drivable area.
+"""Evasion at full grip: simultaneous braking and steering within the drivable area.
 
-A search over few manoeuvres: aside to the left or right for a time, back to the direction of the
-path, braking all along by a share of the grip; what braking leaves of the friction circle is there
-for steering. The vehicle is a kinematic bicycle with the rate at which a steering wheel is turned.
+A search over few manoeuvres: steering to the left or right for a time, then back to the direction
+of the path, braking throughout by a share of the grip; the rest of the friction circle is available
+for steering. The vehicle is a kinematic bicycle with a limited rate of the steering wheel.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from drivora_service.oracles.avoidability.braking import WAIT, meets, place_on, 
 from drivora_service.oracles.avoidability.replay import Replay
 
 BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
-"""Of the grip, for braking while steering."""
+"""Shares of the grip used for braking while steering."""
 
 ASIDE_TIMES = (0.2, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0)
-"""Seconds for which the ego is steered aside before it is steered back."""
+"""Seconds of steering aside before steering back."""
 
 STEER_RATE = 0.7
-"""rad/s of the front wheels (as of the ego's own dynamics)."""
+"""rad/s of the front wheels (as in the ego's dynamics)."""
 
 OUTSIDE = 0.3
 """Metres that a corner may be outside the drivable area (nuPlan)."""
 
 _STRAIGHT_SHARE = 0.95
-"""Of the grip, for braking once the ego is back in direction; the rest keeps it there."""
+"""Share of the grip used for braking once the ego is back in direction; the rest steers."""
 
 
 def find_evasion(
@@ -45,19 +45,20 @@ def find_evasion(
     wheelbase: float,
     max_steer: float,
 ) -> FloatArray | None:
-    """Returns a manoeuvre from ``row`` on that avoids everybody within the drivable area.
+    """Returns a manoeuvre from ``row`` on that avoids all actors within the drivable area.
 
     Args:
         replay: The collision.
-        network: Whose drivable area counts.
-        row: Of the replay.
+        network: The network with the drivable area.
+        row: Row of the replay.
         grip: Friction times gravity, m/s².
         brakes: Full deceleration of the vehicle, m/s².
         wheelbase: Metres.
         max_steer: Radians at the front wheels.
 
     Returns:
-        (n, 3) x, y and heading, one a row after ``row``; ``None`` where no manoeuvre does.
+        (n, 3) x, y and heading, one for each row after ``row``; ``None`` if no manoeuvre avoids all
+        actors.
     """
     poses = np.zeros((len(replay.others) - 1 - row, 3))
     for share in BRAKING_SHARES:
@@ -104,7 +105,7 @@ def _evade(
     walks: BoolArray,
     poses: FloatArray,
 ) -> int:
-    """Drives one manoeuvre and fills its poses; returns their number, 0 where it meets someone."""
+    """Fills the poses of one manoeuvre; returns their number, 0 if it touches an actor."""
     braking, side, aside, grip, brakes, wheelbase, max_steer = manoeuvre
     x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
     arc, i = path[row, 0], row
@@ -129,7 +130,7 @@ def _evade(
         most = min(most, max_steer)
         wanted = side * most
         if turn_back and not straight:
-            # What it still turns while the steering goes back to the middle.
+            # The change of heading until the steering is back in the middle.
             unwound = mean * steer * steer / (2.0 * STEER_RATE * wheelbase)
             wanted = -wanted
             straight = turned <= (unwound if steer * side < 0.0 else 0.0)

@@ -1,8 +1,8 @@
-"""What a collision is replayed from: the ego's recorded path, and the others' recorded motion.
+"""The data for replaying a collision: the ego's recorded path and the others' recorded motion.
 
-The record ends as a rule with the collision, which changes the motion of the one that was hit in
-any case. From there on others keep their speed, or brake on as they braked until they stand; what
-went the ego's way goes on along the ego's heading.
+The record usually ends with the collision, which changes the motion of the actor that was hit. From
+there on others keep their speed, or keep their deceleration until they stand; actors that went the
+ego's way continue along the ego's heading.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role, Trace
 
 BEFORE = 20.0
-"""Seconds before the contact that are looked at."""
+"""Seconds before the contact that are considered."""
 
 AFTER = 10.0
 """Seconds for which the replay goes on after the contact."""
 
 NEAR = 150.0
-"""Metres from the place of the contact within which others are replayed."""
+"""Radius around the contact in which others are replayed, metres."""
 
 SAME_WAY = math.radians(30.0)
-"""Difference of headings up to which another goes the ego's way."""
+"""Difference of headings up to which an actor goes the ego's way, radians."""
 
 _ONWARDS = 300.0
-"""Metres for which the ego's path is carried on straight behind the contact."""
+"""Metres of the straight extension of the ego's path beyond the contact."""
 
 _SMOOTHING = 0.3
 """Seconds over which the braking of others is measured."""
@@ -39,24 +39,24 @@ _SMOOTHING = 0.3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Replay:
-    """A collision of an ego, cut out of the trace: R rows, P points of the path, M others.
+    """The rows of a trace around a collision: R rows, P points of the path, M others.
 
     Row ``i`` here is row ``first + i`` of the trace; the contact is in row ``contact``; rows after
-    it are carried on. The one that was hit is the first of the others.
+    it are extrapolated. The actor that was hit is the first of the others.
 
     Attributes:
         step: Seconds between rows.
-        first: Row of the trace.
-        contact: Row here.
+        first: Row of the trace at which the replay begins.
+        contact: Row of the replay at the contact.
         length: Of the ego, metres.
         width: Of the ego, metres.
         path: (P, 5) arc length, x, y, heading (continuous) and curvature (1/m) of the ego's path:
-            its recorded places up to the contact, and one point straight on.
+            its recorded positions up to the contact, and one point straight ahead.
         speed: (contact + 1,) m/s over ground of the ego.
         others: (R, M, 3) x, y and heading; NaN where absent.
         present: (R, M) flags.
         sizes: (M, 2) length and width, metres.
-        walks: (M,) whether it is a walker.
+        walks: (M,) flags of walkers.
         rows: (M,) rows of the others in the trace.
     """
 
@@ -75,7 +75,7 @@ class Replay:
 
 
 def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
-    """Returns what a contact is replayed from.
+    """Returns the data for replaying a contact.
 
     Args:
         ego: The ego.
@@ -107,7 +107,7 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
 
 
 def _near(trace: Trace, ego: EgoView, k: int, counterpart: int) -> list[int]:
-    """Returns the rows of the others on the ego's level that may matter, the one hit first."""
+    """Returns the rows of the relevant others on the ego's level, the actor that was hit first."""
     step = ego.first + k
     place = ego.states[k]
     window = trace.states[max(step - round(AFTER / trace.step_length), 0) : step + 1]
@@ -140,7 +140,7 @@ def _beyond(end: FloatArray) -> tuple[float, float]:
 def _motion(
     trace: Trace, rows: list[int], first: int, contact: int, after: int, heading: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Returns (R, M, 3) poses and (R, M) presence of the others, carried on after the record."""
+    """Returns (R, M, 3) poses and (R, M) presence of the others, extrapolated after the record."""
     count = contact + after + 1
     others = np.full((count, len(rows), 3), np.nan)
     present = np.zeros((count, len(rows)), dtype=np.bool_)

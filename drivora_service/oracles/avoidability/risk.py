@@ -1,11 +1,11 @@
-"""From when on a collision showed: the risk perception point.
+"""The risk perception point of a collision.
 
-UN Regulation No. 157 states it for what happens on motorways: a vehicle beside that has moved more
-than 0.375 m sideways is cutting in, and one in front that brakes harder than 5 m/s² is a risk. For
-everything else (walkers, crossing and oncoming vehicles, what stands in the way) it states none;
-there, and for what is in front already, it is the moment from which on the other, going on as it
-does, and the ego, going on along its path at its speed, are about to meet. What is hidden behind
-others, or further away than can be seen in the weather, is no risk yet.
+UN Regulation No. 157 states it for motorway traffic: an adjacent vehicle that has moved more than
+0.375 m sideways is cutting in, and a vehicle ahead that brakes harder than 5 m/s² is a risk. For
+everything else (walkers, crossing and oncoming vehicles, obstacles) it states none; there, and for
+actors already ahead, it is the moment from which on the other, if it continues its motion, and the
+ego, if it continues along its path at its speed, are about to meet. An actor that is hidden by
+others, or further away than the sight in the weather, is no risk yet.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from drivora_service.oracles.avoidability.driver import CarefulDriver
 from drivora_service.oracles.avoidability.replay import SAME_WAY, Replay
 
 _THINK_STEP = 0.1
-"""Seconds between the moments at which two are asked whether they will have met."""
+"""Interval of the checks whether two actors will have met, seconds."""
 
 _MEASURED = 0.2
 """Seconds over which the turning and braking of others is measured."""
@@ -36,14 +36,14 @@ _STANDS = 0.1
 """m/s below which an actor's direction is its heading."""
 
 _TURNS = 1.0
-"""m/s below which an actor is thought to go straight on."""
+"""m/s below which an actor is predicted to go straight on."""
 
 
 class Risk(StrEnum):
-    """What showed first."""
+    """The first perceptible risk."""
 
     MEETING = "meeting"
-    """Both, going on as they did, were about to meet."""
+    """Both, continuing their motion, were about to meet."""
     CUTTING_IN = "cutting_in"
     """The other moved sideways out of its lane, towards the ego's path."""
     LEADER_BRAKING = "leader_braking"
@@ -55,9 +55,9 @@ class Perceived:
     """The risk perception point.
 
     Attributes:
-        row: Row of the replay; the contact's own where nothing showed before.
-        risk: What showed; ``None`` where nothing did before the contact.
-        hidden: Whether the other was hidden, or too far away to be seen, in the row before.
+        row: Row of the replay; that of the contact if no risk was perceptible before.
+        risk: The perceptible risk; ``None`` if there was none before the contact.
+        hidden: Whether the other was hidden, or out of sight, in the row before.
     """
 
     row: int
@@ -75,18 +75,18 @@ def perceive_risk(
     heights: FloatArray,
     sight: float,
 ) -> Perceived:
-    """Returns from when on, without a pause, the one that was hit was a risk.
+    """Returns the moment from which on the actor that was hit was a risk without a pause.
 
-    A risk that goes away for no longer than the evaluation time has not gone away.
+    Pauses no longer than the evaluation time do not count.
 
     Args:
         replay: The collision.
         trace: The run.
         ego_row: Row of the ego in the trace.
-        driver: Whose rules count.
+        driver: The driver with the thresholds.
         grip: Friction times gravity, m/s².
         heights: (N,) metres, of all actors of the trace.
-        sight: Metres that can be seen.
+        sight: Range of sight, metres.
     """
     rows = replay.contact
     poses = np.ascontiguousarray(replay.others[:rows, 0])
@@ -96,8 +96,8 @@ def perceive_risk(
     kinds: dict[Risk, BoolArray] = {Risk.MEETING: _meeting(replay, driver, grip, poses, course)}
     if not replay.walks[0]:
         beside = _beside(replay.path, poses, there)
-        # What goes the ego's way is thought to keep to it: no risk as long as it wanders beside,
-        # and one that comes over will not drive on across the lane.
+        # An actor that goes the ego's way is predicted to keep to its lane: it is no risk while it
+        # wanders beside the ego, and one that comes over will not continue across the lane.
         same_way = np.abs(beside[2]) < SAME_WAY
         closing = _closing_in(replay, driver, grip, course, beside)
         kinds[Risk.MEETING] = np.where(same_way, closing, kinds[Risk.MEETING])
@@ -121,7 +121,7 @@ def perceive_risk(
 def _seen(
     replay: Replay, trace: Trace, ego_row: int, heights: FloatArray, sight: float
 ) -> BoolArray:
-    """Returns (contact,) whether the one that was hit was in sight."""
+    """Returns (contact,) whether the actor that was hit was in sight."""
     other = int(replay.rows[0])
     sizes = np.array([(actor.length, actor.width) for actor in trace.actors])
     part = slice(replay.first, replay.first + replay.contact)
@@ -157,7 +157,7 @@ def _hidden(
 def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> FloatArray:
     """Returns (n, 4) speed, direction, turn rate and deceleration of an actor.
 
-    Measured over ``back`` rows before; NaN where it was absent.
+    Measured over the ``back`` preceding rows; NaN where it was absent.
     """
     course = np.full((poses.shape[0], 4), np.nan)
     for t in range(poses.shape[0]):
@@ -192,7 +192,7 @@ def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> Fl
 def _meeting(
     replay: Replay, driver: CarefulDriver, grip: float, poses: FloatArray, course: FloatArray
 ) -> BoolArray:
-    """Returns (contact,) whether both were about to meet, going on as they did."""
+    """Returns (contact,) whether both, continuing their motion, were about to meet."""
     full = driver.full_braking(grip, math.inf)
     ready = float(driver.time_for(0.0, grip))
     meeting: BoolArray = _will_meet(
@@ -257,9 +257,9 @@ def _will_meet(
 def _closing_in(
     replay: Replay, driver: CarefulDriver, grip: float, course: FloatArray, beside: FloatArray
 ) -> BoolArray:
-    """Returns (contact,) whether both, on one path and going one way, were about to meet.
+    """Returns (contact,) whether both, on one path in one direction, were about to meet.
 
-    Each keeps its speed and keeps to the path; the one behind closes in on the one in front.
+    Each keeps its speed and the path; the actor behind closes in on the actor in front.
     """
     along, across, turned = beside
     ahead = along - replay.path[: replay.contact, 0]
@@ -278,7 +278,7 @@ def _closing_in(
 def _leader_braking(
     replay: Replay, driver: CarefulDriver, course: FloatArray, beside: FloatArray
 ) -> BoolArray:
-    """Returns (contact,) whether the one hit braked hard, in front and within the headway."""
+    """Returns (contact,) whether the actor hit braked hard, in front and within the headway."""
     along, across, turned = beside
     reach = 0.5 * (replay.width + replay.sizes[0, 1])
     room = along - replay.path[: replay.contact, 0] - 0.5 * (replay.length + replay.sizes[0, 0])
@@ -293,9 +293,10 @@ def _leader_braking(
 
 
 def _cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> BoolArray:
-    """Returns (contact,) whether the one hit was on its way into the ego's path from beside it.
+    """Returns (contact,) whether the actor hit was on its way into the ego's path from beside it.
 
-    From when it has moved by more than the wander towards the path until it is in it.
+    It is from the row in which it has moved towards the path by more than the wander until it is in
+    it.
     """
     flags = np.zeros(replay.contact, dtype=np.bool_)
     away, turned = np.abs(beside[1]), np.abs(beside[2])
@@ -317,7 +318,7 @@ def _cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> Bo
 
 @compiled
 def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> FloatArray:
-    """Returns (3, n) where an actor was: along the path, across it, and turned from it.
+    """Returns (3, n) positions of an actor: along the path, across it, and its angle to it.
 
     Metres, metres to the left, radians; NaN where it was absent.
     """

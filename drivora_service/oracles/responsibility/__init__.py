@@ -1,1 +1,1 @@
-"""Who is responsible for a collision: evidence from the trace, and a table of rules on it."""
+"""Responsibility for a collision: evidence from the trace, and a table of rules."""

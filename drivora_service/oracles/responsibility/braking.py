@@ -1,4 +1,4 @@
-"""Whether one of two could have braked in time, as UNECE R157's competent driver brakes."""
+"""Whether a party could have braked in time, as UNECE R157's competent driver."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ REACTION = 1.15
 evaluation and 0.75 s of delay (UNECE R157, annex 3)."""
 
 DECELERATION = 0.774 * GRAVITY
-"""m/s² of the competent driver's braking (UNECE R157, annex 3), where the road has that grip."""
+"""m/s² of the competent driver's braking (UNECE R157, annex 3), if the road has that grip."""
 
 RAMP = 0.6
 """Seconds until the braking is full (UNECE R157, annex 3)."""
 
 
 def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION) -> bool:
-    """Says whether ``one``, which runs into ``other``, could have kept behind it by braking.
+    """Returns whether ``one``, which runs into ``other``, could have kept behind it by braking.
 
-    Both are looked at along the heading of ``one`` at the contact. The other moves as recorded,
-    and after the contact on at its last speed; a speed towards ``one`` counts as standing.
+    Both are projected on the heading of ``one`` at the contact. The other moves as recorded,
+    and after the contact at its last speed; a speed towards ``one`` counts as standing.
 
     Args:
-        one: The one that brakes.
-        other: The one before it.
+        one: The party that brakes.
+        other: The party ahead of it.
         step: Row of the trace at which the risk could be perceived.
         reaction: Seconds from then to the first braking.
     """

@@ -1,4 +1,4 @@
-"""What the table of rules says of a collision."""
+"""The result of the table of rules for a collision."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from enum import StrEnum
 
 
 class Fault(StrEnum):
-    """Which of the two is responsible."""
+    """The responsible party."""
 
     EGO = "ego"
     OTHER = "other"
     UNKNOWN = "unknown"
-    """The rules or the trace do not tell."""
+    """Undetermined by the rules or the trace."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """The answer of the first rule that applies.
+    """The result of the first rule that applies.
 
     Attributes:
         rule: Name of the rule in the table.
-        fault: Which of the two is responsible.
-        reason: Why, for people; part of a sentence.
+        fault: The responsible party.
+        reason: Why, as part of a sentence.
     """
 
     rule: str

@@ -1,4 +1,4 @@
-"""How two boxes came together: which part was touched, and how both moved."""
+"""The impact of a collision: the parts that touched, and the motion of both."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.trace import Actor, Col, Trace
 
 _JUMP = 1.0
-"""Metres in one step that the speeds of an actor do not explain."""
+"""Metres in one step beyond what the speeds of an actor explain."""
 
 
 class Face(StrEnum):
@@ -29,7 +29,7 @@ class Face(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impact:
-    """How two boxes came together.
+    """The impact of two boxes.
 
     Attributes:
         ego_speed: m/s over ground on the way into the contact.
@@ -39,7 +39,7 @@ class Impact:
         face: The part of the ego that was touched first.
         other_face: The part of the other that was touched first.
         place: (x, y) of the touch, metres.
-        appeared: The other was put where the ego was, and did not move there.
+        appeared: The other was placed where the ego was, and did not move there.
         jumped: The other was moved further in one step than its speeds explain, as by a lane change
             of SUMO's LC2013.
     """
@@ -88,7 +88,7 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
 
 
 def _jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
-    """Says whether an actor's displacement is not that of its speeds before and after a step."""
+    """Returns whether an actor's displacement disagrees with its speeds before and after a step."""
     speeds = 0.5 * (before[[Col.VX, Col.VY]] + after[[Col.VX, Col.VY]])
     unexplained = (after - before)[[Col.X, Col.Y]] - speeds * step_length
     return bool(np.hypot(*unexplained) > _JUMP)
@@ -125,7 +125,7 @@ def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor
 
 
 def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
-    """Tells which part of the ego was touched, from (2, 3) poses of ego and other as they touch."""
+    """Returns the part of the ego that was touched, from (2, 3) poses as the two touch."""
     x, y = _touch_point(pose, ego, other)
     distances = {
         Face.FRONT: 0.5 * ego.length - x,

@@ -1,4 +1,4 @@
-"""The table of rules, in the order in which they are asked."""
+"""The table of rules, in the order in which they are applied."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from drivora_service.oracles.responsibility.walker_rules import walker
 
 
 def appeared(scene: Scene) -> Finding | None:
-    """Nothing led to where the other was put."""
+    """The other was placed where no motion led."""
     if scene.impact.jumped:
         return Finding(rule="appeared", fault=Fault.OTHER, reason="the other jumped into the ego")
     if not scene.impact.appeared:
@@ -33,21 +33,21 @@ def appeared(scene: Scene) -> Finding | None:
 
 
 def backwards(scene: Scene) -> Finding | None:
-    """An ego that goes backwards gives way."""
+    """An ego that goes backwards is responsible."""
     if scene.impact.face is Face.REAR and scene.impact.ego_forward < -scene.standing_speed:
         return Finding(rule="backwards", fault=Fault.EGO, reason="the ego went backwards")
     return None
 
 
 def both_stand(scene: Scene) -> Finding | None:
-    """Neither moved."""
+    """Neither party moved."""
     if scene.stands(scene.ego) and scene.stands(scene.other):
         return Finding(rule="standing", fault=Fault.OTHER, reason="the ego stood")
     return None
 
 
 def off_the_road(scene: Scene) -> Finding | None:
-    """Beside the road what moves is responsible; where both left it, no rule tells."""
+    """Beside the road the party that moves is responsible; undetermined where both left it."""
     if scene.areas.drivable_at(scene.impact.place, 0.3):
         return None
     if scene.stands(scene.ego):
@@ -67,7 +67,7 @@ def off_the_road(scene: Scene) -> Finding | None:
 
 
 def obstacle(scene: Scene) -> Finding | None:
-    """An object that stands is run into, whatever its direction."""
+    """Hitting an object that stands is judged in the same way for all directions."""
     return one_behind_the_other(scene) if scene.other_role is Role.NPC_OBSTACLE else None
 
 
@@ -96,15 +96,15 @@ def find_responsible(
     impact: Impact,
     standing_speed: float,
 ) -> Finding:
-    """Finds which of two is responsible for a collision.
+    """Finds the responsible party of a collision.
 
     Args:
         trace: The run.
         network: Its road network.
         ego: The ego.
-        other: The other.
+        other: The other actor.
         step: Row of the trace at the contact.
-        impact: How they came together.
+        impact: The impact.
         standing_speed: m/s up to which an actor stands.
     """
     scene = Scene(
@@ -121,4 +121,4 @@ def find_responsible(
         found = rule(scene)
         if found is not None:
             return found
-    return Finding(rule="none", fault=Fault.UNKNOWN, reason="no rule tells")
+    return Finding(rule="none", fault=Fault.UNKNOWN, reason="no rule applies")

@@ -1,4 +1,4 @@
-"""The rules for vehicles inside a junction: signals, right of way, own ways."""
+"""The rules for vehicles inside a junction: signals, right of way, leaving the own way."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drivora_service.oracles.responsibility.road_rules import one_behind_the_oth
 from drivora_service.oracles.responsibility.scene import ALONG, ASTRAY, Scene
 
 _FIRST = 1.0
-"""Seconds by which one must come earlier to be first at an all-way stop."""
+"""Seconds by which a party must arrive earlier to be first at an all-way stop."""
 
 
 def in_junction(scene: Scene) -> Finding | None:
@@ -44,7 +44,7 @@ def in_junction(scene: Scene) -> Finding | None:
 
 
 def _blocked(scene: Scene) -> Finding | None:
-    """Who stands in the junction for long enough to brake for is not run into."""
+    """A party that has stood long enough to brake for in the junction has priority."""
     for party in (scene.ego, scene.other):
         other = scene.opposite(party)
         if not scene.stands(party) or scene.stands(other):
@@ -87,7 +87,7 @@ def _signals(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
             fault=scene.fault_of(red[0]),
             reason=f"{scene.name(red[0])} came into the junction on red",
         )
-    # On green, but not at the same time: the one whose green was before is let clear.
+    # On green, but not at the same time: the party whose green was earlier may clear the junction.
     for party, way in ways.items():
         later = ways[scene.opposite(party)]
         if way.entered < later.entered and signal_is_red(scene, _link(later), way.entered):
@@ -138,7 +138,7 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
 
 
 def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
-    """Ways that do not cross: who left its own is responsible."""
+    """For ways that do not cross, the party that left its own is responsible."""
     beyond = {party: _beyond(party, way) > ASTRAY for party, way in ways.items()}
     left = [party for party, is_beyond in beyond.items() if is_beyond]
     if len(left) != 1:
@@ -148,7 +148,7 @@ def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
             if way.area is not None and not way.area.intersects(Point(scene.impact.place))
         ]
     if len(left) != 1:
-        return _unknown("own_way", "the ways do not cross, and it cannot be told who left its own")
+        return _unknown("own_way", "the ways do not cross, and which party left its own is unknown")
     return Finding(
         rule="own_way",
         fault=scene.fault_of(left[0]),

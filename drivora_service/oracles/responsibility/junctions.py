@@ -1,4 +1,4 @@
-"""How one of the two went through the junction in which they collided."""
+"""The passage of a party through the junction of the collision."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _FARTHEST = 1.3
 """Mean metres from the middle of a way through the junction up to which an actor follows it."""
 
 _TURN_WEIGHT = 2.0
-"""Metres that a radian between an actor's heading and a way counts for."""
+"""Metres that count for a radian between an actor's heading and a way."""
 
 _LEAST = 0.5
-"""Seconds that are compared with a way at least."""
+"""Least time that is compared with a way, seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,11 +29,11 @@ class Passage:
     """An actor's way through a junction.
 
     Attributes:
-        movement: The way that it followed; None where it followed none of them.
+        movement: The way that it followed; None if it followed none.
         entered: Row of the trace at which it came into the junction.
-        red: Whether its signal was red then; None without a signal.
-        link: Traffic light and place of its signal there, or None.
-        area: Of the lanes that it may use: before, in and behind the junction.
+        red: Whether its signal was red then; None if there is no signal.
+        link: Traffic light and index of its signal there, or None.
+        area: Area of the lanes that it may use: before, in and behind the junction.
     """
 
     movement: Movement | None
@@ -60,7 +60,7 @@ def junction_of(scene: Scene) -> str | None:
 
 
 def passage(scene: Scene, party: Party, junction: str) -> Passage:
-    """Finds the way of one of the two through a junction."""
+    """Finds the way of a party through a junction."""
     table = right_of_way(scene.network).by_lane
     movements = {
         movement.lanes: movement for movement in table.values() if movement.junction == junction
@@ -87,7 +87,7 @@ def passage(scene: Scene, party: Party, junction: str) -> Passage:
 
 
 def signal_is_red(scene: Scene, link: tuple[str, int], step: int) -> bool:
-    """Says whether a signal was red at a row of the trace."""
+    """Returns whether a signal was red at a row of the trace."""
     light, place = link
     trace = scene.trace
     if light not in trace.light_ids:

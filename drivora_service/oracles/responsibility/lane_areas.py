@@ -1,4 +1,4 @@
-"""Lanes as areas: which of them a place is on, and how far a box reaches into them."""
+"""Lanes as areas: those at a place, and how far a box reaches into them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 
 _REACH = 30.0
-"""Metres around a place in which lanes are looked for."""
+"""Radius of the search for lanes around a place, metres."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,8 +26,8 @@ class LaneAreas:
 
     Attributes:
         network: The network.
-        areas: By index of the lane.
-        tree: Of ``areas``.
+        areas: Areas of the lanes, by index.
+        tree: Spatial index of ``areas``.
     """
 
     network: RoadNetwork
@@ -35,13 +35,13 @@ class LaneAreas:
     tree: STRtree
 
     def drivable_at(self, place: tuple[float, float], tolerance: float = 0.0) -> tuple[int, ...]:
-        """Returns the drivable lanes that a place is on, or within so many metres of."""
+        """Returns the drivable lanes at a place, or within ``tolerance`` metres of it."""
         return tuple(
             index for index in self._at(place, tolerance) if self.network.lanes[index].drivable
         )
 
     def on_crossing(self, place: tuple[float, float]) -> tuple[int, ...]:
-        """Returns the pedestrian crossings that a place is on."""
+        """Returns the pedestrian crossings at a place."""
         lanes = self.network.lanes
         return tuple(
             index
@@ -65,7 +65,7 @@ class LaneAreas:
         return merged
 
     def heading(self, lane: int, place: tuple[float, float]) -> float:
-        """Returns the direction of a lane at the point next to a place, radians."""
+        """Returns the direction of a lane at the point nearest to a place, radians."""
         shape = self.network.lanes[lane].shape
         s = LineString(shape).project(Point(place))
         return self.network.lanes[lane].position_at(float(s))[2]
@@ -101,7 +101,7 @@ def intrusion(
         length: Its length, metres.
         width: Its width, metres.
         area: The lane.
-        heading: Of the lane, radians.
+        heading: Direction of the lane, radians.
     """
     common = float(box.intersection(area).area)
     turn = yaw - heading

@@ -1,4 +1,4 @@
-"""nuPlan's classes of collisions, which its metric and the table of cases are compared by."""
+"""nuPlan's rule of fault for collisions, for its metric and for comparison with the table."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from drivora_service.oracles.responsibility.impact import Face, Impact
 def at_fault(
     ego: EgoView, k: int, impact: Impact, *, standing_speed: float, off_road: float
 ) -> bool:
-    """Says whether the ego is at fault by nuPlan's rule (Karnchanachari et al. 2024).
+    """Returns whether the ego is at fault by nuPlan's rule (Karnchanachari et al. 2024).
 
-    It is if it hit something that stood, if its front hit, or if it was touched at its side while
-    it straddled lanes or was off the road. It is not if it stood, or if it was hit from behind,
-    unless it went backwards. Inside junctions, where lanes overlap and bend, reaching over the edge
-    of a lane means nothing.
+    It is if it hit something that stood, if its front hit the other, or if it was touched at its
+    side while it straddled lanes or was off the road. It is not if it stood, or if it was hit from
+    behind, unless it went backwards. Inside junctions, where lanes overlap and bend, reaching over
+    the edge of a lane does not count.
 
     Args:
         ego: The ego.

@@ -1,4 +1,4 @@
-"""One of the two that collided: where it was in the seconds before, and on which lanes."""
+"""A party of a collision: its positions and lanes in the seconds before."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ GRAVITY = 9.81
 """m/s²."""
 
 WINDOW = 10.0
-"""Seconds before the contact that are looked at."""
+"""Seconds before the contact that are considered."""
 
 INTRUSION = 0.3
 """Metres across the edge of a lane from which on an actor is in it (UNECE R157, 5.2.5.2)."""
 
 _HELD = 0.1
-"""Metres within which an actor that stands may be moved without having driven."""
+"""Metres within which an actor that stands may be moved without counting as driven."""
 
 
 class Party:
-    """One of the two that collided, in the rows up to the contact.
+    """A party of a collision, in the rows up to the contact.
 
     Attributes:
-        actor: From the trace.
+        actor: The actor of the trace.
         first: Row of the trace with which the arrays begin: the first in which it was present
             without a break, within ``WINDOW``.
         states: (n, 9), columns ``Col``; the last row is that of the contact.
         speed: m/s over ground on the way into the contact.
         from_beginning: Whether it was there when the record began, so that what it did before is
             unknown.
-        grip: m/s² that its tyres can hold, as far as the trace tells.
-        appeared: Whether it came into the world after the record had begun.
+        grip: m/s² that its tyres can transmit, as far as recorded.
+        appeared: Whether it was added after the record had begun.
     """
 
     def __init__(
         self, trace: Trace, network: RoadNetwork, actor: Actor, step: int, speed: float
     ) -> None:
-        """Cuts its part out of the trace."""
+        """Extracts its rows from the trace."""
         earliest = max(0, step - round(WINDOW / trace.step_length))
         absent = np.flatnonzero(~trace.present[earliest : step + 1, actor.row])
         self.first = earliest + (int(absent[-1]) + 1 if len(absent) else 0)
@@ -92,7 +92,7 @@ class Party:
 
     @cached_property
     def stood(self) -> float:
-        """Seconds for which it had been where it was at the contact."""
+        """Seconds for which it had stood at its place of the contact."""
         away = np.hypot(
             self.states[:, Col.X] - self.states[-1, Col.X],
             self.states[:, Col.Y] - self.states[-1, Col.Y],
@@ -103,7 +103,7 @@ class Party:
 
     @cached_property
     def lanes(self) -> Int32Array:
-        """(n,) index of the lane that it was on, of those in its direction if there is one."""
+        """(n,) index of its lane, of those in its direction if there are any."""
         found = project_points(
             self.network, self.states[:, [Col.X, Col.Y]], self.states[:, Col.YAW]
         )
@@ -112,7 +112,7 @@ class Party:
 
     @cached_property
     def with_lane(self) -> tuple[bool, ...]:
-        """Whether it faced the direction of its lane at each row; False off every lane."""
+        """Whether it faced the direction of its lane at each row; False off all lanes."""
         return tuple(
             lane >= 0
             and self._areas.turn(int(lane), self.place(k), float(self.states[k, Col.YAW])) < 1.4
@@ -149,5 +149,5 @@ class Party:
         return 0
 
     def step(self, k: int) -> int:
-        """Returns the row of the trace of a row of these arrays."""
+        """Returns the row of the trace for a row of these arrays."""
         return self.first + k

@@ -1,4 +1,4 @@
-"""The rules for vehicles on a road: opposite directions, across, one behind the other, beside."""
+"""The rules for vehicles on a road: opposite directions, crossing, following, side by side."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from drivora_service.oracles.responsibility.party import Party
 from drivora_service.oracles.responsibility.scene import AGAINST, ALONG, ASTRAY, Scene
 
 _RETURNED = 2.5
-"""Seconds after which it no longer counts that a vehicle was in the wrong lane."""
+"""Seconds for which it counts that a vehicle was in the wrong lane."""
 
 _AT_ONCE = 1.0
-"""Seconds within which two came into a lane at the same time."""
+"""Difference in seconds up to which two came into a lane at the same time."""
 
 _LINE = 0.1
-"""Metres from a line between lanes within which a touch is on the line."""
+"""Metres around a line between lanes within which a touch is on the line."""
 
 
 def opposite_directions(scene: Scene) -> Finding | None:
-    """Vehicles that face each other: the one in the lane of the other is responsible."""
+    """Of vehicles that face each other, the one in the lane of the other is responsible."""
     if scene.angle < AGAINST:
         return None
     astray = {party: scene.astray(party) > ASTRAY for party in (scene.ego, scene.other)}
@@ -53,7 +53,7 @@ def opposite_directions(scene: Scene) -> Finding | None:
 
 
 def _came_back(party: Party, other: Party) -> bool:
-    """Says whether a vehicle was in the wrong lane shortly before, and the other evaded it."""
+    """Returns whether a vehicle was in the wrong lane shortly before, and the other evaded it."""
     rows = round(_RETURNED / party.step_length)
     wrong = [k for k in range(max(0, party.count - rows), party.count) if _is_wrong(party, k)]
     if not wrong:
@@ -68,7 +68,7 @@ def _is_wrong(party: Party, k: int) -> bool:
 
 
 def across(scene: Scene) -> Finding | None:
-    """A vehicle that goes across the lane of the other gives way to it."""
+    """A vehicle that goes across the lane of the other is responsible."""
     lanes = scene.road_lanes()
     if not lanes:
         return None
@@ -101,13 +101,13 @@ def across(scene: Scene) -> Finding | None:
 
 
 def _entry_step(scene: Scene, party: Party, other: Party) -> int:
-    """Returns the row of the trace at which one came into the way of the other."""
+    """Returns the row of the trace at which a party came into the way of the other."""
     k = party.entry(scene.way(other), other.yaw)
     return scene.step if k is None else party.step(k)
 
 
 def one_behind_the_other(scene: Scene) -> Finding | None:
-    """The one behind keeps its distance, unless the one ahead came in too short before it."""
+    """The party behind is responsible, unless the party ahead cut in too close before it."""
     behind = _behind(scene)
     if behind is None:
         return None
@@ -116,7 +116,7 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
     if k is None:
         k = 0 if ahead.stood > 0.0 else ahead.count - 1
     is_here = "stood" if scene.stands(ahead) else "was ahead"
-    # What was there when the record began had been seen before.
+    # An actor that was present when the record began had been seen before.
     is_known = k == 0 and ahead.from_beginning
     if could_brake(behind, ahead, ahead.step(k), 0.0 if is_known else REACTION):
         return Finding(
@@ -158,12 +158,12 @@ def _behind(scene: Scene) -> Party | None:
 
 
 def _moved_over(scene: Scene, party: Party) -> bool:
-    """Says whether one whose side was touched came from another lane."""
+    """Returns whether a party whose side was touched came from another lane."""
     return party.entry(scene.way(scene.opposite(party)), scene.opposite(party).yaw) != 0
 
 
 def side_by_side(scene: Scene) -> Finding:
-    """The one that came into the lane of the other is responsible."""
+    """The party that came into the lane of the other is responsible."""
     near = [
         lane
         for lane in scene.areas.drivable_at(scene.impact.place, _LINE)
@@ -179,7 +179,7 @@ def side_by_side(scene: Scene) -> Finding:
             return _unknown("side_by_side", "they touched on the line between their lanes")
     lanes = scene.road_lanes()
     if not lanes:
-        return _unknown("none", "no rule tells")
+        return _unknown("none", "no rule applies")
     area = scene.areas.union(lanes)
     heading = scene.areas.heading(lanes[0], scene.impact.place)
     entries = {}

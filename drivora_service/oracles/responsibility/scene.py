@@ -1,4 +1,4 @@
-"""A collision as the rules look at it."""
+"""The scene of a collision, to which the rules are applied."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drivora_service.oracles.responsibility.lane_areas import LaneAreas, intrusi
 from drivora_service.oracles.responsibility.party import Party
 
 ALONG = 1.2
-"""Radians from a lane's direction up to which an actor goes along it."""
+"""Radians from a lane's direction up to which an actor follows it."""
 
 AGAINST = 2.0
 """Radians from a lane's direction from which on an actor faces against it."""
@@ -27,16 +27,16 @@ ASTRAY = 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
-    """A collision.
+    """The scene of a collision.
 
     Attributes:
         trace: The run.
         network: Its road network.
-        areas: Of the network's lanes.
+        areas: The areas of the network's lanes.
         step: Row of the trace at the contact.
         ego: The ego up to the contact.
-        other: The other.
-        impact: How they came together.
+        other: The other actor up to the contact.
+        impact: The impact.
         standing_speed: m/s up to which an actor stands.
     """
 
@@ -51,32 +51,32 @@ class Scene:
 
     @property
     def other_role(self) -> Role:
-        """What the other is."""
+        """The role of the other."""
         return self.other.actor.role
 
     def stands(self, party: Party) -> bool:
-        """Says whether one of the two stood."""
+        """Returns whether a party stood."""
         return party.speed <= self.standing_speed
 
     def face(self, party: Party) -> Face:
-        """Returns the part of one of the two that was touched."""
+        """Returns the part of a party that was touched."""
         return self.impact.face if party is self.ego else self.impact.other_face
 
     def fault_of(self, party: Party) -> Fault:
-        """Returns the fault of one of the two."""
+        """Returns the fault value that blames a party."""
         return Fault.EGO if party is self.ego else Fault.OTHER
 
     def opposite(self, party: Party) -> Party:
-        """Returns the other one of the two."""
+        """Returns the other party."""
         return self.other if party is self.ego else self.ego
 
     def name(self, party: Party) -> str:
-        """Returns how one of the two is called in a reason."""
+        """Returns the name of a party in a reason."""
         return "the ego" if party is self.ego else "the other"
 
     @property
     def angle(self) -> float:
-        """Between the headings of the two, 0 to pi radians."""
+        """Angle between the headings of the two, 0 to pi radians."""
         return abs(wrap_angle(self.ego.yaw - self.other.yaw))
 
     def road_lanes(self) -> tuple[int, ...]:
@@ -85,7 +85,7 @@ class Scene:
         return tuple(lane for lane in found if not self.network.lanes[lane].is_internal)
 
     def astray(self, party: Party, k: int = -1) -> float:
-        """Returns how far one of the two was in lanes of the other direction only, metres."""
+        """Returns how far a party was in lanes of the other direction only, metres."""
         row = k % party.count
         place, yaw = party.place(row), float(party.states[row, 2])
         near = [
@@ -104,7 +104,7 @@ class Scene:
         return intrusion(party.boxes[row], yaw, party.actor.length, party.actor.width, area, yaw)
 
     def way(self, party: Party) -> BaseGeometry:
-        """Returns the area of the lanes that one of the two drove on, up to the contact."""
+        """Returns the area of the lanes that a party drove on, up to the contact."""
         lanes = {int(lane) for lane in party.lanes if lane >= 0}
         lanes |= {
             lane
@@ -114,5 +114,5 @@ class Scene:
         return self.areas.union(lanes)
 
     def could_brake(self, party: Party, step: int) -> bool:
-        """Says whether one of the two could have kept clear by braking from a row on."""
+        """Returns whether a party could have kept clear by braking from a row on."""
         return could_brake(party, self.opposite(party), step)

@@ -10,7 +10,7 @@ from drivora_service.oracles.responsibility.scene import ASTRAY, Scene
 
 
 def walker(scene: Scene) -> Finding | None:
-    """Applies the rules for pedestrians; None where the other is none."""
+    """Applies the rules for pedestrians; None if the other is not a pedestrian."""
     if scene.other_role is not Role.NPC_WALKER:
         return None
     if scene.stands(scene.ego):
@@ -48,7 +48,7 @@ def walker(scene: Scene) -> Finding | None:
 
 
 def _entry(scene: Scene) -> int:
-    """Returns the pedestrian's row from which on it was in the road."""
+    """Returns the pedestrian's first row in the road."""
     other = scene.other
     road = scene.areas.road(scene.impact.place)
     for k in range(other.count - 1, -1, -1):
