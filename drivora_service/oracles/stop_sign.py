@@ -82,7 +82,7 @@ class StopSign:
         return [passed(self.name, ego, f"Stood at all of {lines} stop signs.", lines=lines)]
 
     def _slowest(self, ego: EgoView, crossing: Crossing) -> tuple[float, float]:
-        """Returns the least mean speed over a window before a line, m/s, and its distance to the line.
+        """Returns the least mean speed over a window before a line, m/s, and the distance left.
 
         An ego that started within reach of the line counts as having stood.
         """
