@@ -1,1 +1,1 @@
-"""What is to be driven: the OpenScenario document, its model, validation, importers and seeds."""
+"""Scenarios: the OpenScenario document, its model, validation, importers and seeds."""

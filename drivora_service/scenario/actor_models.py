@@ -1,4 +1,4 @@
-"""The models that a document may name: sizes, mass and limits of vehicles, walkers, obstacles.
+"""The models of a document's actors: sizes, mass and limits of vehicles, walkers, obstacles.
 
 The figures and their sources are in ``scenario.model_figures``.
 """
@@ -16,7 +16,7 @@ from drivora_service.scenario import model_figures as figures
 
 
 class ActorKind(StrEnum):
-    """What an actor is."""
+    """The kind of an actor."""
 
     VEHICLE = "vehicle"
     WALKER = "walker"
@@ -24,7 +24,7 @@ class ActorKind(StrEnum):
 
 
 class VehicleClass(StrEnum):
-    """What sort of vehicle a vehicle model is."""
+    """The class of a vehicle model."""
 
     CAR = "car"
     VAN = "van"
@@ -42,7 +42,7 @@ class ActorModel:
         length: Metres, along the heading.
         width: Metres.
         height: Metres.
-        vehicle_class: ``None`` where the model is no vehicle.
+        vehicle_class: ``None`` if the model is not a vehicle.
         wheelbase: Metres between the axles (vehicles).
         mass: Kilograms (vehicles; two-wheelers with their rider).
         max_acceleration: m/s², from standstill on a dry road.
@@ -149,7 +149,7 @@ def _plain(name: str) -> str:
 
 
 def _spellings(kind: ActorKind) -> Mapping[str, str]:
-    """Full name by every accepted spelling, freed of case, underscores and hyphens."""
+    """Returns the full names by accepted spelling, without case, underscores and hyphens."""
     spellings: dict[str, str] = {}
     for name in _MODELS[kind]:
         spellings[_plain(name)] = name
@@ -170,19 +170,19 @@ _SPELLINGS: Mapping[ActorKind, Mapping[str, str]] = MappingProxyType(
 
 
 def model_names(kind: ActorKind) -> tuple[str, ...]:
-    """Full names of the models of a kind, sorted."""
+    """Returns the full names of the models of a kind, sorted."""
     return tuple(sorted(_MODELS[kind]))
 
 
 def actor_model(kind: ActorKind, name: str) -> ActorModel:
-    """Returns the model that ``name`` means for an actor of ``kind``.
+    """Returns the model of an actor of ``kind`` by name.
 
-    Case, hyphens and underscores do not count, and the prefix (``vehicle.``,
-    ``walker.pedestrian.``, ``static.prop.``) may be left out; older and newer names of CARLA's
+    Case, hyphens and underscores are ignored, and the prefix (``vehicle.``,
+    ``walker.pedestrian.``, ``static.prop.``) may be omitted; older and newer names of CARLA's
     blueprints are known. An obstacle may also be a vehicle: a parked wreck.
 
     Raises:
-        UnknownName: No model of that kind is called so; names the closest ones.
+        UnknownName: No model of that kind has the name; lists the closest ones.
     """
     full_name = _SPELLINGS[kind].get(_plain(name))
     if full_name is not None:
@@ -195,7 +195,7 @@ def actor_model(kind: ActorKind, name: str) -> ActorModel:
 
 
 def resized(model: ActorModel, length: float | None, width: float | None) -> ActorModel:
-    """Returns the model with another size where one is given, metres."""
+    """Returns the model with the size replaced by the given one, metres."""
     return replace(
         model,
         length=model.length if length is None else length,

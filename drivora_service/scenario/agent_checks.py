@@ -1,4 +1,4 @@
-"""Checks the agents that a document or a scenario names against the directory of agents."""
+"""Checks of a document's or a scenario's agents against the directory of agents."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from drivora_service.scenario.plain_data import pointer
 
 
 class AgentDirectory(Mapping[str, str]):
-    """The agents that exist, each with the reason why it cannot be used, or "".
+    """The existing agents, each with the reason why it cannot be used, or "".
 
-    What a plain mapping does not know is which parameters an agent takes.
+    Unlike a plain mapping, it knows the parameters of the agents.
     """
 
     @abstractmethod
     def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
-        """Finds what is wrong with the parameters of an agent that exists.
+        """Returns the problems of an existing agent's parameters.
 
         Returns:
-            With pointers that begin at the parameters.
+            Problems with pointers relative to the parameters.
         """
 
     @abstractmethod
     def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
-        """Returns the lane-change model that SUMO must have in a run of this agent; "": any."""
+        """Returns the lane-change model that SUMO must use in a run of this agent; "": any."""
 
 
 def check_agents(
@@ -40,11 +40,11 @@ def check_agents(
     """Checks the agents of all egos.
 
     Args:
-        content: Names them.
-        agents: Those that exist; in a mapping, with the reason why one cannot be used, or ""; in a
-            directory, with their parameters. ``None``: any will do.
-        driven_by: Drives every ego in place of the agent that the content names, with the
-            parameters of the egos that name it; "": as named.
+        content: Document or scenario with the egos.
+        agents: The existing agents; in a mapping, with the reason why one cannot be used, or ""; in
+            a directory, with their parameters. ``None``: any name is accepted.
+        driven_by: Agent that drives every ego instead of those of the content, with the
+            parameters of the egos that name it; "": no replacement.
     """
     if agents is None:
         return []
@@ -61,7 +61,7 @@ def check_agents(
 
 
 def _agent_name(ego: EgoDocument | EgoVehicle) -> str | None:
-    """Returns the name of an ego's agent; ``None`` where a document names none."""
+    """Returns the name of an ego's agent; ``None`` if a document has none."""
     return ego.agent_name if isinstance(ego, EgoDocument) else ego.agent.name
 
 
@@ -95,7 +95,7 @@ def _check_ego(
 def _check_team(
     egos: Sequence[EgoDocument | EgoVehicle], agents: AgentDirectory, driven_by: str
 ) -> Iterator[Problem]:
-    """Finds egos whose drivers cannot drive in one run."""
+    """Returns problems for egos whose drivers exclude each other in one run."""
     first: tuple[int, str] | None = None
     for index, ego in enumerate(egos):
         named = _agent_name(ego)

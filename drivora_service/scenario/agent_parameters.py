@@ -1,4 +1,4 @@
-"""Parameters of agents that a command or a request sets, over what the documents say."""
+"""Parameters of agents that a command or a request sets, overriding the documents."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from drivora_service.scenario.plain_data import plain_data, pointer
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentParameter:
-    """A parameter that is set.
+    """A parameter of an agent and its value.
 
     Attributes:
-        ego: Id of the ego whose agent it is for; "" for those of all egos.
-        value: As it would stand in the document.
+        ego: Id of the ego whose agent it is for; "" for the agents of all egos.
+        value: Value as in a document.
     """
 
     ego: str
@@ -28,7 +28,7 @@ class AgentParameter:
 
 
 def read_agent_parameter(text: str) -> AgentParameter:
-    """Reads ``NAME=VALUE`` or ``EGO:NAME=VALUE``; a value that is no JSON is text.
+    """Reads ``NAME=VALUE`` or ``EGO:NAME=VALUE``; a value that is not JSON is text.
 
     Raises:
         InvalidDocument: It has another form, or its value cannot be read or is nested too deeply.
@@ -50,7 +50,7 @@ def read_agent_parameter(text: str) -> AgentParameter:
         raise InvalidDocument(
             (Problem(pointer="", code="agent_parameter", message=message),)
         ) from None
-    # It becomes part of the scenario, and may be no deeper than what stands in a document.
+    # It becomes part of the scenario, so the depth limit of documents applies.
     plain_data({name: read})
     return AgentParameter(ego=ego, name=name, value=read)
 
@@ -62,16 +62,16 @@ def with_agent_parameters(
     *,
     driven_by: str = "",
 ) -> Scenario:
-    """Returns a scenario whose egos name their agents with the parameters that are set.
+    """Returns a scenario with the parameters set for its egos' agents.
 
     Args:
-        scenario: A valid one.
-        parameters: A later one replaces an earlier one of the same ego and name.
-        agents: Those that exist; in an ``AgentDirectory``, with what they take.
-        driven_by: Agent that drives every ego in place of the documented one; "": as documented.
+        scenario: A valid scenario.
+        parameters: Parameters; a later one replaces an earlier one of the same ego and name.
+        agents: The existing agents; in an ``AgentDirectory``, with their parameters.
+        driven_by: Agent that drives every ego instead of the documented one; "": no replacement.
 
     Raises:
-        InvalidDocument: An agent does not take them, or there is no such ego; with every problem.
+        InvalidDocument: An agent rejects them, or the ego does not exist; with all problems.
     """
     if not parameters:
         return scenario

@@ -1,11 +1,11 @@
-"""One text for one scenario: its identity, and the form in which workers receive it.
+"""The canonical text of a scenario: its identity, and its form for workers.
 
-Keys are sorted, there is no white space, floats are written with the fewest digits that read back
-to the same value. The text of equal scenarios is equal, and ``from_canonical`` gives back the
+Keys are sorted, there is no white space, floats have the fewest digits that read back
+to the same value. The text of equal scenarios is equal, and ``from_canonical`` returns the
 identical scenario.
 
-The text is Python's own JSON, not pydantic's, which writes 1e-07 as 1e-7 and 1e-05 as 0.00001: the
-identities of all scenarios would change. Either is read to the same value.
+The text is the JSON of Python, not of pydantic, which writes 1e-07 as 1e-7 and 1e-05 as 0.00001:
+the identities of all scenarios would change. Both are read to the same values.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _LATER_FIELDS = ("stuck_after",)
 def canonical_json(scenario: model.Scenario) -> str:
     """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
 
-    Values of ``_LATER_FIELDS`` are left out where they are ``None``, so that scenarios keep the
-    identity which they had before there were these fields.
+    Values of ``_LATER_FIELDS`` are omitted if they are ``None``, so that scenarios keep the
+    identity that they had before these fields existed.
     """
     content = _plain(scenario)
     for name in _LATER_FIELDS:
@@ -50,7 +50,7 @@ def scenario_sha256(scenario: model.Scenario) -> str:
 
 
 def from_canonical(text: str) -> model.Scenario:
-    """Reads canonical JSON; trusts it, as it was made from a validated scenario."""
+    """Reads canonical JSON without checks, since it was made from a validated scenario."""
     return _reader().validate_json(text)
 
 
@@ -61,13 +61,13 @@ def _reader() -> TypeAdapter[model.Scenario]:
 
 @lru_cache(maxsize=64)
 def _field_names(kind: type) -> tuple[str, ...]:
-    """Returns the names of the fields of a dataclass; none for any other class."""
+    """Returns the names of the fields of a dataclass; none for other classes."""
     return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
 
 
 def _plain(value: Any) -> Any:
     kind: Any = type(value)
-    # Nearly all values are numbers of waypoints: they need no further look.
+    # Nearly all values are numbers of waypoints: return them at once.
     if kind is float or value is None:
         return value
     if names := _field_names(kind):

@@ -1,4 +1,4 @@
-"""The checks that a document and a scenario both pass: against the network and the catalogues."""
+"""The common checks of documents and scenarios, against the network and the catalogues."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from drivora_service.scenario.start_overlaps import StartPose, check_overlaps
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Checked:
-    """What the checks found.
+    """The result of the checks.
 
     Attributes:
-        network: ``None`` where the town is not known.
-        actors: In document order.
-        snapped: Waypoints of egos beside the lanes.
+        network: The road network; ``None`` if the town is unknown.
+        actors: Actors in document order.
+        snapped: Waypoints of egos that were off the lanes.
     """
 
     problems: tuple[Problem, ...]
@@ -51,12 +51,12 @@ def check(
     """Checks a well-formed document, or a scenario within the bounds of one.
 
     Args:
-        content: What is checked.
-        networks: Where its town is looked up.
+        content: Document or scenario to check.
+        networks: Catalogue with its town.
         agents: As for :func:`~drivora_service.scenario.validation.validate_data`.
         driven_by: The same.
-        doubts: Places about which no problem is told, as they are not known.
-        routes: Checks the way of an actor.
+        doubts: Places that are not reported, since they are unknown.
+        routes: Checks the route of an actor.
 
     Raises:
         NetworkError: The town's network file cannot be read.
@@ -171,7 +171,7 @@ def _check_background(content: ScenarioDocument | Scenario, network: RoadNetwork
 def snap_start(
     actor: PlacedActor, snapped: Sequence[OffLanePlace], network: RoadNetwork
 ) -> PlacedActor:
-    """Moves the start of an ego that lies beside the lanes onto the nearest."""
+    """Moves the start of an ego off the lanes onto the nearest lane."""
     if not any(off.actor is actor and off.place == 0 for off in snapped):
         return actor
     start = actor.places[0]

@@ -1,6 +1,6 @@
-"""From a document to a scenario in the network's plane: metres, radians, full model names.
+"""Conversion of a document to a scenario in the network's plane: metres, radians, full model names.
 
-Nothing is checked here; ``scenario.validation`` does.
+Without checks, which are in ``scenario.validation``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def frame_of(content: ScenarioDocument | model.Scenario, network: RoadNetwork) -
 
 
 def drivable_kilometres(network: RoadNetwork) -> float:
-    """Length of all drivable lanes outside junctions, kilometres."""
+    """Returns the length of all drivable lanes outside junctions, kilometres."""
     metres = sum(lane.length for lane in network.lanes if lane.drivable and not lane.is_internal)
     return metres / 1000.0
 
@@ -44,7 +44,7 @@ def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Wayp
 
 
 def background_count(background: entities.BackgroundTrafficDocument, network: RoadNetwork) -> int:
-    """Returns the number of vehicles that ``count`` or ``density`` asks for."""
+    """Returns the number of vehicles for ``count`` or ``density``."""
     if background.count is not None:
         return background.count
     return round((background.density or 0.0) * drivable_kilometres(network))
@@ -147,7 +147,7 @@ def _traffic_lights(lights: entities.TrafficLightsDocument) -> model.TrafficLigh
 def _light_times(
     times: entities.LightTimesDocument, general: entities.LightTimesDocument
 ) -> model.LightTimes:
-    """Converts times; what they leave out comes from the general ones."""
+    """Converts times; missing ones come from the general times."""
     return model.LightTimes(
         green=general.green_time if times.green_time is None else times.green_time,
         yellow=general.yellow_time if times.yellow_time is None else times.yellow_time,

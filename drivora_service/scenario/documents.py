@@ -1,6 +1,6 @@
-"""The OpenScenario document: what a user writes, read and checked as far as it goes by itself.
+"""The OpenScenario document: reading, and the checks that need no road network.
 
-``scenario.validation`` checks a document against a road network and gives the ``Scenario`` of
+``scenario.validation`` checks a document against a road network and returns the ``Scenario`` of
 ``scenario.model``.
 """
 
@@ -35,16 +35,16 @@ from drivora_service.scenario.problems import duplicate_ids, in_document_order, 
 
 
 class Frame(StrEnum):
-    """The plane in which a document's coordinates are meant."""
+    """The plane of a document's coordinates."""
 
     SUMO = "sumo"
-    """The road network's: x east, y north, yaw in degrees counter-clockwise from east."""
+    """The road network's plane: x east, y north, yaw in degrees counter-clockwise from east."""
     CARLA = "carla"
     """CARLA's left-handed world: x east, y south, yaw in degrees clockwise from east."""
 
 
 class ScenarioDocument(EntityDocument):
-    """One scenario: who drives where, among whom, in which weather."""
+    """One scenario: egos, other actors, traffic lights, weather and run options."""
 
     version: Literal["1.0"] = Field("1.0", description="Version of this format.")
     frame: Frame = Field(
@@ -93,7 +93,7 @@ class ScenarioDocument(EntityDocument):
         dict[fields.ExtensionKey, JsonValue], Field(max_length=fields.MAX_EXTENSIONS), FreeData
     ] = Field(
         default_factory=dict,
-        description="Free data of others, by `vendor:name` or reverse domain name; carried, "
+        description="Free data of other tools, by `vendor:name` or reverse domain name; carried, "
         "never interpreted.",
         json_schema_extra={"additionalProperties": False},
     )
@@ -101,13 +101,13 @@ class ScenarioDocument(EntityDocument):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadDocument:
-    """What a text holds.
+    """The result of reading a text.
 
     Attributes:
         content: The plain data.
-        document: ``None`` where that is no scenario.
-        malformed: Mistakes in its shape, and odd values.
-        duplicates: Actors whose id another one has.
+        document: The document; ``None`` if the data is not a scenario.
+        malformed: Structural mistakes, and unsupported values.
+        duplicates: Actors whose id is used before.
     """
 
     content: Mapping[str, Any]
@@ -120,10 +120,10 @@ def read_document(
     data: str | bytes | Mapping[str, Any],
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
 ) -> ReadDocument:
-    """Reads a document and finds all that is wrong with it by itself.
+    """Reads a document and finds all problems that need no road network.
 
     Args:
-        data: Text, or what a JSON parser made of it.
+        data: Text, or data from a JSON parser.
         format: Language of the text; YAML without aliases and tags.
 
     Raises:
@@ -154,12 +154,12 @@ def parse_document(
     ``scenario.validation.validate_data`` reads and checks against the network in one go.
 
     Args:
-        data: Text, or what a JSON parser made of it.
+        data: Text, or data from a JSON parser.
         format: Language of the text; YAML without aliases and tags.
 
     Raises:
-        InvalidDocument: The text cannot be read, or its content is no scenario; every problem is
-            named, in document order.
+        InvalidDocument: The text cannot be read, or its content is not a scenario; lists all
+            problems in document order.
     """
     read = read_document(data, format)
     problems = (*read.malformed, *read.duplicates)
@@ -169,7 +169,7 @@ def parse_document(
 
 
 def with_agent(document: ScenarioDocument, name: str) -> ScenarioDocument:
-    """Returns the document with every ego driven by agent ``name`` without parameters.
+    """Returns the document in which agent ``name`` without parameters drives every ego.
 
     Raises:
         InvalidDocument: ``name`` cannot be the name of an agent.
@@ -189,7 +189,7 @@ def with_background(document: ScenarioDocument, count: int) -> ScenarioDocument:
     """Returns the document with ``count`` vehicles of background traffic.
 
     Raises:
-        InvalidDocument: That many are not allowed.
+        InvalidDocument: ``count`` is out of bounds.
     """
     try:
         background = BackgroundTrafficDocument(count=count)

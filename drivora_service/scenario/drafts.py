@@ -1,8 +1,8 @@
-"""Documents with mistakes in their shape, made whole so that the rest of them can be checked.
+"""Repair of documents with structural mistakes, so that the rest of them can be checked.
 
-What is malformed is taken out or replaced by a stand-in: then the document is one, and the checks
-against the road network find what is wrong with the parts that were well-formed. What they say
-about a stand-in is no finding.
+Malformed parts are removed or replaced by placeholders: then the document is complete, and the
+checks against the road network find the problems of the well-formed parts. Problems at a
+placeholder are not reported.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from drivora_service.scenario.problems import (
 Place = tuple[str | int, ...]
 
 _NOBODY = "-"
-"""Passes for a name; no model and no agent is called so."""
+"""Placeholder of a name, which no model or agent has."""
 _ROUTE = [{"x": 0.0, "y": 0.0}, {"x": 0.0, "y": 0.0}]
 _VEHICLE = {"id": _NOBODY, "model": _NOBODY, "route": _ROUTE}
 _ACTORS: Mapping[str, Mapping[str, Any]] = {
@@ -45,51 +45,51 @@ _STAND_INS: Mapping[str, Any] = {
     "name": _NOBODY,
     "route": _ROUTE,
     "location": _ROUTE[0],
-    # Asks least of a route.
+    # The least demanding for a route.
     "behavior": "replay",
-    # Exactly one of the two must be given, which taking one out would change.
+    # Exactly one of the two must be given, which removing one would violate.
     "count": 0,
     "density": 0.0,
 }
-"""By key, for what cannot be taken out."""
+"""Placeholders by key, for values that cannot be removed."""
 _WHOLES = ("route", "location")
-"""Parts of actors of which nothing can be taken out without changing what the rest means."""
+"""Parts of actors from which nothing can be removed without changing the meaning of the rest."""
 _CONTRADICTIONS: Mapping[str, tuple[str, ...]] = {"two_agents": ("agent", "config_path")}
-"""By code of a problem with an object as a whole: the keys to take out of it."""
+"""Keys to remove from an object, by code of the problem with the object as a whole."""
 _SPELLING = 0.75
-"""How similar keys are, from 0 to 1, of which one is taken for the other: `fraem` for `frame`, but
+"""Similarity of keys, from 0 to 1, from which on one is read as the other: `fraem` for `frame`, but
 not `name`."""
 _ROUNDS = 3
-"""Rules about an object as a whole are judged once its parts are well-formed: a round each."""
+"""Rules about an object as a whole are checked once its parts are well-formed: one round each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Doubts:
-    """What is not known of a document, because it was malformed.
+    """The parts of a document that are unknown, because they were malformed.
 
     Attributes:
-        replaced: Pointers to what was taken out or replaced.
-        flawed: Pointers to everything that has a mistake in its shape somewhere inside.
+        replaced: Pointers to removed or replaced parts.
+        flawed: Pointers to all parts with a structural mistake somewhere inside.
     """
 
     replaced: frozenset[str] = frozenset()
     flawed: frozenset[str] = frozenset()
 
     def cover(self, place: str) -> bool:
-        """Whether what stands at a pointer is not known."""
+        """Returns whether the part at a pointer is unknown."""
         return any(above in self.replaced for above in _upwards(place))
 
     def touch(self, place: str) -> bool:
-        """Whether anything at a pointer is not known or malformed."""
+        """Returns whether any part at a pointer is unknown or malformed."""
         return place in self.flawed or self.cover(place)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draft:
-    """A document that was made whole.
+    """A repaired document.
 
     Attributes:
-        problems: Mistakes in its shape, those included that only showed on the way.
+        problems: Structural mistakes, including those found during the repair.
     """
 
     document: ScenarioDocument
@@ -98,14 +98,14 @@ class Draft:
 
 
 def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft | None:
-    """Takes the mistakes in the shape of a document out of it.
+    """Repairs the structural mistakes of a document.
 
     Args:
-        content: The document as plain data; it stays as it is.
+        content: The document as plain data; it is not changed.
         problems: The mistakes.
 
     Returns:
-        ``None`` where there are too many, or where they cannot be taken out.
+        ``None`` if there are too many, or if they cannot be repaired.
     """
     found, fresh = list(problems), list(problems)
     replaced: set[Place] = set()
@@ -132,7 +132,7 @@ def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft
 
 
 def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
-    """Returns the places to take out or replace for one mistake."""
+    """Returns the places to remove or replace for one mistake."""
     place = tokens(problem.pointer, content)
     if problem.code in _CONTRADICTIONS:
         return [(*place, key) for key in _CONTRADICTIONS[problem.code]]
@@ -143,7 +143,7 @@ def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
 
 
 def _widened(place: Place) -> Place:
-    """Returns the smallest part around a place without which a document is still one."""
+    """Returns the smallest part around a place that can be removed from a document."""
     if len(place) > 2 and place[0] in ACTOR_LISTS and place[2] in _WHOLES:
         return place[:3]
     for end in range(len(place), 0, -1):
@@ -159,7 +159,7 @@ def _widened(place: Place) -> Place:
 
 
 def _meant(place: Place, content: Any) -> Place:
-    """Returns the place of the key that an unknown one was probably meant for."""
+    """Returns the place of the key that an unknown key was probably meant to be."""
     *above, key = place
     for token in above:
         content = content[token]
@@ -171,12 +171,12 @@ def _meant(place: Place, content: Any) -> Place:
 
 
 def _repaired(content: Any, place: Place, rest: Place) -> Any:
-    """Returns a copy without, or with a stand-in for, what is at a place; shares all else.
+    """Returns a copy without the part at a place, or with a placeholder; shares all else.
 
     Args:
-        content: The document, or what is at the beginning of the place.
+        content: The document, or its part at the beginning of the place.
         place: The whole place.
-        rest: The place as seen from the content.
+        rest: The place relative to the content.
     """
     token, *below = rest
     if isinstance(token, int):
@@ -198,7 +198,7 @@ def _repaired(content: Any, place: Place, rest: Place) -> Any:
 
 
 def _upwards(place: str) -> Iterable[str]:
-    """Returns a pointer and those to everything around it, the document left out."""
+    """Returns a pointer and those of all parts around it, without the document."""
     while place:
         yield place
         place = place.rpartition("/")[0]

@@ -1,7 +1,7 @@
 """The entities of the OpenScenario document, as pydantic models.
 
-Unknown keys are refused everywhere. Angles are degrees here and only here; the document's ``frame``
-says which plane the coordinates are in.
+Unknown keys are rejected everywhere. Angles are degrees only here; the document's ``frame``
+names the plane of the coordinates.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from drivora_service.scenario import fields
 from drivora_service.scenario.model import NpcBehavior, VehicleDynamics
 
 MAX_FREE_DATA_BYTES = 262_144
-"""Serialised size of ``extensions``, and of the parameters of one agent."""
+"""Maximum serialised size of ``extensions``, and of the parameters of one agent, bytes."""
 
 
 class EntityDocument(BaseModel):
-    """Base of every part of a document: closed and immutable."""
+    """Base of every part of a document: immutable, without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -48,28 +48,28 @@ class PlaceDocument(EntityDocument):
     y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
     z: fields.Elevation | None = Field(
         None,
-        description="Up. Actors follow the heights of the lanes; of what stands still, it tells "
-        "the level of a bridge.",
+        description="Height. Moving actors follow the heights of the lanes; for objects that stand "
+        "still, it selects the level of a bridge.",
     )
     yaw: fields.Yaw | None = Field(
         None,
         description="Heading: counter-clockwise from east (frame sumo), clockwise (frame carla). "
-        "Without it, that of the path; of what has none, that of the nearest lane.",
+        "Without it, that of the path; for objects without a path, that of the nearest lane.",
     )
 
 
 class WaypointDocument(PlaceDocument):
-    """A place that a vehicle passes."""
+    """A waypoint of a vehicle."""
 
     speed: fields.VehicleSpeed | None = Field(
         None,
-        description="Wanted speed on the way to this place; of the first place, at the start. "
-        "Without it the speed limit of the lane. An ego's ADS decides for itself.",
+        description="Desired speed on the way to this place; for the first place, at the start. "
+        "Without it the speed limit of the lane. No effect on egos.",
     )
 
 
 class WalkerWaypointDocument(PlaceDocument):
-    """A place that a walker passes."""
+    """A waypoint of a walker."""
 
     speed: fields.WalkerSpeed | None = Field(
         None, description="Walking speed on the way to this place. Without it 1.4 m/s."
@@ -77,7 +77,7 @@ class WalkerWaypointDocument(PlaceDocument):
 
 
 class LocationDocument(PlaceDocument):
-    """A place where something stands."""
+    """The place of a static object."""
 
 
 class AgentDocument(EntityDocument):
@@ -86,12 +86,12 @@ class AgentDocument(EntityDocument):
     name: fields.AgentName = Field(description="A name of `drivora agents list`.")
     parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
         default_factory=dict,
-        description="Those of `drivora agents show NAME` that differ from their defaults.",
+        description="Parameters of `drivora agents show NAME` that differ from their defaults.",
     )
 
 
 def is_agent_name(name: str) -> bool:
-    """Whether an agent could be called so."""
+    """Returns whether a text can be the name of an agent."""
     return re.fullmatch(fields.NAME_PATTERN.strip("^$"), name) is not None
 
 
@@ -102,14 +102,14 @@ class EgoDocument(EntityDocument):
     model: fields.ModelName = Field(description="A vehicle model.")
     route: Annotated[
         tuple[WaypointDocument, ...], Field(min_length=2, max_length=fields.MAX_WAYPOINTS)
-    ] = Field(description="Start, destination, and the places to pass between them in order.")
+    ] = Field(description="Start, destination, and the waypoints between them in order.")
     start_time: fields.StartTime = Field(
         0.0, description="The ego stands still at its start before this time."
     )
     initial_speed: fields.VehicleSpeed = Field(0.0, description="Speed at start_time.")
     dynamics: VehicleDynamics = Field(
         VehicleDynamics.KINEMATIC,
-        description="How the body answers its commands: `kinematic` rolls without slip within the "
+        description="Vehicle model: `kinematic` rolls without slip within the "
         "grip of its tyres, `dynamic` can skid.",
     )
     agent: AgentDocument | None = Field(
@@ -117,7 +117,7 @@ class EgoDocument(EntityDocument):
     )
     config_path: fields.ConfigPath | None = Field(
         None,
-        description="In place of `agent`: the name of an agent, with or without `configs/` in "
+        description="Instead of `agent`: the name of an agent, with or without `configs/` in "
         "front and `.yaml`, `.yml` or `.json` behind. It is looked up in the catalogue and never "
         "opened.",
     )
@@ -132,7 +132,7 @@ class EgoDocument(EntityDocument):
 
     @property
     def agent_name(self) -> str | None:
-        """The name to look up in the agent catalogue; ``None`` where the document names none."""
+        """The agent's name in the catalogue; ``None`` if the document has none."""
         if self.agent is not None:
             return self.agent.name
         if self.config_path is None:
@@ -147,12 +147,13 @@ class NpcVehicleDocument(EntityDocument):
     model: fields.ModelName = Field(description="A vehicle model.")
     route: Annotated[
         tuple[WaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
-    ] = Field(description="Places to pass in order; a single one is a parked vehicle.")
+    ] = Field(description="Waypoints in order; a single one is a parked vehicle.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
     behavior: NpcBehavior = Field(
         NpcBehavior.REACTIVE,
-        description="replay: follows its waypoints whatever happens; reactive: follows them and "
-        "brakes for what is ahead; sumo: SUMO's car-following and lane-changing along the route.",
+        description="replay: follows its waypoints regardless of other actors; reactive: follows "
+        "them and brakes for actors ahead; sumo: SUMO's car-following and lane-changing along "
+        "the route.",
     )
 
 
@@ -163,7 +164,7 @@ class NpcWalkerDocument(EntityDocument):
     model: fields.ModelName = Field(description="A walker model.")
     route: Annotated[
         tuple[WalkerWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
-    ] = Field(description="Places to pass in order; a single one stands still.")
+    ] = Field(description="Waypoints in order; with a single one, the walker stands still.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
 
 
@@ -185,7 +186,7 @@ class NpcObstacleDocument(EntityDocument):
 
 
 class RegionDocument(EntityDocument):
-    """A rectangle; positions outside it are refused."""
+    """A rectangle; positions outside it are rejected."""
 
     min_x: fields.Coordinate = Field(description="Western edge.")
     max_x: fields.Coordinate = Field(description="Eastern edge.")
@@ -210,7 +211,7 @@ class RegionDocument(EntityDocument):
 
 
 class MapRegionDocument(EntityDocument):
-    """Where the scenario takes place."""
+    """The road network and region of the scenario."""
 
     town: fields.TownName = Field(description="A name of `drivora networks list`.")
     region_segment: RegionDocument | None = Field(
@@ -233,7 +234,7 @@ class WeatherDocument(EntityDocument):
     fog_distance: fields.FogDistance = Field(0.0, description="Where the fog begins.")
     wetness: fields.Percentage = Field(0.0, description="Wetness of the road.")
     fog_falloff: fields.FogFalloff = Field(
-        0.0, description="How fast fog thins with height; without effect in the plane."
+        0.0, description="Decrease of the fog with height; without effect in the plane."
     )
 
 
@@ -245,15 +246,13 @@ class LightTimesDocument(EntityDocument):
     )
     red_time: fields.StageTime | None = Field(
         None,
-        description="Red. Honoured where the junction has two stages; with more it follows from "
+        description="Red. Used where the junction has two stages; with more it follows from "
         "the others.",
     )
     yellow_time: fields.StageTime | None = Field(
         None, description="Yellow. Without it the network's."
     )
-    offset: fields.LightOffset | None = Field(
-        None, description="By how much the programme starts later."
-    )
+    offset: fields.LightOffset | None = Field(None, description="Delay of the programme.")
 
 
 class TrafficLightsDocument(LightTimesDocument):
@@ -263,17 +262,17 @@ class TrafficLightsDocument(LightTimesDocument):
         dict[fields.TrafficLightId, LightTimesDocument], Field(max_length=fields.MAX_JUNCTIONS)
     ] = Field(
         default_factory=dict,
-        description="Times by traffic-light id of the network; what an entry leaves out comes "
-        "from the times of all.",
+        description="Times by traffic-light id of the network; omitted ones come from the times of "
+        "all.",
     )
 
 
 class BackgroundTrafficDocument(EntityDocument):
-    """SUMO-driven traffic that keeps its size; exactly one of count and density."""
+    """SUMO-driven traffic of constant size; exactly one of count and density."""
 
     count: fields.VehicleCount | None = Field(None, description="Vehicles on the road at once.")
     density: fields.Density | None = Field(
-        None, description="Vehicles on a kilometre of drivable lane, junctions left out."
+        None, description="Vehicles per kilometre of drivable lane, without junctions."
     )
     start_time: fields.StartTime = Field(0.0, description="None before this time.")
 

@@ -1,4 +1,4 @@
-"""From a scenario back to a document, which validates to the identical scenario."""
+"""Conversion of a scenario to a document, which validates to the identical scenario."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from drivora_service.scenario.model import (
 )
 
 _NEIGHBOURS = 64
-"""Floating-point numbers that are tried on either side."""
+"""Number of neighbouring floating-point numbers that are tried on either side."""
 
 
 def to_document(scenario: Scenario) -> ScenarioDocument:
-    """Returns the document, in the network's plane, that a scenario stands for."""
+    """Returns the document of a scenario, in the network's plane."""
     return ScenarioDocument.model_validate(document_content(scenario))
 
 
 def document_content(scenario: Scenario) -> dict[str, Any]:
-    """Returns the plain data of the document that a scenario stands for.
+    """Returns the plain data of a scenario's document.
 
-    The keys are in the order of the document's fields. The values are not checked: a number that
-    no document may have stays as it is.
+    The keys are in the order of the document's fields. The values are not checked: a number out
+    of a document's bounds stays as it is.
     """
     background, lights = scenario.background_traffic, scenario.traffic_lights
     return {
@@ -70,7 +70,7 @@ def document_content(scenario: Scenario) -> dict[str, Any]:
 
 
 def _yaw(angle: float) -> float:
-    """Returns the degrees that are read back as exactly ``angle``, where there are any."""
+    """Returns the degrees that are read back as exactly ``angle``, if there are any."""
     if not math.isfinite(angle):
         return angle
     frame = FrameTransform()

@@ -1,6 +1,6 @@
 """Number and text types of the document, each with its unit and its bounds.
 
-Numbers are strict: no text, no booleans, no NaN, no infinity. The unit stands in the JSON Schema
+Numbers are strict: no text, no booleans, no NaN, no infinity. The unit is in the JSON Schema
 as ``x-unit``.
 """
 
@@ -71,7 +71,7 @@ PATTERN_MEANINGS: Mapping[str, str] = MappingProxyType(
         CONFIG_PATTERN: "the name of an agent: NAME, NAME.yaml or configs/NAME.yaml",
     }
 )
-"""What the patterns mean, for people."""
+"""Meanings of the patterns, for messages."""
 
 ActorId = Annotated[str, Field(strict=True, pattern=ID_PATTERN)]
 ModelName = Annotated[str, Field(strict=True, pattern=NAME_PATTERN)]

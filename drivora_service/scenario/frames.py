@@ -1,4 +1,4 @@
-"""Between a document's frame and the road network's plane.
+"""Transformation between a document's frame and the road network's plane.
 
 CARLA's y points south and its yaw turns clockwise from east; the network's y points north and
 angles turn counter-clockwise. A network made from a CARLA town is moved by its offset, so that
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameTransform:
-    """Where a document's origin lies in the network, and which way its y axis points.
+    """The origin of a document in the network, and the direction of its y axis.
 
     Attributes:
         offset_x: Metres to add to the document's x.
@@ -37,14 +37,14 @@ class FrameTransform:
     def yaw_to_network(self, degrees: float) -> float:
         """Returns radians counter-clockwise from east in [-pi, pi).
 
-        Wrapped while still in degrees, which is exact, so that either frame gives the same numbers.
-        Never minus zero, which equals zero and is written differently.
+        Wrapped while still in degrees, which is exact, so that both frames yield the same numbers.
+        Never minus zero, which equals zero but is written differently.
         """
         wrapped = math.remainder(-degrees if self.mirrored else degrees, 360.0)
-        # The tiniest numbers become zero by the conversion only: the sum comes after it.
+        # The smallest numbers become zero only in the conversion, so add after it.
         return math.radians(-180.0 if wrapped == 180.0 else wrapped) + 0.0
 
     def yaw_from_network(self, radians: float) -> float:
-        """Returns degrees as the document counts them, in [-180, 180]."""
+        """Returns degrees in the document's sense of rotation, in [-180, 180]."""
         degrees = math.degrees(math.remainder(radians, math.tau))
         return 0.0 - degrees if self.mirrored else degrees

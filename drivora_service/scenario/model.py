@@ -1,7 +1,7 @@
-"""A scenario inside the service: immutable, validated, in one frame.
+"""The scenario model: immutable, validated, in one frame.
 
 Frame: the road network's plane, x east and y north in metres. Angles are radians, counter-clockwise
-from east. Speeds are m/s and times seconds of simulation. Positions of vehicles, walkers and
+from east. Speeds are m/s and times are simulation seconds. Positions of vehicles, walkers and
 obstacles are the centres of their boxes.
 """
 
@@ -16,18 +16,18 @@ from drivora_service.shapes import Shape
 
 
 class NpcBehavior(StrEnum):
-    """How an NPC vehicle moves along its waypoints."""
+    """Behaviour of an NPC vehicle."""
 
     REPLAY = "replay"
-    """Follows its waypoints whatever happens."""
+    """Follows its waypoints regardless of other actors."""
     REACTIVE = "reactive"
-    """Follows its waypoints and brakes for what is ahead."""
+    """Follows its waypoints and brakes for actors ahead."""
     SUMO = "sumo"
     """SUMO's car-following and lane-changing along the route through its waypoints."""
 
 
 class VehicleDynamics(StrEnum):
-    """How an ego's body answers its commands."""
+    """Vehicle model of an ego."""
 
     KINEMATIC = "kinematic"
     """A bicycle without slip, limited by the grip of its tyres."""
@@ -37,15 +37,15 @@ class VehicleDynamics(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waypoint:
-    """A place to pass.
+    """A waypoint of an actor.
 
     Attributes:
         x: Metres east.
         y: Metres north.
-        z: Metres up; of what stands still it tells the level of a bridge, what moves follows the
-            heights of its lanes.
+        z: Height in metres; for objects that stand still it selects the level of a bridge, moving
+            actors follow the heights of their lanes.
         yaw: Heading in radians; ``None``: derived from the path.
-        speed: Wanted speed in m/s at this place; ``None``: the default of the actor's kind.
+        speed: Desired speed in m/s at this place; ``None``: the default of the actor's kind.
     """
 
     x: float
@@ -154,8 +154,8 @@ class LightTimes:
     """Durations of the stages of a junction's programme in seconds; ``None`` keeps the network's.
 
     Attributes:
-        red: Honoured where the junction has two stages; with more it follows from the others.
-        offset: Seconds by which the programme starts later.
+        red: Used where the junction has two stages; with more it follows from the others.
+        offset: Seconds by which the programme is delayed.
     """
 
     green: float | None = None
@@ -174,11 +174,11 @@ class TrafficLights:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BackgroundTraffic:
-    """SUMO-driven flow that keeps its size: a vehicle that arrives is replaced.
+    """SUMO-driven traffic of constant size: a vehicle that arrives is replaced.
 
     Attributes:
         count: Vehicles on the road at once.
-        start_time: Seconds before which there is none.
+        start_time: Start time of the traffic, seconds.
     """
 
     count: int
@@ -187,15 +187,15 @@ class BackgroundTraffic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """One OpenScenario document, validated.
+    """A validated OpenScenario document.
 
     Attributes:
         seed: Seeds every random draw of the run.
-        step_length: Seconds of simulation a step.
+        step_length: Simulated seconds of one step.
         max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
         stuck_after: Seconds that an ego may stand, with no signal to wait for, before its part
-            ends; ``None``: as long as the simulation lets it by default.
-        extensions: Free data of others, by namespace; carried, never interpreted.
+            ends; ``None``: the default of the simulation.
+        extensions: Free data of other tools, by namespace; carried, never interpreted.
     """
 
     ego_vehicles: tuple[EgoVehicle, ...]

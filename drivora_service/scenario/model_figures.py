@@ -2,9 +2,9 @@
 
 Lengths and widths are the bounding boxes that CARLA 0.9.16 reports for its blueprints, rounded to
 the centimetre; wheelbases and masses are those of the real vehicles after which the blueprints are
-modelled, where the box is about their size, else scaled to the box. Limits are per class: the
+modelled, if the box is about their size, else scaled to the box. Limits are per class: the
 driving figures that SUMO documents for its vehicle classes (``emergencyDecel``, ``maxSpeed``) and,
-for full throttle, ordinary road tests. Heights, which matter for what hides what, are those of
+for full throttle, ordinary road tests. Heights, which matter for occlusion, are those of
 ordinary vehicles of the class (two-wheelers with their rider), people and things: chosen here, to
 the decimetre.
 """
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 
 class ClassLimits(NamedTuple):
-    """m/s² from standstill, m/s² braking, radians at the wheels, m/s, metres high."""
+    """m/s² from standstill, m/s² braking, radians at the wheels, m/s, height in metres."""
 
     max_acceleration: float
     max_deceleration: float
@@ -25,7 +25,7 @@ class ClassLimits(NamedTuple):
 
 
 class VehicleFigures(NamedTuple):
-    """Name without ``vehicle.``, class, metres, metres, metres between the axles, kilograms."""
+    """Name without ``vehicle.``, class, length, width, wheelbase in metres, mass in kilograms."""
 
     name: str
     vehicle_class: str
@@ -36,7 +36,7 @@ class VehicleFigures(NamedTuple):
 
 
 class ObstacleFigures(NamedTuple):
-    """Name without ``static.prop.``, metres, metres."""
+    """Name without ``static.prop.``, length and width in metres."""
 
     name: str
     length: float
@@ -120,7 +120,7 @@ WALKER_COUNT = 52
 """``walker.pedestrian.0001`` to ``0052``."""
 ADULT_SIZE = 0.38
 CHILD_SIZE = 0.50
-"""Metres; CARLA's capsules are square, and its small children's are the wider ones."""
+"""Metres; CARLA's capsules are square, and those of small children are wider."""
 ADULT_HEIGHT = 1.7
 CHILD_HEIGHT = 1.2
 ADULT_MAX_SPEED = 10.0
@@ -147,7 +147,7 @@ TALL_OBSTACLES: dict[str, float] = {
     "trafficwarning": 2.5,
     "vendingmachine": 1.9,
 }
-"""Metres; all others are low."""
+"""Heights of tall obstacles, metres; all others are low."""
 
 OBSTACLES: tuple[ObstacleFigures, ...] = (
     ObstacleFigures("advertisement", 1.55, 0.29),

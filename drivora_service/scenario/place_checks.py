@@ -1,4 +1,4 @@
-"""Checks that every place of a scenario lies on the network and in the document's region."""
+"""Checks that all places of a scenario are on the network and in the document's region."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from drivora_service.scenario.model import NpcBehavior, Region
 from drivora_service.scenario.placed_actors import PlacedActor
 
 MAX_OFF_LANE = 12.0
-"""Metres from the centre of a drivable lane at which a waypoint of a vehicle still counts as meant
-for it: a point of the CARLA Leaderboard's routes lies 9.3 m beside the road."""
+"""Metres from the centre of a drivable lane up to which a waypoint of a vehicle is snapped to it: a
+point of the CARLA Leaderboard's routes lies 9.3 m beside the road."""
 MAX_PARKED_OFF_LANE = 30.0
-"""The same for vehicles that do not follow lanes: parked ones and those that are replayed."""
+"""The same limit for vehicles that do not follow lanes: parked and replayed ones."""
 BOUNDS_MARGIN = 50.0
-"""Metres beyond the network's bounds in which walkers and obstacles may still be."""
+"""Metres beyond the network's bounds up to which walkers and obstacles are allowed."""
 _SEARCH_RADIUS = 100.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OffLanePlace:
-    """A waypoint that lies beside the lanes but near enough to be meant for one.
+    """A waypoint off the lanes that is near enough to be snapped to one.
 
     Attributes:
         place: Index of the waypoint.
@@ -58,7 +58,7 @@ def check_places(
 
 
 def off_lane_limit(actor: PlacedActor) -> float:
-    """Metres from a lane's centre at which a waypoint of a vehicle is still accepted."""
+    """Returns the metres from a lane's centre up to which a waypoint of a vehicle is accepted."""
     free = actor.behavior is NpcBehavior.REPLAY or (not actor.is_ego and len(actor.places) == 1)
     return MAX_PARKED_OFF_LANE if free else MAX_OFF_LANE
 

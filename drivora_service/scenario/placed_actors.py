@@ -34,13 +34,13 @@ class PlacedActor:
     """An actor of a document or a scenario.
 
     Attributes:
-        list_name: The list that it stands in, such as ``npc_vehicles``.
-        index: Its place in that list.
-        model: ``None`` where it names a model that does not exist.
-        places: Its waypoints, or its one location, in the network's plane.
+        list_name: The document's list that contains it, such as ``npc_vehicles``.
+        index: Its index in that list.
+        model: Its model; ``None`` if the model does not exist.
+        places: Its waypoints, or its single location, in the network's plane.
         start_time: Seconds.
-        behavior: ``None`` where it is no NPC vehicle.
-        is_ego: Under the control of an ADS.
+        behavior: Behaviour of an NPC vehicle; else ``None``.
+        is_ego: Whether an ADS controls it.
     """
 
     list_name: str
@@ -54,16 +54,16 @@ class PlacedActor:
 
     @property
     def is_vehicle(self) -> bool:
-        """An ego or an NPC vehicle."""
+        """Whether it is an ego or an NPC vehicle."""
         return self.is_ego or self.behavior is not None
 
     @property
     def pointer(self) -> str:
-        """JSON pointer to it."""
+        """JSON pointer to the actor."""
         return pointer((self.list_name, self.index))
 
     def place_pointer(self, place: int) -> str:
-        """JSON pointer to one of its places."""
+        """Returns the JSON pointer to one of its places."""
         if self.list_name == "npc_obstacles":
             return f"{self.pointer}/location"
         return f"{self.pointer}/route/{place}"
@@ -75,8 +75,9 @@ def place_actors(
     """Returns all actors in document order, and a problem for each model that does not exist.
 
     Args:
-        content: Holds the actors.
-        frame: From a document's frame to the network's plane. A scenario is in that plane.
+        content: Document or scenario with the actors.
+        frame: Transformation from the document's frame to the network's plane; unused for a
+            scenario.
     """
     problems: list[Problem] = []
     egos: Sequence[EgoDocument | EgoVehicle] = content.ego_vehicles

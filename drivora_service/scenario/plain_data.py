@@ -1,7 +1,7 @@
-"""Text to plain data, safely: bounded in size and depth, without surprises in keys or values.
+"""Safe reading of text as plain data: bounded in size and depth, with checked keys and values.
 
-Nothing that a text contains is executed, resolved or opened: YAML tags, anchors and aliases are
-refused, and so are repeated keys, which parsers would otherwise silently drop.
+Nothing in a text is executed, resolved or opened: YAML tags, anchors and aliases are
+rejected, and so are repeated keys, which parsers would silently drop.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from drivora_service.errors import InvalidDocument, Problem
 
 MAX_DOCUMENT_BYTES = 4 * 1024 * 1024
 MAX_YAML_BYTES = 256 * 1024
-"""YAML is read two orders of magnitude slower than JSON."""
+"""Smaller than for JSON, since YAML is read two orders of magnitude slower."""
 MAX_DEPTH = 32
 MAX_VALUES = 500_000
 MAX_INTEGER = 2**63 - 1
@@ -45,14 +45,14 @@ def plain_data(
     *,
     what: str = "a scenario",
 ) -> tuple[dict[str, Any], list[Problem]]:
-    """Returns the top-level object of a text, or of parsed data, and what is odd in it.
+    """Returns the top-level object of a text, or of parsed data, and the problems in it.
 
-    Odd are repeated keys and values that JSON, UTF-8 or the store cannot hold. ``what`` it is
-    meant to be is for messages.
+    Problems are repeated keys and values that JSON, UTF-8 or the store cannot hold. ``what`` is
+    the expected content, for messages.
 
     Raises:
-        InvalidDocument: The text cannot be read at all: it is too large, too deep, not the language
-            it claims to be, or no object with keys of text.
+        InvalidDocument: The text cannot be read: it is too large, too deep, not in the given
+            language, or not an object with text keys.
     """
     if isinstance(data, str | bytes):
         text = decoded(data, MAX_DOCUMENT_BYTES if format == "json" else MAX_YAML_BYTES)
@@ -74,12 +74,12 @@ def pointer(tokens: Iterable[str | int]) -> str:
 
 
 def kind_of(value: object) -> str:
-    """Names the JSON type of a value for people."""
+    """Returns the name of a value's JSON type, for messages."""
     return _TYPE_NAMES.get(type(value), type(value).__name__)
 
 
 def refusal(code: str, message: str) -> InvalidDocument:
-    """An error about the document as a whole."""
+    """Returns an error about the document as a whole."""
     return InvalidDocument((Problem(pointer="", code=code, message=message),))
 
 
@@ -98,7 +98,7 @@ def decoded(data: str | bytes, limit: int) -> str:
 
 
 class _RepeatedKeys(dict[Any, Any]):
-    """An object in which keys stood twice."""
+    """An object with repeated keys."""
 
     repeated: tuple[Any, ...] = ()
 
@@ -183,7 +183,7 @@ def _place(mark: Any) -> str:
 
 
 def _odd_values(content: Any) -> list[Problem]:
-    """Finds what JSON, UTF-8 or the store cannot hold; walks without recursion."""
+    """Returns the values that JSON, UTF-8 or the store cannot hold; without recursion."""
     problems: list[Problem] = []
     seen = 0
     stack: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
@@ -233,7 +233,7 @@ def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Pr
 
 
 def _odd_leaf(value: object) -> str:
-    """Says what is odd about a value that is no container; "" where nothing is."""
+    """Returns the problem of a value that is not a container; "" without a problem."""
     if isinstance(value, str):
         if "\0" in value:
             return "found the NUL character; it is not allowed"

@@ -1,4 +1,4 @@
-"""Turns what is wrong with a document's structure into problems that tell what to do."""
+"""Structural problems of a document, with messages that name the correction."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
         Problem(
             pointer=pointer(_tokens(details)),
             code=details["type"],
-            # Looking for what was meant is slow, and of more problems none is listed.
+            # The search for similar keys is slow, and further problems are not listed.
             message=_message(details, model, guess=number < MAX_PROBLEMS),
         )
         for number, details in enumerate(error.errors(include_url=False))
@@ -45,7 +45,7 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
 
 
 def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
-    """Finds actors whose id another actor before them has; skips what is no actor at all."""
+    """Finds actors whose id a preceding actor has; skips items that are not actors."""
     return repeated_ids(
         (pointer((name, index, "id")), actor["id"])
         for name in ACTOR_LISTS
@@ -56,7 +56,7 @@ def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
 
 
 def repeated_ids(ids: Iterable[tuple[str, str]]) -> list[Problem]:
-    """Finds ids that were there before.
+    """Finds repeated ids.
 
     Args:
         ids: Pointer to each id, and the id.
@@ -74,7 +74,7 @@ def repeated_ids(ids: Iterable[tuple[str, str]]) -> list[Problem]:
 def in_document_order(
     problems: Sequence[Problem], content: Mapping[str, Any]
 ) -> tuple[Problem, ...]:
-    """Sorts problems as their places stand in the document, and bounds their number."""
+    """Sorts problems by their places in the document, and bounds their number."""
     positions: dict[int, dict[str, int]] = {}
     ordered = sorted(problems, key=lambda problem: _rank(problem.pointer, content, positions))
     if len(ordered) <= MAX_PROBLEMS:
@@ -98,21 +98,21 @@ def tokens(place: str, content: Any) -> tuple[str | int, ...]:
 
 
 def close_keys(key: str, known: Iterable[str], *, similar: float = 0.6) -> list[str]:
-    """Returns the one of some keys, if any, that another was probably meant to be."""
-    # Of a longer one none was meant, and the search takes time with its length.
+    """Returns the most similar of the known keys, if any is similar enough."""
+    # A longer key is not a typing error, and the search time grows with its length.
     return list(_close(key, tuple(known), similar)) if len(key) <= _LONGEST_GUESS else []
 
 
 @lru_cache(maxsize=4096)
 def _close(key: str, known: tuple[str, ...], similar: float) -> tuple[str, ...]:
-    """Finds what was meant; the documents of a batch often have the same mistakes."""
+    """Finds similar keys; cached, as the documents of a batch often have the same mistakes."""
     return tuple(difflib.get_close_matches(key, known, n=1, cutoff=similar))
 
 
 def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
     """Returns the model that describes the object at a place of a document of type ``model``.
 
-    Indices of lists and keys of free data are passed.
+    Indices of lists and keys of free data are skipped.
     """
     for token in place:
         field = model.model_fields.get(str(token))
@@ -122,12 +122,12 @@ def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseMod
 
 
 def _is_echo(details: ErrorDetails) -> bool:
-    """True where pydantic calls a list too short because its items are wrong."""
+    """Returns whether pydantic reports a list as too short because its items are invalid."""
     return details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]
 
 
 def _rank(place: str, content: Any, positions: dict[int, dict[str, int]]) -> tuple[int, ...]:
-    """Returns where a place stands; ``positions`` keeps those of the keys of each object."""
+    """Returns the sort key of a place; ``positions`` caches the order of each object's keys."""
     rank: list[int] = []
     for key in tokens(place, content):
         if isinstance(key, int):
@@ -143,9 +143,9 @@ def _rank(place: str, content: Any, positions: dict[int, dict[str, int]]) -> tup
 
 
 def _tokens(details: ErrorDetails) -> tuple[str | int, ...]:
-    """The place of an error; pydantic adds a ``[key]`` step for keys of mappings."""
+    """Returns the place of an error, without pydantic's ``[key]`` step for keys of mappings."""
     place = details["loc"]
-    # A document may have a key of that name itself; what is wrong with a key is said of the key.
+    # A document may have a key of that name itself; a problem with a key is reported at the key.
     if place[-1:] == ("[key]",) and place[-2:-1] == (details["input"],):
         return place[:-1]
     return place

@@ -1,8 +1,8 @@
-"""Checks that every route can be driven, by the rules by which the episode drives it.
+"""Checks that all routes are drivable, by the rules of the episode.
 
-An ego's route is planned through all its waypoints. A reactive NPC joins waypoints more than
-``JOIN_DISTANCE`` apart along the lanes and nearer ones by straight lines. A replayed NPC takes its
-waypoints as they are. An NPC driven by SUMO needs a start on a lane outside junctions and a way
+An ego's route is planned through all its waypoints. A reactive NPC connects waypoints more than
+``JOIN_DISTANCE`` apart along the lanes and nearer ones by straight lines. A replayed NPC uses its
+waypoints as they are. An NPC driven by SUMO needs a start on a lane outside junctions and a route
 through all its waypoints.
 """
 
@@ -26,20 +26,20 @@ from drivora_service.scenario.placed_actors import PlacedActor
 from drivora_service.scenario.start_overlaps import StartPose
 
 JOIN_DISTANCE = 10.0
-"""Metres between waypoints of a reactive NPC beyond which they are joined along the lanes."""
+"""Metres between waypoints of a reactive NPC beyond which they are connected along the lanes."""
 MIN_ROUTE_LENGTH = 2.0
-"""Metres that an ego has to drive at least."""
+"""Minimum length of an ego's route, metres."""
 
 
 RouteCheck = Callable[[PlacedActor, RoadNetwork], tuple[Sequence[Problem], StartPose | None]]
-""":func:`check_route`, or what remembers its answers."""
+""":func:`check_route`, or a cached version of it."""
 
 
 def check_route(actor: PlacedActor, network: RoadNetwork) -> tuple[list[Problem], StartPose | None]:
-    """Checks the way of an actor whose places lie on the network.
+    """Checks the route of an actor whose places are on the network.
 
     Returns:
-        Problems, and where the actor appears; ``None`` where it has no way.
+        Problems, and the start pose; ``None`` without a route.
     """
     if actor.is_ego:
         problems, pose = _check_ego(actor, network)
@@ -116,7 +116,7 @@ def _check_reactive(
     for index, (here, there) in enumerate(itertools.pairwise(actor.places)):
         if _distance(here, there) <= JOIN_DISTANCE:
             continue
-        # Only the first piece must be drawn; that there is a way is known sooner.
+        # Only the first leg needs geometry; feasibility is cheaper to check.
         if index > 0 and _drivable(network, route_points((here, there))):
             continue
         route = _plan(actor, (here, there), network, first=index)
@@ -131,7 +131,7 @@ def _check_reactive(
 
 
 def _standing_pose(actor: PlacedActor, network: RoadNetwork) -> StartPose:
-    """Heading towards the next place; else as told; else that of the lane."""
+    """Returns the pose with the heading to the next place, else the given one, else the lane's."""
     start = actor.places[0]
     for place in actor.places[1:]:
         if _distance(start, place) > 0.1:
@@ -149,7 +149,7 @@ def _pose(actor: PlacedActor, start: Waypoint, heading: float) -> StartPose:
 
 
 def _height(pose: StartPose, network: RoadNetwork) -> float:
-    """Height of a pose: as told for what does not move, else that of the lane it is on, metres."""
+    """Returns a pose's height: the given one for fixed actors, else that of its lane, metres."""
     start = pose.actor.places[0]
     if start.z is not None and not pose.actor.is_vehicle:
         return start.z

@@ -1,4 +1,4 @@
-"""Notes on how the waypoints of a route were understood: detours, and waypoints left out."""
+"""Notes on the interpretation of a route's waypoints: detours, and omitted waypoints."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from drivora_service.scenario.route_checks import route_points
 
 LONG_LEG_FACTOR = 1.5
 LONG_LEG_LENGTH = 50.0
-"""A leg is noted that is longer than the straight lines between its waypoints by this factor and by
-this many metres."""
+"""Factor and metres by which a leg must be longer than the straight lines between its waypoints to
+be noted."""
 
 
 def route_notes(scenario: Scenario, network: RoadNetwork) -> list[str]:
-    """Returns what a reader may not expect of the ways that pass all their waypoints.
+    """Returns notes on unexpected routes through waypoints.
 
-    These are the ways of the egos and of the NPCs that SUMO drives. A route of a start and a
-    destination alone says nothing about its way.
+    They concern the routes of the egos and of the NPCs that SUMO drives. A route of a start and a
+    destination alone leaves its way open.
 
     Raises:
-        NoRoute: One of them has no way.
+        NoRoute: One of the routes is not drivable.
     """
     driven = [npc for npc in scenario.npc_vehicles if npc.behavior is NpcBehavior.SUMO]
     return [
@@ -39,10 +39,10 @@ def route_notes(scenario: Scenario, network: RoadNetwork) -> list[str]:
 def snap_notes(
     snapped: Sequence[OffLanePlace], scenario: Scenario, network: RoadNetwork
 ) -> list[str]:
-    """Returns a note for each waypoint of an ego that lies beside the lanes and is passed.
+    """Returns a note for each waypoint of an ego that lies off the lanes and is passed.
 
     Raises:
-        NoRoute: An ego has no way.
+        NoRoute: An ego has no route.
     """
     routes = {ego.id: ego.route for ego in scenario.ego_vehicles}
     notes = []

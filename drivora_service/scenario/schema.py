@@ -28,14 +28,14 @@ _EXAMPLE: dict[str, Any] = {
 
 
 def schema_directory() -> Path:
-    """Where the schema and the examples are: in the checkout, or in the installed package."""
+    """Returns the folder of the schema and the examples, in a checkout or an installed package."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "_data" / "openscenario_schemas"
     return installed if installed.is_dir() else package.parent / "openscenario_schemas"
 
 
 def schema_path() -> Path:
-    """The committed schema file."""
+    """Returns the path of the committed schema file."""
     return schema_directory() / _FILE
 
 

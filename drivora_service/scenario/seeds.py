@@ -1,9 +1,8 @@
-"""Seed scenarios: random ego routes on a network, of a wanted length.
+"""Seed scenarios: random ego routes of a given length on a network.
 
-A route is found by a random walk over the lane graph: a random place on a random lane, then on
-through random connections until the wanted length is driven. So every candidate is drivable, and
-its length is known; what remains is whether the planner agrees that this is the way from start to
-destination.
+A route is found by a random walk over the lane graph: from a random place on a random lane through
+random connections until the wanted length is driven. So every candidate is drivable, and its length
+is known; what remains is to check that the planner finds the same way from start to destination.
 """
 
 from __future__ import annotations
@@ -31,11 +30,11 @@ DEFAULT_MODEL = "vehicle.lincoln.mkz_2017"
 MAX_SEEDS = 10_000
 MAX_LENGTH = 100_000.0
 _PATIENCE = 500
-"""Candidates refused in a row after which the search ends."""
+"""Consecutive rejected candidates after which the search ends."""
 _END_MARGIN = 6.0
-"""Metres that start and destination keep from the ends of their lanes, where these are longer."""
+"""Metres that start and destination keep from the ends of their lanes, if these are longer."""
 _MIN_DIFFERENCE = 5.0
-"""Metres by which the start or the destination of two seeds differ."""
+"""Metres by which the starts or the destinations of two seeds must differ."""
 
 
 def generate_seeds(
@@ -47,20 +46,20 @@ def generate_seeds(
     seed: int,
     agent: str,
 ) -> Iterator[ScenarioDocument]:
-    """Returns ``count`` distinct scenarios of one ego, the same ones for the same arguments.
+    """Returns ``count`` distinct scenarios with one ego, which depend on the arguments only.
 
     Args:
-        network: Where to drive.
-        count: How many.
-        min_length: Metres of route at least.
-        max_length: Metres of route at most.
-        seed: Of the random draws; also becomes part of each scenario's own seed.
-        agent: Drives the egos.
+        network: The road network.
+        count: Number of scenarios.
+        min_length: Minimum length of the route, metres.
+        max_length: Maximum length of the route, metres.
+        seed: Seed of the random draws, and part of each scenario's seed.
+        agent: Agent that drives the egos.
 
     Raises:
         InvalidDocument: The options contradict one another.
-        NetworkError: The network does not offer enough such routes; says why candidates were
-            refused. Raised when that turns out, after the seeds that could be found.
+        NetworkError: The network does not have enough such routes; with the reasons of the
+            rejections. Raised after the seeds that could be found.
     """
     _check_options(count, min_length, max_length, seed, agent)
     return _generate(network, count, min_length, max_length, seed, agent)
@@ -129,7 +128,7 @@ def _walk(
 ) -> tuple[RoutePoint, RoutePoint] | None:
     """Drives ``wanted`` metres from a random place on ``lane``; ``None`` in a dead end.
 
-    A turn that no car can drive leads nowhere.
+    A turn that no car can drive counts as a dead end.
     """
     tight = tight_turns(network)
     margin = min(_END_MARGIN, 0.25 * float(lane.arc[-1]))
@@ -144,7 +143,7 @@ def _walk(
         left -= float(lane.arc[-1]) - s
         s = 0.0
         lane = network.lanes[ways[int(random.integers(len(ways)))].to_lane]
-    # A destination inside a junction moves on to the road behind it.
+    # A destination inside a junction is moved to the road behind it.
     s += left
     while lane.is_internal and lane.connections:
         lane, s = network.lanes[lane.connections[0].to_lane], 0.0
@@ -164,20 +163,20 @@ def _refusal(
     max_length: float,
     found: list[tuple[float, float, float, float]],
 ) -> str | None:
-    """Says why a candidate is no seed; ``None`` where it is one."""
+    """Returns why a candidate is rejected; ``None`` if it is a seed."""
     if route is None:
         return _DEAD_END
     start, destination = route
     for x, y, to_x, to_y in found:
         near_start = math.hypot(start.x - x, start.y - y) < _MIN_DIFFERENCE
         if near_start and math.hypot(destination.x - to_x, destination.y - to_y) < _MIN_DIFFERENCE:
-            return "much like an earlier seed"
+            return "too similar to an earlier seed"
     try:
         planned = plan_route(network, route)
     except NoRoute:
         return "no drivable way"
     if uses_tight_turn(network, planned):
-        return "the way turns round more tightly than a car can"
+        return "the way turns more tightly than a car can"
     length = planned.length
     if length < min_length:
         return "the direct way is too short"

@@ -1,9 +1,9 @@
-"""Finds actors that would stand in one another when they appear.
+"""Checks for actors that overlap when they appear.
 
 An actor keeps its first pose from the moment at which it appears until it moves: an ego from 0 to
 its start time, an NPC at its start time only, and one that never moves (an obstacle, a parked
-vehicle, a standing walker) from its start time on. Two actors overlap at their start where these
-times meet and their boxes do.
+vehicle, a standing walker) from its start time on. Two actors overlap at their start if these
+times and their boxes overlap.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from drivora_service.geometry.outlines import box_corners
 from drivora_service.scenario.placed_actors import PlacedActor
 
 TOUCH = 0.02
-"""Metres by which boxes may touch."""
+"""Metres by which boxes may overlap."""
 LEVEL_GAP = 3.0
-"""Metres of height from which on two actors are on different levels of a bridge."""
+"""Difference of heights from which on two actors are on different levels of a bridge, metres."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StartPose:
-    """Where an actor appears: centre and height in metres, heading in radians."""
+    """The pose in which an actor appears: centre and height in metres, heading in radians."""
 
     actor: PlacedActor
     x: float
@@ -37,7 +37,7 @@ class StartPose:
 
 
 def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
-    """Names each actor that overlaps one before it in the document, with the first of those."""
+    """Reports each actor that overlaps a preceding one of the document, with the first of those."""
     boxes = [(pose, pose.actor.model) for pose in poses]
     known = [(pose, model) for pose, model in boxes if model is not None]
     columns = np.array([(p.x, p.y, p.yaw, m.length, m.width) for p, m in known]).reshape(-1, 5)
@@ -56,7 +56,7 @@ def check_overlaps(poses: Sequence[StartPose]) -> list[Problem]:
 
 
 def _still(actor: PlacedActor) -> tuple[float, float]:
-    """From when to when it keeps its first pose, seconds."""
+    """Returns the begin and end of the time in its first pose, seconds."""
     if actor.is_ego:
         return 0.0, actor.start_time
     if len(actor.places) == 1:
@@ -76,7 +76,7 @@ def _problem(pose: StartPose, other: StartPose, shared: float) -> Problem:
         pointer=pose.actor.place_pointer(0),
         code="overlapping_start",
         message=(
-            f"{pose.actor.id!r} at ({pose.x:.2f}, {pose.y:.2f}) stands in {other.actor.id!r} "
+            f"{pose.actor.id!r} at ({pose.x:.2f}, {pose.y:.2f}) overlaps {other.actor.id!r} "
             f"({other.actor.pointer}): centres {gap:.2f} m apart, {shared:.2f} m² shared; move one "
             "of them or let it start at another time"
         ),

@@ -1,6 +1,6 @@
-"""Checks a document, or a scenario as it is, against its road network and the catalogues.
+"""Validation of a document or a scenario against its road network and the catalogues.
 
-Nothing that passes may fail later for a reason that the document shows.
+A valid document must not fail later for a reason that is visible in it.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from drivora_service.scenario.value_bounds import is_within_bounds
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValidScenario:
-    """A scenario that can be run.
+    """A valid scenario.
 
     Attributes:
-        network: The road network that it takes place on.
-        notes: What was interpreted on the way, for people: snapped points, agents by default.
+        network: Its road network.
+        notes: Interpretations to report: snapped points, default agents.
     """
 
     scenario: Scenario
@@ -48,19 +48,18 @@ def validate_data(
 ) -> ValidScenario:
     """Reads a document, checks it and converts it.
 
-    What is well-formed is checked against the road network even where other parts are not. What
-    depends on a malformed part is not: the route of an actor with a mistake in it, the starts of
-    others against a malformed actor, places where the frame is not known.
+    Well-formed parts are checked against the road network even if other parts are malformed. What
+    depends on a malformed part is not checked: the route of an actor with a mistake in it, the
+    starts of others against a malformed actor, places if the frame is unknown.
 
     Args:
-        data: Text, or what a JSON parser made of it.
-        networks: Where towns are looked up.
-        agents: Names of the agents that exist; in a mapping, with the reason why one cannot be
-            used, or ""; in an ``AgentDirectory``, with the parameters that they take; ``None``: any
-            name will do.
+        data: Text, or data from a JSON parser.
+        networks: Catalogue with the towns.
+        agents: Names of the existing agents; in a mapping, with the reason why one cannot be used,
+            or ""; in an ``AgentDirectory``, with their parameters; ``None``: any name is accepted.
         format: Language of the text; YAML without aliases and tags.
-        driven_by: Agent that will drive every ego in place of whom the document names, with the
-            parameters of the egos that name it: others need not exist. "": as documented.
+        driven_by: Agent that will drive every ego instead of the documented one, with the
+            parameters of the egos that name it: others need not exist. "": no replacement.
 
     Raises:
         InvalidDocument: With every problem, in document order. Where the town is unknown, what
@@ -84,8 +83,8 @@ def validate_document(
     """Checks a document and converts it.
 
     Args:
-        document: What ``parse_document`` gave.
-        networks: Where towns are looked up.
+        document: Result of ``parse_document``.
+        networks: Catalogue with the towns.
         agents: As for :func:`validate_data`.
 
     Raises:
@@ -103,17 +102,17 @@ def scenario_problems(
     agents: Collection[str] | None,
     routes: RouteCheck = check_route,
 ) -> tuple[Problem, ...]:
-    """Returns what is wrong with a scenario; nothing where it may be run.
+    """Returns the problems of a scenario; empty if it can be run.
 
-    These are the problems of the document that stands for it (:func:`exporting.to_document`), with
+    These are the problems of the document of the scenario (:func:`exporting.to_document`), with
     the same pointers, codes and messages in the same order.
 
     Args:
-        scenario: As it would be run, valid or not.
-        networks: Where its town is looked up.
+        scenario: Scenario, valid or not.
+        networks: Catalogue with its town.
         agents: As for :func:`validate_data`.
-        routes: Checks the way of an actor. A caller that has scenarios which share actors may give
-            one that remembers its answers.
+        routes: Checks the route of an actor. A caller with scenarios that share actors may pass a
+            cached version.
 
     Raises:
         NetworkError: The town's network file cannot be read.

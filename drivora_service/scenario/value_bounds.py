@@ -1,7 +1,7 @@
-"""Whether the values of a scenario are ones that a document may have.
+"""Checks that the values of a scenario are within the bounds of documents.
 
 The bounds are those of the fields of the document's classes. A value beyond them is not described
-here: validation of the document that stands for the scenario does that.
+here, but by the validation of the scenario's document.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from drivora_service.scenario.plain_data import plain_data
 
 
 def is_within_bounds(scenario: Scenario) -> bool:
-    """Returns True only if the document that stands for a scenario is well-formed.
+    """Returns True only if a scenario's document is well-formed.
 
-    It is False also where an angle is beyond 720 rad, although the document has that angle within
+    Also False if an angle is beyond 720 rad, although the document has that angle within
     a full turn.
     """
     free_data = (scenario.extensions, *(ego.agent.parameters for ego in scenario.ego_vehicles))
@@ -42,7 +42,7 @@ def is_within_bounds(scenario: Scenario) -> bool:
 class _Columns:
     """Attributes of the objects of one class, checked as fields of a class of the document.
 
-    All objects of the class are checked in one call, and no document is made of them.
+    All objects of the class are checked in one call, without making a document.
     """
 
     def __init__(
@@ -52,8 +52,8 @@ class _Columns:
 
         Args:
             document: The class of the document. A field that it does not have must be ``None``.
-            names: Fields, two at least, whose attributes have their names.
-            renamed: Attributes by the names of other fields.
+            names: At least two fields with attributes of the same names.
+            renamed: Attributes with other names, by field.
         """
         attributes = {**{name: name for name in names}, **renamed}
         fields = tuple(_annotation(document.model_fields.get(name)) for name in attributes)
@@ -71,7 +71,7 @@ class _Columns:
 
 
 def _annotation(field: FieldInfo | None) -> Any:
-    """Returns what a field may hold; its parts, which are checked for themselves, may be any."""
+    """Returns the type of a field, without its parts, which are checked separately."""
     if field is None:
         return None
     origin, parts = get_origin(field.annotation), get_args(field.annotation)
@@ -133,7 +133,7 @@ class _Bounds:
         self._locations.check(obstacle.location for obstacle in obstacles)
         self._lights.check((scenario.traffic_lights,))
         self._junctions.check(scenario.traffic_lights.junctions.values())
-        # Parts of which there is one have fields and attributes of the same names.
+        # Single parts have fields and attributes of the same names.
         for document, part in (
             (entities.MapRegionDocument, scenario.map_region),
             (entities.WeatherDocument, scenario.weather),

@@ -1,7 +1,7 @@
-"""Getting a process ready to check documents.
+"""Preparing a process for checking documents.
 
-The first check of a process loads the compiled kernels, which takes half a second, and that of a
-fresh installation compiles them, which takes several.
+The first check of a process loads the compiled kernels, which takes half a second; in a new
+installation it compiles them, which takes several.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _AGENT = "idm"
 
 
 def warm_up_checks(networks: NetworkCatalogue) -> Scenario:
-    """Checks a small scenario on the first of the networks and gives it."""
+    """Checks a small scenario on the first network and returns it."""
     network = networks.get(networks.names()[0])
     (document,) = generate_seeds(
         network, count=1, min_length=50.0, max_length=300.0, seed=0, agent=_AGENT

@@ -1,24 +1,24 @@
-"""What weather does: grip, how far and how well agents perceive, and the push of the wind.
+"""Effects of the weather: grip, range and quality of perception, and force of the wind.
 
 Every effect is a monotone function of each of CARLA's parameters. Sources and choices:
 
 - **Friction.** Measured coefficients are 0.8 to 1.0 on dry asphalt, about 0.7 on wet asphalt, and
-  0.4 and less where standing water carries the tyre (Wallman and Åström, *Friction measurement
+  0.4 and less with aquaplaning (Wallman and Åström, *Friction measurement
   methods and the correlation between road friction and traffic safety*, VTI 2001; Wong, *Theory of
   Ground Vehicles*, chapter 1). Rain, wetness or deposits of 100 take 1.0 down to 0.7; deposits of
   100 take it further down to 0.4.
 - **Fog.** The density is the logarithm of the meteorological visibility (Koschmieder): 10 km at 0,
   1 km (where fog begins by the WMO's definition) at 43, 50 m (dense fog) at 100. Objects are
-  perceived up to where the fog begins plus that visibility.
+  perceived up to the begin of the fog plus that visibility.
 - **Rain, low sun, night.** Heavy rain takes 30 % of the range; glare of a sun on the horizon 20 %;
   the night, from the end of civil twilight (6 degrees below the horizon) on, 50 %. Orders of
   magnitude chosen here.
-- **Noise, drop-out and latency** grow in proportion to the share of the range that is lost: what is
-  hard to see is found later, too. Chosen here.
+- **Noise, drop-out and latency** grow in proportion to the share of the range that is lost: objects
+  that are hard to see are detected later, too. Chosen here.
 - **Wind.** 100 is 20 m/s (Beaufort 8 to 9). Drag on the side of a car (8 m², coefficient 1, 1.2
   kg/m³, 1500 kg) gives 1.3 m/s² and grows with the square of the wind speed. CARLA's wind has no
-  direction: here it blows towards the north-east, so that roads of either axis feel it. The tyres
-  hold against it (``simulation.dynamics``).
+  direction: here it blows towards the north-east, so that it affects roads of both axes. The tyres
+  balance it (``simulation.dynamics``).
 
 Cloudiness, the sun's azimuth and the fog's falloff with height have no effect.
 """
@@ -59,7 +59,7 @@ class WeatherEffects:
         position_noise: Standard deviation of perceived positions, metres.
         speed_noise: Standard deviation of perceived speeds, m/s.
         dropout: Probability that an object is not perceived at a step.
-        latency: Seconds by which what is perceived is old.
+        latency: Latency of the perception, seconds.
         wind_acceleration: Force of the wind by the mass of a vehicle, m/s².
         wind_direction: Where the wind blows to, radians counter-clockwise from east.
     """
@@ -75,7 +75,7 @@ class WeatherEffects:
 
 
 def weather_effects(weather: Weather) -> WeatherEffects:
-    """Returns the effects of a weather; clear weather gives no noise, drop-out, latency or wind."""
+    """Returns the effects of a weather; clear weather has no noise, drop-out, latency or wind."""
     perception_range = _perception_range(weather)
     lost = 1.0 - perception_range / CLEAR_RANGE
     return WeatherEffects(
@@ -104,7 +104,7 @@ def _perception_range(weather: Weather) -> float:
 
 
 def _light(sun_altitude: float) -> float:
-    """Share of the range that is left at a height of the sun in degrees."""
+    """Returns the share of the range that is left at a height of the sun in degrees."""
     if sun_altitude >= _LOW_SUN:
         return 1.0
     if sun_altitude >= 0.0:

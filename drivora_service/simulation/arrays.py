@@ -1,4 +1,4 @@
-"""Plans laid out as the arrays that the step kernels run over."""
+"""Conversion of plans to the arrays of the step kernels."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def vehicle_limits(models: Sequence[ActorModel], dynamic: Sequence[bool]) -> Flo
 
 
 def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followers:
-    """Lays follower plans end to end, all waiting for their start."""
+    """Returns follower plans as concatenated arrays, all waiting for their start."""
     counts = [len(plan.path.arc) for plan in plans]
     paths = [
         np.column_stack((path.line, path.yaw, path.arc, path.wanted, path.height))
@@ -83,7 +83,7 @@ def append_follower(followers: Followers, plan: FollowerPlan, row: int) -> None:
 
 
 def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int) -> FloatArray:
-    """Returns what never moves as (count, 10): when it appears, inf for others, and its state."""
+    """Returns static actors as (count, 10): time of appearance (inf for other rows) and state."""
     static = np.full((count, 1 + len(Col)), np.inf)
     for plan, row in zip(plans, rows, strict=True):
         static[row] = (plan.obstacle.start_time, *plan.pose, 0.0, 0.0, 0.0, 0.0, 0.0, plan.height)
@@ -91,7 +91,7 @@ def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int
 
 
 def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
-    """Returns the (M,) columns ``perception.Sense`` of an ego whose sight the weather limits."""
+    """Returns the (M,) columns ``perception.Sense`` of an ego that the weather limits."""
     senses = np.zeros(len(Sense))
     senses[Sense.RANGE] = weather.perception_range
     senses[Sense.POSITION_NOISE] = weather.position_noise
@@ -103,21 +103,21 @@ def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
 
 
 def privileged_senses() -> FloatArray:
-    """Returns the senses of an ego from which nothing is kept."""
+    """Returns the senses of an ego with unlimited perception."""
     senses = np.zeros(len(Sense))
     senses[Sense.RANGE] = np.inf
     return senses
 
 
 def wind_of(weather: WeatherEffects) -> FloatArray:
-    """Returns (2,) the acceleration by the wind, m/s²."""
+    """Returns the (2,) acceleration by the wind, m/s²."""
     return weather.wind_acceleration * np.array(
         [math.cos(weather.wind_direction), math.sin(weather.wind_direction)]
     )
 
 
 def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:
-    """Returns (M, 11) the progress of egos that have not begun, columns ``Progress``."""
+    """Returns the (M, 11) progress of egos that have not started, columns ``Progress``."""
     progress = np.zeros((len(egos), len(Progress)))
     progress[:, Progress.STUCK_AFTER] = stuck_after
     progress[:, Progress.TIME_LIMIT] = [ego.time_limit for ego in egos]
@@ -129,14 +129,14 @@ def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RouteArrays:
-    """The egos' routes and signals end to end, as ``follow_egos`` takes them.
+    """The egos' routes and signals as concatenated arrays for ``follow_egos``.
 
     Attributes:
         points: (n, 5) x, y, arc length, height and speed limit of all points; metres, m/s.
         signals: (S, 2 + 2 p) arc length of the stop line, ascending a route; offset in seconds;
-            the ends of the p stages within the cycle, padded with the cycle; and what each stage
-            shows: ``Light`` or ``PERMISSIVE``.
-        parts: (M, 4) where each route's points begin and end, and its signals.
+            the ends of the p stages within the cycle, padded with the cycle; and the state of each
+            stage: ``Light`` or ``PERMISSIVE``.
+        parts: (M, 4) begin and end of each route's points and of its signals.
     """
 
     points: FloatArray
@@ -145,7 +145,7 @@ class RouteArrays:
 
 
 def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> RouteArrays:
-    """Lays the egos' routes end to end."""
+    """Concatenates the egos' routes."""
     by_id = {program.id: program for program in programs}
     routes: list[LaneRoute] = [ego.route for ego in egos]
     signals = [

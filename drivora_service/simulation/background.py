@@ -1,4 +1,4 @@
-"""SUMO-driven background traffic: a flow of fixed size that wanders through the network."""
+"""SUMO-driven background traffic: a fixed number of vehicles on random routes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TRIES = 60
 
 
 class Wanderers:
-    """Draws entry points and endless routes on the lane graph."""
+    """Draws entry points and endless random routes on the lane graph."""
 
     def __init__(
         self, network: RoadNetwork, region: Region | None, rng: np.random.Generator
@@ -44,23 +44,23 @@ class Wanderers:
         self._weights = total / total.sum() if lanes else total
 
     def route_from(self, edge: str) -> list[str]:
-        """Draws a random walk that begins with ``edge``; shorter where the road ends."""
+        """Draws a random walk that begins with ``edge``; shorter at a dead end."""
         route = [edge]
         while len(route) < _ROUTE_EDGES:
             choices = self._next.get(route[-1], ())
-            # Where the road ends, a vehicle leaves: turning round there leads off the road.
+            # At a dead end a vehicle leaves: U-turns there lead off the road.
             if not choices:
                 break
-            # Turning round elsewhere is what a lost driver does, not traffic.
+            # Avoid U-turns elsewhere, which are not typical of traffic.
             onward = tuple(c for c in choices if not _is_turn_around(route[-1], c)) or choices
             route.append(onward[int(self._rng.integers(len(onward)))])
         return route
 
     def entry(self, taken: FloatArray) -> tuple[Lane, float] | None:
-        """Draws a place for a vehicle, away from places that are taken.
+        """Draws a place for a vehicle, away from occupied places.
 
         Args:
-            taken: (n, 2) positions to keep away from, metres.
+            taken: (n, 2) occupied positions, metres.
 
         Returns:
             Lane and arc length of the front bumper, or ``None`` if the road is full.
@@ -79,7 +79,7 @@ class Wanderers:
 
 
 def clearance_points(x: float, y: float) -> FloatArray:
-    """Returns points around a start that keep others a safe distance away: (9, 2) metres."""
+    """Returns (9, 2) points around a start that keep a safe distance free, metres."""
     angles = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
     ring = np.column_stack((np.cos(angles), np.sin(angles))) * (_CLEARANCE - _SPACING)
     return np.concatenate((np.array([(x, y)]), ring + np.array([x, y])))

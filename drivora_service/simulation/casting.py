@@ -1,4 +1,4 @@
-"""Who takes part in an episode: every actor has a row, and most have a body in SUMO."""
+"""The actors of an episode: each has a row, and most have a body in SUMO."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Cast:
 
     Attributes:
         actors: Egos, followers, NPCs that SUMO drives, obstacles, background.
-        heights: Metres, of each.
-        bodies: Of those that the service moves.
+        heights: Height of each actor, metres.
+        bodies: Bodies of the actors that the service moves.
         follower_rows: Rows of the plan's followers.
         obstacle_rows: Rows of the plan's obstacles.
     """
@@ -95,7 +95,7 @@ def follower_actor(plan: FollowerPlan, row: int) -> Actor:
 
 
 def follower_body(plan: FollowerPlan, actor: Actor) -> Body:
-    """Returns the body with which a follower enters SUMO; a vehicle that stays is parked."""
+    """Returns the body with which a follower enters SUMO; a vehicle that never drives is parked."""
     return body_of(actor, plan.edges, on_lanes=plan.on_lanes, is_fixed=plan.stays)
 
 

@@ -1,4 +1,4 @@
-"""From what an agent answers to what the vehicle is told."""
+"""Conversion of an agent's control to a vehicle's command."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drivora_service.simulation.dynamics import CommandMode
 
 _DRIVE = int(CommandMode.DRIVE)
 _NOWHERE = 1e-6
-"""Metres below which two places of a trajectory are one."""
+"""Metres up to which two points of a trajectory are the same."""
 
 
 def write_command(control: Control, model: ActorModel, dt: float, command: FloatArray) -> int:
@@ -29,25 +29,25 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
     Args:
         control: The agent's answer.
         model: Limits of the vehicle.
-        dt: Seconds a step.
-        command: (4,) filled.
+        dt: Step length, seconds.
+        command: (4,) array that is filled.
 
     Returns:
-        The ``CommandMode`` that says how to read the row.
+        The ``CommandMode`` of the row.
 
     Raises:
-        AgentError: If the answer is no control, or holds a number that is not finite.
+        AgentError: If the answer is not a control, or contains a number that is not finite.
     """
     if isinstance(control, AccelerationControl):
         command[0], command[1] = control.acceleration, control.steer
-        # The usual answer, on the hot path: one check, no enum looked up.
+        # The usual answer, on the hot path: one check, without enum lookup.
         if math.isfinite(control.acceleration + control.steer):
             return _DRIVE
         mode = CommandMode.DRIVE
     elif isinstance(control, PedalControl):
         throttle = min(max(control.throttle, 0.0), 1.0)
         brake = min(max(control.brake, 0.0), 1.0)
-        # min and max keep a NaN or let it go by their order: look before.
+        # The result of min and max with NaN depends on the order: check before.
         if not math.isfinite(control.throttle + control.brake):
             raise _invalid(f"the agent answered pedals that are not finite: {control}")
         command[0] = (
@@ -90,7 +90,7 @@ def _write_trajectory(control: TrajectoryControl, dt: float, command: FloatArray
     dx, dy = ahead_x - x, ahead_y - y
     if math.hypot(dx, dy) < _NOWHERE:
         dx, dy = points[-1, 1] - points[0, 1], points[-1, 2] - points[0, 2]
-    # Who stops has no direction to go in, and keeps the one that it has.
+    # A vehicle that stops keeps its heading.
     yaw = math.atan2(dy, dx) if math.hypot(dx, dy) >= _NOWHERE else math.nan
     command[:] = (x, y, yaw, speed)
 

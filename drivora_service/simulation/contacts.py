@@ -1,4 +1,4 @@
-"""Which egos' boxes overlap another actor's: the collision test of the step loop."""
+"""The collision test of the step loop: egos' boxes that overlap another actor's."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ def find_contacts(
     seen: BoolArray,
     found: IntArray,
 ) -> int:
-    """Finds pairs (ego, other) that overlap and were not seen before.
+    """Finds pairs (ego, other) that overlap and were not found before.
 
     Args:
         states: (N, 9) world; egos are the first M rows.
         sizes: (N, 2) length and width, metres.
         present: (N,) whether the actor is in the world.
-        active: (M,) whether the ego's part still goes on.
-        seen: (M, N) pairs found earlier; changed in place.
-        found: (k, 2) room for the pairs.
+        active: (M,) whether the ego's part has not ended.
+        seen: (M, N) pairs found before; changed in place.
+        found: (k, 2) buffer for the pairs.
 
     Returns:
-        How many rows of ``found`` were filled.
+        The number of filled rows of ``found``.
     """
     count = 0
     for i in range(active.shape[0]):

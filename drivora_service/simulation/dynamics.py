@@ -1,20 +1,20 @@
-"""How a vehicle under an agent's control moves: kinematic and dynamic bicycle, friction-limited.
+"""Dynamics of vehicles that agents control: friction-limited kinematic and dynamic bicycle models.
 
 The kinematic model (Rajamani, *Vehicle Dynamics and Control*, 2012, section 2.2) moves the box
 centre at the speed ``V`` along ``yaw + slip`` and turns by ``2 V sin(slip) / wheelbase``; the wheel
-angle asks for ``tan(slip) = tan(steer) / 2``. The tyres limit it: the changes of speed and of the
+angle requests ``tan(slip) = tan(steer) / 2``. The tyres limit it: the changes of speed and of the
 direction of travel stay together within the friction circle, so that a bend taken too fast is left
 on a wider arc. The dynamic model adds lateral velocity and yaw inertia with a saturating tyre at
 each axle (Pacejka's formula with B = 10, C = 1.9, D = mu, the usual figures for a dry road), so
 that a vehicle can skid; below 4 m/s, where slip angles are not defined, it falls back to the
 kinematic model.
 
-The push of the wind is a force on the body. In the dynamic model the tyres take it up as they can;
-in the kinematic one they do so at the slip angle that the same tyres would need, so that the
-vehicle drifts.
+The push of the wind is a force on the body. In the dynamic model the tyres take it up as far as
+they can; in the kinematic one they do so at the slip angle that the same tyres would need, so that
+the vehicle drifts.
 
-A step is integrated in substeps of the same length whatever the step's, so that a manoeuvre does
-not depend on how often an agent is asked.
+A step is integrated in substeps of the same length for all step lengths, so that a manoeuvre does
+not depend on the agent's interval.
 
 Rows of ``bodies`` are egos; all arrays are changed in place. SI units, radians.
 """
@@ -40,7 +40,7 @@ _DYNAMIC_FROM_SPEED = 4.0
 _TYRE_B = 10.0
 _TYRE_C = 1.9
 _SIDE_RESERVE = 0.2
-"""Share of the grip that braking and driving leave to the steering where it asks for it."""
+"""Share of the grip that is reserved for steering from braking and driving."""
 _CROSSWISE = 0.25
 """Share of its speed along its heading below which a vehicle slides crosswise: 75 degrees."""
 _STILL = 1e-6
@@ -77,16 +77,16 @@ class Limit(IntEnum):
 
 
 class CommandMode(IntEnum):
-    """What a row of ``commands`` asks for."""
+    """The meaning of a row of ``commands``."""
 
     HOLD = 0
     """Stand still."""
     DRIVE = 1
     """(acceleration m/s², front-wheel angle)."""
     POSE = 2
-    """(x, y, yaw or NaN, speed or NaN); NaN keeps the heading, or goes with the way."""
+    """(x, y, yaw or NaN, speed or NaN); NaN keeps the heading, or the direction of travel."""
     EXTERNAL = 3
-    """The row is moved by someone else."""
+    """The row is moved by SUMO."""
 
 
 @compiled
@@ -103,7 +103,7 @@ def _drive_kinematic(
     wanted_slip = math.atan(0.5 * math.tan(body[6]))
     slip = math.atan2(body[4], body[3]) - body[9] if v > _STILL else wanted_slip
     turn = 2.0 * math.sin(slip) / limits[0]
-    # What the steering asks of the tyres sideways; the wheels stand, the body has yet to follow.
+    # Lateral demand of the steering on the tyres; the wheels are turned, the body follows.
     wanted = abs(v * (v * turn + (wanted_slip - slip) / dt))
     reserve = min(wanted, _SIDE_RESERVE * grip)
     most = math.sqrt(grip * grip - reserve * reserve)
@@ -133,7 +133,7 @@ def _drive_kinematic(
 
 @compiled
 def _drift(body: FloatArray, grip: float, wind: FloatArray) -> float:
-    """Returns the slip angle at which the tyres hold against the wind; their curve is straight."""
+    """Returns the slip angle at which the tyres balance the wind; their curve is linear here."""
     across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
     return float(across / (_TYRE_B * _TYRE_C * grip))
 
@@ -145,7 +145,7 @@ def _drive_dynamic(
     half = 0.5 * limits[0]
     vx, vy, r, steer = body[3], body[4], body[5], body[6]
     ahead_cos, ahead_sin = math.cos(steer), math.sin(steer)
-    # Forces in units of what one axle's tyres can hold, half the weight times mu.
+    # Forces in units of the maximum force of one axle's tyres, half the weight times mu.
     front = math.sin(_TYRE_C * math.atan(_TYRE_B * (steer - math.atan2(vy + half * r, vx))))
     rear = math.sin(_TYRE_C * math.atan(-_TYRE_B * math.atan2(vy - half * r, vx)))
     push = asked / (mu * GRAVITY)
@@ -185,7 +185,7 @@ def _slide(body: FloatArray, grip: float, dt: float) -> None:
 
 @compiled
 def _along_tyre(push: float, side: float) -> float:
-    """Returns the force along a tyre within its circle, less what the steering keeps in reserve."""
+    """Returns the force along a tyre within its circle, less the reserve for the steering."""
     reserve = min(abs(side), _SIDE_RESERVE)
     most = math.sqrt(1.0 - reserve * reserve)
     return float(min(max(push, -most), most))
@@ -206,7 +206,7 @@ def _drive_to_pose(
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
     turn = 0.0 if math.isnan(command[2]) else wrapped(command[2] - body[2])
-    # What braking and driving take of the grip is not left for turning.
+    # Grip used for braking and driving is not available for turning.
     taken = min(abs(speed - body[3]) / dt, grip)
     side_grip = max(math.sqrt(grip * grip - taken * taken), _SIDE_RESERVE * grip)
     most = (side_grip / speed if speed > 1.0 else side_grip) * dt
@@ -245,7 +245,7 @@ def drive_vehicles(
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.
         friction: Tyre-road friction coefficient.
-        wind: (2,) force of the wind by mass in m/s², x and y; what of it is across a vehicle acts.
+        wind: (2,) force of the wind by mass in m/s², x and y; its component across a vehicle acts.
         dt: Seconds.
     """
     grip = friction * GRAVITY
@@ -288,7 +288,7 @@ def _drive(
     step = dt / count
     turned = STEER_RATE * step
     for _ in range(count):
-        # The motor pulls less the faster it goes, and not at all at the top speed.
+        # The traction decreases with the speed and is 0 at the top speed.
         most = min(pull, limit[1] * max(0.0, 1.0 - body[3] / limit[4]))
         asked = _clip(command[0], -braking, most)
         body[6] += _clip(steer - body[6], -turned, turned)

@@ -1,4 +1,4 @@
-"""The egos of an episode: their bodies, what they observe, what agents decide, how they end."""
+"""The egos of an episode: their bodies, observations, decisions and endings."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from drivora_service.simulation.route_tracking import Progress
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 
-# Attributes of an enum are looked up slowly: the step loop uses plain values.
+# Enum attributes are slow to look up: the step loop uses plain values.
 _IN_AGENT, _SIMULATING = int(RunPhase.IN_AGENT), int(RunPhase.SIMULATING)
 _ROUTE_S, _SPEED_LIMIT = int(Progress.ROUTE_S), int(Progress.SPEED_LIMIT)
 _SPEED, _STEER = int(Body.SPEED), int(Body.STEER)
@@ -48,15 +48,15 @@ class EgoTeam:
         limits: (M, 8), columns ``dynamics.Limit``.
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.
-        active: (M,) egos whose part goes on and has begun.
+        active: (M,) egos whose part has begun and not ended.
         in_world: (M,) egos that are on the road.
-        routes: The routes as the kernels take them.
+        routes: The routes as arrays for the kernels.
         progress: (M, 11), columns ``route_tracking.Progress``.
-        ends: (M,) index into ``route_tracking.ENDS`` of what ended an ego at the last frame
-            followed.
-        going: How many egos' parts have not ended.
-        endings: How each ego's part ended.
-        agent_ns: Wall nanoseconds that each ego's agent took in ``run_step`` so far.
+        ends: (M,) index into ``route_tracking.ENDS`` of the event that ended an ego's part in the
+            last frame.
+        going: Number of egos whose parts have not ended.
+        endings: End of each ego's part.
+        agent_ns: Wall nanoseconds that each ego's agent has spent in ``run_step``.
         logs: Agent logs.
         log_names: Names of all numeric log columns.
     """
@@ -120,7 +120,7 @@ class EgoTeam:
             parameters=deepcopy(plan.ego.agent.parameters),
             log=self.logs[m],
         )
-        # Also where no reading falls between this call and the first step, the two are told apart.
+        # Distinguishes this call from the first step, even without a reading of the cells between.
         self._cells[1], self._cells[2], self._cells[0] = SETTING_UP, m, RunPhase.IN_AGENT
         try:
             agent.setup_env(context)
@@ -129,14 +129,14 @@ class EgoTeam:
         self._cells[0], self._cells[1] = RunPhase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
-        """Returns where a log's columns stand among all; a slice, which is faster, where it can."""
+        """Returns the indices of a log's columns among all; if possible as a slice, for speed."""
         columns = [self.log_names.index(name) for name in log.names]
         if columns and columns == list(range(columns[0], columns[0] + len(columns))):
             return slice(columns[0], columns[0] + len(columns))
         return np.array(columns, dtype=np.int64)
 
     def _make_room(self, count: int) -> None:
-        """Fits the observation buffers to a world of ``count`` rows."""
+        """Resizes the observation buffers to a world of ``count`` rows."""
         self._draws = np.zeros((count, 5))
         self._buffers = []
         self._views = []
@@ -161,7 +161,7 @@ class EgoTeam:
             )
 
     def start_due(self, time: float) -> list[int]:
-        """Starts the egos whose start time has come; gives their rows."""
+        """Starts the egos whose start time has come; returns their rows."""
         if self._last_start < time - 1.0:
             return []
         started = []
@@ -248,7 +248,7 @@ class EgoTeam:
         return observation
 
     def end(self, m: int, event: TerminalEvent, step: int) -> None:
-        """Ends an ego's part: one that arrived leaves, any other stays where it is."""
+        """Ends an ego's part: an ego that arrived leaves, others stay where they are."""
         if self.endings[m].event is None:
             self.endings[m].event = event
             self.endings[m].step = step

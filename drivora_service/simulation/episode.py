@@ -1,8 +1,8 @@
-"""One episode: reset, step until it ends, look at it on the way, take its trace.
+"""An episode: reset, steps until its end, inspection in between, and its trace.
 
 Row ``k`` of the world is the state at ``k * step_length`` seconds. A step lets every agent decide
-on row ``k``, moves what the service moves to row ``k + 1``, shows that to SUMO, lets SUMO move its
-own vehicles, and then looks what happened.
+on row ``k``, moves what the service moves to row ``k + 1``, sends that to SUMO, lets SUMO move its
+own vehicles, and then detects contacts and ended parts.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ _ROOM_FOR_CONTACTS = 64
 
 
 class Episode:
-    """A running episode. A process runs one at a time, since it holds one SUMO.
+    """A running episode. A process runs one at a time, since it can hold only one SUMO.
 
-    Running a whole one is a loop::
+    A complete run is a loop::
 
         episode = Episode(plan, agents)
         while not episode.done:
@@ -71,16 +71,16 @@ class Episode:
         privileged: Sequence[bool] = (),
         cells: NDArray[np.int64] | None = None,
     ) -> None:
-        """Resets SUMO, sets the agents up and makes row 0.
+        """Resets SUMO, sets up the agents and creates row 0.
 
         Args:
-            plan: What to simulate.
-            agents: One for every ego, in order.
-            privileged: Which agents see more than the perception model lets through.
+            plan: Plan of the episode.
+            agents: An agent for every ego, in order.
+            privileged: Whether each agent bypasses the perception model.
             cells: (4,) progress integers to keep current (``runs.progress``).
 
         Raises:
-            AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers want different
+            AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different
                 lane-change models.
             SimulatorError: If SUMO refuses the network or an actor.
         """
@@ -119,8 +119,8 @@ class Episode:
         if slippery:
             edges = [edge for edge in plan.network.edge_lanes if not edge.startswith(":")]
             self._sumo.set_friction(edges, plan.weather.friction)
-        # SUMO switches at the beginning of a step: what it shows after the step that makes row 0 is
-        # what the programmes say of time 0.
+        # SUMO switches at the beginning of a step: the signals after the step that creates row 0
+        # are those of the programmes at time 0.
         self._sumo.set_programs(plan.programs, 0.0)
         stand_ins = StandIns(
             self._sumo, plan.network, self._dt, sublanes=lane_change_model == "SL2015"
@@ -139,9 +139,9 @@ class Episode:
         return self._k * self._dt
 
     def agent_seconds(self) -> dict[str, float]:
-        """Returns by ego the wall seconds that its agent took in ``run_step`` so far.
+        """Returns by ego the wall seconds that its agent has spent in ``run_step``.
 
-        Egos that SUMO drives are left out: nobody is asked for them.
+        Egos that SUMO drives are left out: they have no agent.
         """
         asked = zip(self.plan.egos, self._team.agents, self._team.agent_ns, strict=True)
         return {
@@ -151,7 +151,7 @@ class Episode:
         }
 
     def _announce(self, actors: Sequence[Actor]) -> None:
-        """Tells the traffic whom SUMO will drive."""
+        """Announces to the traffic the actors that SUMO will drive."""
         rows = {actor.id: actor.row for actor in actors}
         for driven in self.plan.driven:
             self._traffic.add_driven(rows[driven.id], driven)
@@ -175,7 +175,7 @@ class Episode:
         )
 
     def _bind(self) -> None:
-        """Collects what the step kernels take each time; the world's growth replaces some of it."""
+        """Collects the constant arguments of the step kernels; repeated when the world grows."""
         world, team, traffic = self._world, self._team, self._traffic
         routes, followers = team.routes, self._followers
         self._make_arguments: tuple[Any, ...] = (
@@ -192,7 +192,7 @@ class Episode:
 
     def _make_first_frame(self) -> None:
         self._team.start_due(0.0)
-        # Nobody is present yet in the row behind: it stands for the frame before the first.
+        # No actor is present yet in the last row, which serves as the frame before the first.
         self._make_frame(1, 0, 0.0)
         self._hand_over_started(range(len(self.plan.egos)))
         self._finish_frame(1, 0, 0.0)
@@ -214,17 +214,17 @@ class Episode:
         """Simulates one step.
 
         Args:
-            controls: Controls by ego id that are taken in place of asking the ego's agent.
+            controls: Controls by ego id that replace those of the ego's agent.
 
         Returns:
             Whether the episode has ended.
 
         Raises:
-            AgentError: If an agent raises or answers what is no control.
-            SimulatorError: If the episode has ended already, or ``controls`` names no ego.
+            AgentError: If an agent raises or its answer is not a control.
+            SimulatorError: If the episode has ended already, or ``controls`` names an unknown ego.
         """
         if self.done:
-            raise SimulatorError("the episode has ended: make a new one to go on")
+            raise SimulatorError("the episode has ended: create a new one")
         if controls:
             self._check_egos(controls)
         world, k = self._world, self._k
@@ -236,14 +236,16 @@ class Episode:
         self._team.decide(k, time, world, controls)
         self._make_frame(k, k + 1, next_time)
         self._k = k + 1
-        # Before the frame is completed: an ego is tracked from the first frame of its part on.
+        # Before the frame is completed, since an ego is tracked from the first frame of its part
+        # on.
         started = self._team.start_due(next_time)
         for m in started:
             write_velocity(self._team.bodies[m], world.states[k + 1, m])
         self._hand_over_started(started)
         self._finish_frame(k, k + 1, next_time)
         for m in started:
-            # What it stood before is not part of its drive: its rates are those of an appearance.
+            # Its standstill before is not part of its drive: its rates are 0 as on first
+            # appearance.
             world.states[k + 1, m, Col.AX : Col.YAW_RATE + 1] = 0.0
         return self.done
 
@@ -252,7 +254,7 @@ class Episode:
         for ego in ids:
             if ego not in egos:
                 known = ", ".join(egos)
-                raise SimulatorError(f"there is no ego {ego!r} to control; egos: {known}")
+                raise SimulatorError(f"unknown ego {ego!r} to control; known: {known}")
 
     def _finish_frame(self, before: int, k: int, time: float) -> None:
         """Finds contacts and ends, and whether the episode is over."""
@@ -284,7 +286,7 @@ class Episode:
         self._team.end(m, event, step)
 
     def look(self) -> Look:
-        """Returns the episode as it is now."""
+        """Returns the episode in its present state."""
         return look_at(self._world, self._k, self.time, done=self.done)
 
     def add_vehicle(self, npc: NpcVehicle) -> None:
@@ -322,9 +324,9 @@ class Episode:
 
     def _check_new(self, actor_id: str) -> None:
         if self.done:
-            raise SimulatorError("the episode has ended: nobody can join it any more")
+            raise SimulatorError("the episode has ended: actors cannot be added")
         if any(actor.id == actor_id for actor in self._world.actors):
-            raise SimulatorError(f"there is an actor {actor_id!r} already: choose another id")
+            raise SimulatorError(f"the actor id {actor_id!r} is taken: choose another id")
 
     def _join(self, actor: Actor, height: float) -> None:
         self._world.add_actor(actor, height)

@@ -1,6 +1,6 @@
-"""The path of an NPC vehicle or walker: where it goes, and how fast it wants to be there.
+"""The path of an NPC vehicle or walker: its line and the desired speeds.
 
-The wanted speed between two waypoints is that of the one ahead, reached with the follower's
+The desired speed between two waypoints is that of the one ahead, reached with the follower's
 comfortable limits; cornering and braking stay within the friction of the road.
 """
 
@@ -26,11 +26,11 @@ class FollowerPath:
     """A path to follow.
 
     Attributes:
-        line: (n, 2) metres, n >= 1; one point is a place to stand at.
+        line: (n, 2) metres, n >= 1; a single point is a place to stand at.
         yaw: (n,) unwrapped heading, radians.
         arc: (n,) arc length, metres.
-        wanted: (n,) speed wanted at each point, m/s.
-        height: (n,) metres up.
+        wanted: (n,) desired speed at each point, m/s.
+        height: (n,) height, metres.
     """
 
     line: FloatArray
@@ -74,7 +74,7 @@ def build_path(
     fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
     x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
     yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
-    # The speed that counts between two waypoints is that of the one ahead.
+    # Between two waypoints the speed of the one ahead applies.
     ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
     wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)
     if is_vehicle:

@@ -1,9 +1,9 @@
 """NPC vehicles and walkers that follow a path at the speeds of its waypoints.
 
-A follower's state is its arc length on its path and its speed; its pose is read off the path. A
+A follower's state is its arc length on its path and its speed; the path determines its pose. A
 reactive vehicle also brakes, by the intelligent driver model (Treiber, Hennecke, Helbing 2000), for
-what stands or moves in the corridor ahead of it. Reactive vehicles that stand in a ring, each
-waiting for the next, would stand for ever: after ``PATIENCE`` one of them is taken off the road.
+actors in the corridor ahead of it. Reactive vehicles that stand in a ring, each waiting for the
+next, would stand for ever: after ``PATIENCE`` one of them is removed.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from drivora_service.observations.trace import LEVEL_GAP
 from drivora_service.simulation.dynamics import GRAVITY
 
 PATIENCE = 10.0
-"""Seconds for which reactive vehicles wait for each other in a ring before one of them is taken off
-the road: long enough not to meet a queue that dissolves, and a small part of the minute after which
-an ego behind them would be judged blocked. SUMO removes vehicles from its own jams likewise."""
+"""Seconds for which reactive vehicles wait for each other in a ring before one of them is removed:
+long enough for queues to dissolve, and a small part of the minute after which an ego behind them
+would be judged blocked. SUMO removes vehicles from its own jams likewise."""
 
 STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
 
 
 class FollowerPhase(IntEnum):
-    """Where a follower is in its life."""
+    """The phase of a follower."""
 
     WAITING = 0
     MOVING = 1
@@ -38,7 +38,7 @@ class FollowerPhase(IntEnum):
 
 
 class Reaction(IntEnum):
-    """What a follower does about others."""
+    """A follower's reaction to other actors."""
 
     NONE = 0
     BRAKES = 1
@@ -50,14 +50,14 @@ class FollowerCol(IntEnum):
     S = 0
     """Arc length, metres."""
     SPEED = 1
-    """m/s; before the start, the speed to start with."""
+    """m/s; before the start, the initial speed."""
     CURSOR = 2
     """Index of the path point at or before ``S``, relative to the path's beginning."""
     PHASE = 3
     START_TIME = 4
     REACTION = 5
     STAYS = 6
-    """Whether it stays at its last point instead of leaving."""
+    """Whether it stays at its last point instead of being removed."""
     MAX_ACCELERATION = 7
     MAX_DECELERATION = 8
     LENGTH = 9
@@ -81,12 +81,12 @@ class PathCol(IntEnum):
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Followers:
-    """All followers of an episode. A few wide arrays: each costs a compiled call time of its own.
+    """All followers of an episode, in a few wide arrays: each array adds time to a compiled call.
 
     Attributes:
-        places: (F, 3) row of each follower in the world's arrays, where its path begins in
-            ``path``, and how many points it has.
-        path: (n, 6) paths end to end, columns ``PathCol``.
+        places: (F, 3) row of each follower in the world's arrays, begin of its path in ``path``,
+            and number of its points.
+        path: (n, 6) concatenated paths, columns ``PathCol``.
         state: (F, 13), columns ``FollowerCol``.
     """
 
@@ -95,7 +95,7 @@ class Followers:
     state: FloatArray
 
 
-# The columns as plain numbers, which compiled functions index with.
+# The columns as plain integers, which compiled functions use as indices.
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
 _MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
 _X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in PathCol)
@@ -116,7 +116,7 @@ def _gap_ahead(
     sizes: FloatArray,
     present: BoolArray,
 ) -> tuple[float, float, int]:
-    """Returns the free metres in the corridor ahead, and the speed along it and row of its end."""
+    """Returns the free metres in the corridor ahead, and speed and row of the actor at its end."""
     best, best_speed, best_row = np.inf, 0.0, -1
     x0, y0 = way[cursor, _X], way[cursor, _Y]
     for j in range(states.shape[0]):
@@ -201,7 +201,7 @@ def advance_followers(
 
 @compiled
 def _waits_in_ring(f: int, places: IntArray, followers: FloatArray) -> bool:
-    """Returns whether a follower waits for one that waits for one … that waits for it."""
+    """Returns whether a follower is part of a ring of followers that wait for each other."""
     at = f
     for _ in range(places.shape[0]):
         if followers[at, _PHASE] != _MOVING or followers[at, _WAITED] <= PATIENCE:
@@ -228,7 +228,7 @@ def _acceleration(
     sizes: FloatArray,
     present: BoolArray,
 ) -> float:
-    """Returns what the follower does to its speed, m/s², and notes whom it waits for."""
+    """Returns the follower's acceleration, m/s², and stores the row that it waits for."""
     grip = friction * GRAVITY
     v = me[_SPEED]
     cursor = int(me[_CURSOR])
@@ -262,7 +262,7 @@ def _acceleration(
 
 @compiled
 def _advance(me: FloatArray, way: FloatArray, acceleration: float, dt: float) -> bool:
-    """Moves a follower along its path; gives whether it has come to the end."""
+    """Moves a follower along its path; returns whether it has reached the end."""
     count = way.shape[0]
     v = me[_SPEED]
     v_next = max(v + acceleration * dt, 0.0)

@@ -1,4 +1,4 @@
-"""Which lanes a box on the road reaches into, and from where to where along them.
+"""Lanes that a box on the road reaches into, with the stretches along them.
 
 Frame: the network's plane, metres, radians.
 """
@@ -17,7 +17,7 @@ from drivora_service.networks.segment_index import CELL, segment_index
 from drivora_service.observations.trace import LEVEL_GAP
 
 REACH = 0.2
-"""Metres that a box may reach into a lane from its edge without being in it."""
+"""Metres that a box may reach across a lane's edge without being in the lane."""
 
 _MOST_LANES = 32
 _MOST_CORNERS = 12
@@ -30,7 +30,7 @@ class Overlap:
     Attributes:
         lane: Index of the lane.
         begin: Arc length on its centre line, metres.
-        end: The same, behind ``begin``.
+        end: Arc length of the end, greater than ``begin``.
         heading: Direction of the lane there, radians.
     """
 
@@ -52,12 +52,12 @@ def lanes_under(
     Args:
         network: The network.
         pose: x, y, yaw of the box centre.
-        height: Metres up, to tell the levels of a bridge apart.
-        length: Metres along the yaw.
-        width: Metres across it.
+        height: Height in metres, which distinguishes the levels of a bridge.
+        length: Length of the box, metres.
+        width: Width of the box, metres.
 
     Returns:
-        One stretch a lane, in order of lane indices.
+        One stretch for each lane, in order of lane indices.
     """
     index = segment_index(network, True)
     found = np.empty((_MOST_LANES, 4))
@@ -77,7 +77,7 @@ def lanes_under(
 def _cut(
     corners: FloatArray, count: int, axis: int, sign: float, bound: float, out: FloatArray
 ) -> int:
-    """Keeps the part of a convex polygon where ``sign * coordinate <= sign * bound``."""
+    """Clips a convex polygon to the part where ``sign * coordinate <= sign * bound``."""
     kept = 0
     for i in range(count):
         j = (i + 1) % count
@@ -111,7 +111,7 @@ def _lanes_under(
     width: float,
     found: FloatArray,
 ) -> int:
-    """Fills ``found`` with lane index, begin, end and heading; returns how many rows."""
+    """Fills ``found`` with lane index, begin, end and heading; returns the number of rows."""
     count = 0
     cos, sin = math.cos(yaw), math.sin(yaw)
     radius = 0.5 * math.hypot(length, width) + half_widths.max()

@@ -1,7 +1,7 @@
-"""Light programmes as they run: fixed times, known for every step without asking SUMO.
+"""Running light programmes with fixed times, which are known for every step without SUMO.
 
-The times of a document replace the phase durations of the network's own programmes; their states
-stay, since they keep a junction free of conflicts. So what a signal shows at a time is arithmetic.
+The times of a document replace the phase durations of the network's programmes; their states
+remain, since they keep a junction free of conflicts. So the state of a signal is computed directly.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _CODES: Mapping[str, Light] = {
 
 
 def light_of(signal: str) -> Light:
-    """Translates SUMO's letter; letters of a signal that is off mean that there is none."""
+    """Returns the ``Light`` of SUMO's letter; a signal that is off counts as none."""
     return _CODES.get(signal, Light.NONE)
 
 
@@ -41,7 +41,7 @@ class RunningProgram:
         id: The traffic light.
         phases: Stages in order.
         ends: (p,) end of each stage within the cycle, seconds; the last is the cycle.
-        offset: Seconds by which the programme starts later.
+        offset: Seconds by which the programme is delayed.
     """
 
     id: str
@@ -65,9 +65,9 @@ class RunningProgram:
 
 
 def longest_wait(program: RunningProgram, link_index: int) -> float:
-    """Returns the seconds for which a movement sees no green at most, 0 for one without a signal.
+    """Returns the maximum seconds without green for a movement, 0 for one without a signal.
 
-    A movement that never sees green costs no time: nothing can pass it in time.
+    Also 0 for a movement that never has green, which no vehicle can pass in time.
     """
     lights = [light_of(phase.state[link_index]) for phase in program.phases]
     waiting = [light in (Light.YELLOW, Light.RED) for light in lights]
@@ -93,14 +93,14 @@ def _is_green(phase: SignalPhase) -> bool:
 def run_program(
     program: SignalProgram, times: LightTimes, *, step_length: float = 0.05
 ) -> RunningProgram:
-    """Returns a network's programme the times of a document.
+    """Returns a network's programme with the times of a document.
 
-    Stages that show green (and no yellow) and follow one another, as where the walkers' green ends
-    before the cars', last ``green`` together, in the proportions that they had; every stage with a
-    yellow lasts ``yellow``. With two greens, ``red`` is what the signals of the first see between
-    their greens: the second green makes up for it. With one, it is the all-red stage's duration.
-    With more, red follows from the others. SUMO switches at steps, so every time is a whole number
-    of steps.
+    Consecutive stages that show green (and no yellow), for example if the walkers' green ends
+    before the cars', last ``green`` together, in their original proportions; every stage with a
+    yellow lasts ``yellow``. With two greens, ``red`` is the time between the greens of the first
+    group of signals: the second green is adapted. With one, it is the duration of the all-red
+    stage. With more, red follows from the others. SUMO switches at steps, so every time is a whole
+    number of steps.
     """
     greens = _greens(program)
     yellows = [i for i, phase in enumerate(program.phases) if _is_yellow(phase)]
@@ -113,7 +113,7 @@ def run_program(
             durations[i] = times.yellow
     if times.red is not None and len(program.phases) > 1:
         if len(greens) == 2:
-            # The clearing yellow directly behind the first green is not yet red.
+            # The clearing yellow directly after the first green does not count as red.
             counted = {*greens[0], *greens[1], (greens[0][-1] + 1) % len(durations)}
             others = sum(durations[i] for i in range(len(durations)) if i not in counted)
             _share(durations, greens[1], times.red - others)
@@ -151,7 +151,7 @@ def _whole_steps(seconds: float, step_length: float) -> float:
 
 
 def _share(durations: list[float], stages: Sequence[int], together: float) -> None:
-    """Lets stages last ``together`` seconds in the proportions that they had."""
+    """Scales the durations of stages to a sum of ``together`` seconds."""
     before = sum(durations[i] for i in stages)
     for i in stages:
         durations[i] *= together / before
@@ -160,7 +160,7 @@ def _share(durations: list[float], stages: Sequence[int], together: float) -> No
 def run_programs(
     programs: Mapping[str, SignalProgram], lights: TrafficLights, *, step_length: float = 0.05
 ) -> tuple[RunningProgram, ...]:
-    """Returns the times of each programme of a network; a junction's own precede the common ones.
+    """Returns the running programmes of a network; a junction's own times override the common ones.
 
     Raises:
         KeyError: If ``lights`` names a junction without a programme; validation rules that out.

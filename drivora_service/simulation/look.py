@@ -1,4 +1,4 @@
-"""A running episode as it is now, for whoever drives or watches it step by step."""
+"""The present state of a running episode, for callers that step it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drivora_service.simulation.world import World
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActorState:
-    """One actor as it is now: metres, radians, m/s."""
+    """The present state of an actor: metres, radians, m/s."""
 
     id: str
     role: Role
@@ -27,12 +27,12 @@ class ActorState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """The episode as it is now.
+    """The present state of the episode.
 
     Attributes:
-        time: Seconds of simulation.
+        time: Simulation time, seconds.
         step: Row of the trace.
-        actors: Who is in the world, egos first.
+        actors: Actors in the world, egos first.
         done: Whether the episode has ended.
     """
 
@@ -43,7 +43,7 @@ class Look:
 
 
 def look_at(world: World, step: int, time: float, *, done: bool) -> Look:
-    """Returns a frame of the world with all who are in it."""
+    """Returns a frame of the world with all present actors."""
     frame, present = world.states[step], world.present[step]
     return Look(
         time=time,

@@ -1,11 +1,11 @@
-"""What an ego perceives of the others: within range, in sight, noisy, late, sometimes not at all.
+"""An ego's perception of other actors: range, occlusion, noise, latency and drop-out.
 
-The sensor is on the ego's roof. Who is hidden behind others is not perceived: of neither the centre
-nor a corner of an actor's box does the line of sight to its top pass above or beside all others.
-Buildings hide nobody, for road networks have none. Actors on another level of a bridge are not
-shown: agents think in the plane. Range, noise, drop-out and latency come from the weather
-(``scenario.weather``). In clear weather nothing is drawn, and nothing is changed but for the range
-and the hidden.
+The sensor is on the ego's roof. Hidden actors are not perceived: those for which the lines of sight
+to the top of the box, at its centre and at each corner, all pass through other actors. Buildings
+hide no actors, since road networks have none. Actors on another level of a bridge are not
+perceived: agents work in the plane. Range, noise, drop-out and latency come from the weather
+(``scenario.weather``). In clear weather no random numbers are drawn, and only range and occlusion
+have an effect.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from drivora_service.observations.trace import LEVEL_GAP
 
 
 class Sense(IntEnum):
-    """Columns of how an ego perceives."""
+    """Columns of an ego's perception parameters."""
 
     RANGE = 0
     """Metres."""
@@ -31,9 +31,9 @@ class Sense(IntEnum):
     DROPOUT = 3
     """Probability that an actor is missed at a step."""
     LAG = 4
-    """Steps by which what is perceived is old."""
+    """Latency in steps."""
     HIDES = 5
-    """Whether actors hide one another."""
+    """Whether actors hide each other."""
 
 
 _RANGE, _LAG, _HIDES = int(Sense.RANGE), int(Sense.LAG), int(Sense.HIDES)
@@ -56,7 +56,7 @@ def perceive(
     seen_sizes: FloatArray,
     seen_numbers: IntArray,
 ) -> int:
-    """Fills the arrays of what ``ego`` perceives.
+    """Fills the arrays with the actors that ``ego`` perceives.
 
     Args:
         ego: Row of the ego.
@@ -67,10 +67,11 @@ def perceive(
         heights: (N,) metres.
         kinds: (N,) kind of each actor.
         senses: (6,) columns ``Sense``.
-        draws: (N, 5) four standard normal and one uniform draw an actor; unused without noise.
-        seen: (N, 9) filled.
-        seen_sizes: (N, 2) filled.
-        seen_numbers: (2, N) filled with the actors' kinds and rows.
+        draws: (N, 5) four standard normal and one uniform draw for each actor; unused without
+            noise.
+        seen: (N, 9) states, filled.
+        seen_sizes: (N, 2) sizes, filled.
+        seen_numbers: (2, N) kinds and rows of the actors, filled.
 
     Returns:
         The number of actors perceived.

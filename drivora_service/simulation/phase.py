@@ -1,15 +1,15 @@
-"""What a worker is doing, as one integer that can be read from outside."""
+"""The phase of a worker, as an integer in shared memory."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
 SETTING_UP = -1
-"""The step that is shown while an agent sets up: a call of its own, with a deadline of its own."""
+"""The step that is shown during ``setup_env`` of an agent, which has its own deadline."""
 
 
 class RunPhase(IntEnum):
-    """What a worker is doing."""
+    """The phase of a worker."""
 
     IDLE = 0
     PREPARING = 1

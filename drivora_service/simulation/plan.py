@@ -1,4 +1,4 @@
-"""From a validated scenario to what the episode needs: routes, paths, programmes, sizes.
+"""Planning of an episode from a validated scenario: routes, paths, programmes, sizes.
 
 Frame: the network's plane, metres, radians counter-clockwise from east.
 """
@@ -41,23 +41,23 @@ JOIN_DISTANCE = 10.0
 """Waypoints of a reactive NPC further apart than this are joined along the lanes, metres."""
 WALKING_SPEED = 1.4
 WALKING_ACCELERATION = 2.0
-"""m/s² by which a walker changes pace: from standing to walking within a step or two."""
+"""Acceleration of walkers, m/s²: from standing to walking within a step or two."""
 OFF_ROAD_SPEED = 8.0
 TIME_PER_METRE = 0.8
-"""Seconds a metre of route that an ego has, as the CARLA Leaderboard gives it."""
+"""Time limit of an ego in seconds for each metre of route (CARLA Leaderboard)."""
 TIME_TO_START = 5.0
 _COMFORTABLE_BRAKING_SHARE = 0.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EgoPlan:
-    """An ego and its way.
+    """An ego and its route.
 
     Attributes:
-        heights: (n,) metres up along the route's reference line.
+        heights: (n,) heights along the route's reference line, metres.
         start: x, y, yaw of the box centre at the start.
-        time_limit: Seconds of simulation by which it must have arrived, without what it waits at
-            signals.
+        time_limit: Simulation time in seconds by which it must have arrived, without the time that
+            it waits at signals.
     """
 
     ego: EgoVehicle
@@ -73,7 +73,7 @@ class FollowerPlan:
     """An NPC vehicle or walker that follows a path.
 
     Attributes:
-        edges: SUMO edges of its path, not empty; for one off the road, the nearest edge.
+        edges: SUMO edges of its path, not empty; for a path off the road, the nearest edge.
         on_lanes: Whether its path keeps to those edges.
         first_speed: m/s at the start.
     """
@@ -95,8 +95,8 @@ class DrivenPlan:
     """An NPC vehicle that SUMO drives.
 
     Attributes:
-        position: Of the front bumper on the first lane at the start, in SUMO's metres.
-        arrival: Of the front bumper on the last lane at the destination.
+        position: Front bumper's position on the first lane at the start, in SUMO's metres.
+        arrival: Front bumper's position on the last lane at the destination, in SUMO's metres.
     """
 
     id: str
@@ -124,7 +124,7 @@ class ObstaclePlan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EpisodePlan:
-    """All that an episode needs besides the agents.
+    """The plan of an episode, without the agents.
 
     Attributes:
         max_sim_time: Seconds after which it ends.
@@ -147,7 +147,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     """Prepares an episode.
 
     Raises:
-        NoRoute: If an actor's way cannot be driven; validation rules that out.
+        NoRoute: If there is no route for an actor; validation rules that out.
         UnknownName: If a model is not in the catalogue; validation rules that out.
     """
     weather = weather_effects(scenario.weather)
@@ -178,7 +178,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
 
 
 def signal_time(route: LaneRoute, programs: Sequence[RunningProgram]) -> float:
-    """Returns the seconds that the signals on a route may cost: the longest wait at each."""
+    """Returns the maximum seconds of waiting at the signals on a route."""
     by_id = {program.id: program for program in programs}
     return sum(
         longest_wait(by_id[signal.traffic_light], signal.link_index)
@@ -240,7 +240,7 @@ def _height_at(network: RoadNetwork, point: Waypoint, yaw: float) -> float:
 
 
 def _with_heights(path: FollowerPath, network: RoadNetwork) -> FollowerPath:
-    """Lifts a path to the lanes that it follows."""
+    """Sets the heights of a path to those of the lanes that it follows."""
     if is_flat(network):
         return path
     lanes = project_points(network, path.line, path.yaw).lane.astype(np.int64)
@@ -255,7 +255,7 @@ def _straight(waypoints: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
 def _along_lanes(
     waypoints: Sequence[Waypoint], network: RoadNetwork
 ) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Joins waypoints: near ones straight, far ones along the lanes between them.
+    """Connects waypoints: near ones straight, distant ones along the lanes between them.
 
     A waypoint beside its lane's centre keeps its offset, which fades into that of the next.
     """
@@ -271,7 +271,7 @@ def _along_lanes(
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
-            # SUMO needs one connected route; where legs do not join, it knows the way so far.
+            # SUMO needs one connected route: where legs do not join, it gets the route up to there.
             if not edges:
                 edges += route.edges
             elif route.edges and edges[-1] == route.edges[0]:
@@ -371,9 +371,9 @@ def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
 
 
 def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
-    """Returns where on a lane the front bumper of a vehicle with its centre at ``point`` is."""
+    """Returns the front bumper's position on a lane, metres, of a vehicle centred at ``point``."""
     if lane.is_internal:
-        # SUMO lets nobody start or arrive inside a junction.
+        # In SUMO, vehicles cannot start or arrive inside a junction.
         return min(length, lane.length)
     s = LineString(lane.shape).project(Point(point)) * lane.length / float(lane.arc[-1])
     return min(max(s + 0.5 * length, length), lane.length)

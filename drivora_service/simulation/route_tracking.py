@@ -1,4 +1,4 @@
-"""Where the egos are on their routes: distance, next signal, how long stuck, whether at the end."""
+"""Tracking of the egos on their routes: distance, next signal, time stuck, arrival."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from drivora_service.observations.trace import TerminalEvent
 
 STUCK_SPEED = 0.1
 STUCK_AFTER = 60.0
-"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive), unless a scenario
-has its own."""
+"""Seconds below ``STUCK_SPEED`` after which an ego counts as stuck (Bench2Drive), unless the
+scenario sets another."""
 FAR = 30.0
 """Metres from the route at which an ego has deviated (CARLA Leaderboard)."""
 BESIDE = 15.0
@@ -31,30 +31,30 @@ ENDS = (
     TerminalEvent.TIME_LIMIT,
     TerminalEvent.ROUTE_DEVIATION,
 )
-"""What the codes mean that ``follow_egos`` writes."""
+"""The events for the codes that ``follow_egos`` writes."""
 QUEUE_REACH = 100.0
 """A standing ego with a red signal at most this many metres ahead is waiting, not stuck."""
 PERMISSIVE = 4
 """Code of a green signal whose traffic yields to others with priority."""
 _SEARCH_BEHIND = 5
 _SEARCH_AHEAD = 5.0
-"""Metres beyond what the ego has driven since the last frame that its progress may move ahead: a
-route that passes the same place twice, such as a lap or the way back, is not cut short."""
+"""Metres by which the progress may exceed the distance driven since the last frame: a
+route that passes the same place twice, such as a lap or a return, is not cut short."""
 
 
 class Progress(IntEnum):
-    """Columns of ``progress``: an ego on its route at the frame followed last."""
+    """Columns of ``progress``: an ego on its route at the last tracked frame."""
 
     CURSOR = 0
-    """Segment of the route found last, relative to its beginning."""
+    """Last segment on the route, relative to its beginning."""
     STUCK = 1
     """Seconds stuck."""
     TIME_LIMIT = 2
-    """Seconds by which the ego must have arrived; later by what it has waited at signals."""
+    """Time limit in seconds, extended by the time waited at signals."""
     ROUTE_S = 3
     """Metres along the route; NaN before the start."""
     ROUTE_LATERAL = 4
-    """Metres beside it, positive to the left; NaN before the start."""
+    """Metres beside the route, positive to the left; NaN before the start."""
     LIGHT = 5
     """``Light`` of the next signal."""
     PROTECTED = 6
@@ -64,12 +64,12 @@ class Progress(IntEnum):
     SPEED_LIMIT = 8
     """m/s."""
     STUCK_AFTER = 9
-    """Seconds stuck that end its part."""
+    """Seconds stuck after which its part ends."""
     BESIDE = 10
     """Metres driven beside the route."""
 
 
-# The columns as plain numbers, which compiled functions index with.
+# The columns as plain integers, which compiled functions use as indices.
 _CURSOR, _STUCK, _TIME_LIMIT, _ROUTE_S, _ROUTE_LATERAL = (int(c) for c in tuple(Progress)[:5])
 _LIGHT, _PROTECTED, _LIGHT_DISTANCE, _SPEED_LIMIT = (int(c) for c in tuple(Progress)[5:9])
 _STUCK_AFTER, _BESIDE = int(Progress.STUCK_AFTER), int(Progress.BESIDE)
@@ -107,11 +107,11 @@ def follow_egos(
 
     Args:
         time: Seconds of this frame.
-        dt: Seconds a step.
-        frame: (N, 9) this frame; the egos' heights are filled in.
+        dt: Step length, seconds.
+        frame: (N, 9) this frame; the egos' heights are filled.
         present: (N,) of this frame.
         sizes: (N, 2) metres.
-        bodies: (M, 10); their heights are filled in too.
+        bodies: (M, 10); their heights are filled too.
         active: (M,) egos that are driving.
         points, signals, parts: As in ``arrays.RouteArrays``.
         progress: (M, 11), columns ``Progress``; changed in place.
@@ -120,7 +120,7 @@ def follow_egos(
         ends: (M,) filled with indices into ``ENDS``.
 
     Returns:
-        How many egos' parts end with this frame.
+        The number of egos whose parts end with this frame.
     """
     ended = 0
     for m in range(active.shape[0]):
@@ -128,7 +128,7 @@ def follow_egos(
         if not active[m]:
             continue
         if not present[m]:
-            # SUMO takes its own vehicles away at the end of their last edge, behind the goal.
+            # SUMO removes its vehicles at the end of their last edge, beyond the goal.
             ends[m] = 1
             ended += 1
             continue
@@ -161,7 +161,7 @@ def follow_egos(
         elif not (mine[_LIGHT] >= 2.0 and mine[_LIGHT_DISTANCE] < QUEUE_REACH):
             mine[_STUCK] += dt
         else:
-            # What the lights cost is not the ego's time.
+            # Waiting at signals does not count towards the time limit.
             mine[_TIME_LIMIT] += dt
         last = route[route.shape[0] - 1]
         goal = math.hypot(x - last[0], y - last[1])

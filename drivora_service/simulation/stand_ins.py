@@ -1,19 +1,19 @@
-"""Stand-ins: what reaches into a lane from another, or from beside the road, made known to SUMO.
+"""Stand-ins: SUMO vehicles for actors that reach into a lane from another lane or off the road.
 
-A vehicle in SUMO is on one lane, that of its front bumper, and reaches back along it by its length.
-So SUMO's drivers do not see a wreck that lies across two lanes in more than one, nor a parked
-vehicle that reaches in from the verge, while they stop for what only touches their lane. Standing
-actors, and all walkers, are therefore looked at as boxes: where that differs from what SUMO has,
-the actor itself is taken off SUMO's lanes (it stays at its place), and on every lane that it
-reaches into stands a vehicle that covers the part under the box. Stand-ins are in SUMO only: they
-have no row, agents and followers do not see them, and nothing is recorded of them.
+A vehicle in SUMO is on one lane, that of its front bumper, and extends back along it by its length.
+So SUMO's drivers see a wreck across two lanes in only one of them, and do not see a parked vehicle
+that reaches in from the verge, while they stop for an actor that only touches their lane. Standing
+actors, and all walkers, are therefore treated as boxes: where the box differs from SUMO's lane, the
+actor itself is removed from SUMO's lanes (it stays at its place), and on every lane that it reaches
+into stands a vehicle that covers the part under the box. Stand-ins exist in SUMO only: they have no
+row, agents and followers do not see them, and they are not recorded.
 
 On the lanes inside a junction a standing vehicle also stops traffic that crosses its lane behind
-or before it. There, stand-ins are only for what does not drive off again by itself.
+or before it. There, only actors that do not drive off again have stand-ins.
 
-With sublanes (SL2015), taking a vehicle off its lanes ends SUMO 1.28 by a segmentation fault.
-There, walkers, obstacles and parked vehicles are never on lanes, and what has driven is as SUMO has
-it.
+With sublanes (SL2015), removing a vehicle from its lanes crashes SUMO 1.28 with a segmentation
+fault. There, walkers, obstacles and parked vehicles are never on lanes, and vehicles that have
+driven stay as SUMO placed them.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from drivora_service.simulation.footprint import Overlap, lanes_under
 from drivora_service.simulation.sumo import MovedActor, SumoWorld
 
 _SETTLED = 1.0
-"""Seconds for which a vehicle must stand that may drive on; what never moves counts at once."""
+"""Seconds for which a vehicle that may drive on must stand; fixed actors count at once."""
 _ALIGNED = 0.3
-"""Radians: as SUMO has a vehicle, it lies along its lane."""
+"""Radians from its lane up to which a vehicle lies along it, as SUMO assumes."""
 _ROUNDING = 0.25
-"""Metres: lengths of stand-ins are multiples, so that a moving walker needs few."""
+"""Metres; lengths of stand-ins are multiples of it, so that a moving walker needs few."""
 _ARRIVAL_ZONE = 1.0
 """Metres before the end of a lane that stay free: SUMO would take a stand-in there as arrived."""
 
 
 @dataclass(slots=True, eq=False)
 class _Stance:
-    """What is known of a moved actor.
+    """The state of a moved actor.
 
     Attributes:
         stood: Steps for which it has stood.
-        seen: Whether its box has been looked at since it moved last.
+        seen: Whether its box has been checked since it last moved.
         held: Its stand-ins: id and length in metres, by lane index.
     """
 
@@ -56,8 +56,8 @@ class StandIns:
     """The stand-ins of all actors that the service moves.
 
     Attributes:
-        fixed: Rows that never drive on: wrecks, parked vehicles, obstacles.
-        reserved: Rows that SUMO is going to drive: they stay on their lanes.
+        fixed: Rows of actors that never drive on: wrecks, parked vehicles, obstacles.
+        reserved: Rows that SUMO will drive: they stay on their lanes.
     """
 
     def __init__(
@@ -84,12 +84,12 @@ class StandIns:
         placements: Sequence[Sequence[float]],
         frame: FloatArray,
     ) -> None:
-        """Brings the stand-ins up to date before SUMO steps.
+        """Updates the stand-ins before SUMO steps.
 
         Args:
-            actors: All that the service moves now.
+            actors: All actors that the service moves now.
             placements: As for ``SumoWorld.place``.
-            frame: (N, 9) the frame that SUMO is about to be shown.
+            frame: (N, 9) the next frame for SUMO.
         """
         for actor in actors:
             row = actor.row
@@ -124,7 +124,7 @@ class StandIns:
             self._stand(stance, ())
 
     def fix(self, row: int) -> None:
-        """Has an actor looked at anew that will not drive on from now on; not with sublanes."""
+        """Marks an actor as never driving on, and has it checked again; not with sublanes."""
         if self._sublanes:
             return
         self.fixed.add(row)
@@ -141,7 +141,7 @@ class StandIns:
             self._stand(stance, ())
 
     def _settle(self, actor: MovedActor, stance: _Stance, frame: FloatArray) -> None:
-        """Takes a standing vehicle or obstacle off its lane where its box says otherwise."""
+        """Removes a standing vehicle or obstacle from its lane if its box differs from that."""
         under = self._under(actor, frame)
         lanes = self._network.lanes
         if actor.row not in self.fixed and any(lanes[one.lane].is_internal for one in under):
@@ -161,7 +161,7 @@ class StandIns:
         self._stand(stance, under)
 
     def _under(self, actor: MovedActor, frame: FloatArray) -> tuple[Overlap, ...]:
-        """Returns the stretches of lanes under an actor that traffic reaches before its others."""
+        """Returns the stretches of lanes under an actor that traffic reaches first."""
         x, y, yaw = frame[actor.row, :3].tolist()
         height = float(frame[actor.row, 8])
         length = 2.0 * actor.half_length
@@ -169,7 +169,7 @@ class StandIns:
         if len(under) < 2:
             return under
         lanes = {one.lane for one in under}
-        # Behind a lane that is blocked, its continuation needs no stand-in, unless others lead
+        # The continuation of a blocked lane needs no stand-in, unless other lanes lead
         # there.
         return tuple(
             one
@@ -178,7 +178,7 @@ class StandIns:
         )
 
     def _stand(self, stance: _Stance, under: Sequence[Overlap]) -> None:
-        """Puts stand-ins on the given stretches, and takes all others of the actor away."""
+        """Puts stand-ins on the given stretches, and removes the actor's others."""
         wanted = {one.lane: one for one in under}
         for lane_index in [lane for lane in stance.held if lane not in wanted]:
             self._sumo.remove(stance.held.pop(lane_index)[0])
@@ -202,11 +202,11 @@ class StandIns:
                 self._made += 1
                 stance.held[lane_index] = held
                 self._sumo.add_stand_in(held[0], edges, length=length, width=lane.width)
-            # Its back where the box begins, or as near as the lane allows.
+            # Its rear is where the box begins, or as near as the lane allows.
             self._sumo.move_stand_in(held[0], lane.id, min(begin + length, last))
 
     def _edges(self, lane: Lane) -> tuple[str, ...]:
-        """Returns a route for a stand-in on a lane; empty for one that leads nowhere."""
+        """Returns a route for a stand-in on a lane; empty for a dead end."""
         if not lane.is_internal:
             return (lane.edge_id,)
         first, last = lane, lane

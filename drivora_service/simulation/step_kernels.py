@@ -1,7 +1,8 @@
-"""What happens to all actors between two frames, in two calls a step.
+"""The two compiled calls of a step, which advance all actors from one frame to the next.
 
-``make_frame`` writes what the service moves, before SUMO steps; ``finish_frame`` looks what came of
-it. Each is one compiled call: what a call costs to enter is more than what most of its parts do.
+``make_frame`` writes the rows that the service moves, before SUMO steps; ``finish_frame`` detects
+contacts and terminal events. Each is one compiled call, since entering a call takes longer than
+most of its parts.
 
 SI units, radians, box centres; columns as in ``observations.trace``.
 """
@@ -46,13 +47,13 @@ def make_frame(
     placements: FloatArray,
     ego_values: FloatArray,
 ) -> int:
-    """Writes the rows of a frame that the service moves, and what SUMO is told of them.
+    """Writes the rows of a frame that the service moves, and their placements for SUMO.
 
     Args:
         before: Index of the frame before.
-        after: Index of the frame to write; 0 is the start, into which nobody has driven.
+        after: Index of the frame to write; 0 is the start, before any motion.
         time: Seconds of the frame to write.
-        dt: Seconds a step.
+        dt: Step length, seconds.
         friction: Tyre-road friction coefficient.
         wind: (2,) acceleration by the wind, m/s².
         states: (rows, N, 9) frames of the world.
@@ -63,10 +64,10 @@ def make_frame(
         in_world: (M,) egos that are on the road.
         places, path, followers: As in ``followers.Followers``.
         is_moved, known, placements: As in ``write_placements``.
-        ego_values: (rows, M, 8), columns ``EgoCol``; filled with what was commanded.
+        ego_values: (rows, M, 8), columns ``EgoCol``; filled with the commands.
 
     Returns:
-        How many moved rows enter or leave with the frame.
+        The number of moved rows that enter or leave with the frame.
     """
     frame, next_frame = states[before], states[after]
     next_present = present[after]
@@ -112,13 +113,13 @@ def finish_frame(
     ego_lights: ByteArray,
     ends: IntArray,
 ) -> tuple[int, int]:
-    """Completes a frame in which everybody stands where they will, and looks what happened.
+    """Completes a frame with final poses, and detects contacts and terminal events.
 
     Args:
         before: Index of the frame before.
         after: Index of the frame to complete.
         time: Seconds of that frame.
-        dt: Seconds a step.
+        dt: Step length, seconds.
         states: (rows, N, 9) frames of the world.
         present: (rows, N).
         sizes: (N, 2) metres.
@@ -130,7 +131,7 @@ def finish_frame(
         ego_lights: (rows, M).
 
     Returns:
-        How many rows of ``found`` were filled, and how many egos' parts end with this frame.
+        The number of filled rows of ``found``, and of egos whose parts end with this frame.
     """
     frame = states[after]
     _write_rates(states[before], present[before], frame, present[after], dt)
@@ -181,7 +182,7 @@ def write_placements(
     known: BoolArray,
     placements: FloatArray,
 ) -> int:
-    """Writes what SUMO is told of each moved row.
+    """Writes the placement of each moved row for SUMO.
 
     Args:
         frame: (N, 9) this frame.
@@ -194,7 +195,7 @@ def write_placements(
         placements: (N, 4) filled: front bumper x, y, SUMO's angle, 1.0 if the pose changed.
 
     Returns:
-        How many moved rows enter or leave with the next frame.
+        The number of moved rows that enter or leave with the next frame.
     """
     changes = 0
     for j in range(next_frame.shape[0]):

@@ -1,6 +1,6 @@
-"""The one file that talks to libsumo.
+"""The interface to libsumo, which is used in this module only.
 
-A process holds one SUMO at a time, so there is one world a process. ``open_world`` resets with
+A process holds one SUMO at a time, so it has one world. ``open_world`` resets with
 ``load``, which is bit-identical to a fresh process; ``loadState`` is not.
 
 SUMO's positions are front bumpers and its angles degrees clockwise from north; everything outside
@@ -33,27 +33,27 @@ except ImportError as error:
 
 
 SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
-"""What libsumo raises."""
+"""The errors of libsumo."""
 
 _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
 _ON_ROUTE = 1
 _ANYWHERE = 2
-"""Wherever the pose is, on a lane that is open to cars if there is one near. With 6, which ignores
-who may use a lane, SUMO 1.28 crashed under a walker on a junction with crossings."""
+"""Places a vehicle at any pose, on a lane open to cars if one is near. With 6, which ignores
+the permissions of lanes, SUMO 1.28 crashed under a walker on a junction with crossings."""
 _MOVED_TYPE = "DEFAULT_VEHTYPE"
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
 _NO_REACH = -1.0
-"""With it SUMO finds no lane, not even under the pose itself."""
+"""Reach with which SUMO finds no lane, not even under the pose."""
 _FREE_STEPS = 2
 """Steps for which a vehicle that is new on the lanes is placed freely: mapping onto its route, and
 holding it, work only once it is on the road."""
 _RETRY_AFTER = 40
-"""Steps after which a vehicle that was off its route is tried on it again."""
+"""Steps after which placing on the route is tried again for a vehicle off it."""
 _ARRIVAL_ZONE = 1.0
-"""Metres before the end of its route in which SUMO may take a standing vehicle as arrived."""
+"""Metres before the end of its route in which SUMO may count a standing vehicle as arrived."""
 _PROGRAM = "drivora"
-"""Name of the programmes that the service gives to traffic lights."""
+"""Name of the service's programmes for traffic lights."""
 _OBEYS_ALL = 31
 _IMPATIENT_AFTER = "30"
 _SUBLANE_WIDTH = "0.8"
@@ -77,9 +77,9 @@ class MovedActor:
         is_walker: Whether it is a walker.
         follows_route: Whether it is expected on its route, where placing it is cheapest.
         retry_in: Steps until the route is tried again.
-        stands: Whether SUMO holds it at its pose without being told each step.
-        off_lanes: Whether it is on no lane in SUMO, wherever its pose is: stand-ins are, for it.
-        watched: Whether it is looked at while it moves, too.
+        stands: Whether SUMO holds it at its pose without a placement in each step.
+        off_lanes: Whether it is on no lane in SUMO for any pose: its stand-ins are instead.
+        watched: Whether it is checked while it moves, too.
     """
 
     row: int
@@ -119,7 +119,7 @@ class SumoWorld:
         self._grip = math.inf
 
     def set_programs(self, programs: Sequence[RunningProgram], time: float) -> None:
-        """Makes every traffic light run its fixed-time programme as from ``time`` seconds."""
+        """Sets the fixed-time programme of every traffic light from ``time`` seconds on."""
         for program in programs:
             libsumo.trafficlight.setProgramLogic(program.id, _logic(program.phases))
             libsumo.trafficlight.setProgram(program.id, _PROGRAM)
@@ -134,7 +134,7 @@ class SumoWorld:
     def set_friction(self, edges: Sequence[str], friction: float) -> None:
         """Sets the friction coefficient that SUMO's drivers find on the given edges.
 
-        Of itself it only makes them drive more slowly: their braking is limited here.
+        In SUMO it only makes them drive more slowly: their braking is limited here.
         """
         self._grip = friction * GRAVITY
         for edge in edges:
@@ -167,7 +167,7 @@ class SumoWorld:
 
         Args:
             stand_in_id: A new id.
-            edges: The edge of the lane alone, so that it approaches no junction, or the edges
+            edges: Only the edge of the lane, so that it approaches no junction, or the edges
                 before and behind an internal lane.
             length: Metres.
             width: Metres.
@@ -223,7 +223,7 @@ class SumoWorld:
             libsumo.route.add(route, list(edges))
             libsumo.vehicle.add(actor_id, route, vehicle_type, **depart)
         except libsumo.TraCIException as error:
-            raise SimulatorError(f"SUMO does not take {actor_id!r}: {error}") from error
+            raise SimulatorError(f"SUMO rejects {actor_id!r}: {error}") from error
 
     def _sized_type(self, base: str, length: float, width: float, is_walker: bool) -> str:
         name = f"{base}:{length:.3f}x{width:.3f}{':walker' if is_walker else ''}"
@@ -231,7 +231,7 @@ class SumoWorld:
             libsumo.vehicletype.copy(base, name)
             libsumo.vehicletype.setLength(name, length)
             libsumo.vehicletype.setWidth(name, width)
-            # A factor of its own for each vehicle would be drawn from the stream that all share.
+            # A speed factor for each vehicle would be drawn from the shared random stream.
             if base == _MOVED_TYPE:
                 libsumo.vehicletype.setSpeedDeviation(name, 0.0)
             libsumo.vehicletype.setDecel(name, min(libsumo.vehicletype.getDecel(name), self._grip))
@@ -243,7 +243,7 @@ class SumoWorld:
         return name
 
     def set_speed_now(self, actor_id: str, speed: float) -> None:
-        """Sets the speed from which a vehicle's next step goes on, m/s."""
+        """Sets a vehicle's speed at the beginning of the next step, m/s."""
         libsumo.vehicle.setPreviousSpeed(actor_id, speed)
 
     def hand_over(self, actor: MovedActor, speed: float, driver: str) -> DrivenActor:
@@ -273,7 +273,7 @@ class SumoWorld:
         """Puts moved actors at their poses for the next step.
 
         Args:
-            actors: Who is to be placed.
+            actors: Actors to be placed.
             placements: For every row of the world: x and y of the front bumper in metres, SUMO's
                 angle in degrees, and 1.0 if the pose differs from the one before, else 0.0.
         """
@@ -313,7 +313,7 @@ class SumoWorld:
         try:
             libsumo.simulationStep()
         except SUMO_ERRORS as error:
-            raise SimulatorError(f"SUMO cannot go on: {error}") from error
+            raise SimulatorError(f"SUMO cannot continue: {error}") from error
 
     def read_driven(
         self, actors: Sequence[DrivenActor], states: FloatArray, present: NDArray[np.bool_]
@@ -345,7 +345,7 @@ class SumoWorld:
             present[actor.row] = True
 
     def remaining_edges(self, actor_id: str) -> int:
-        """Returns how many edges of its route a vehicle still has before it."""
+        """Returns the number of edges ahead on a vehicle's route."""
         route = libsumo.vehicle.getRoute(actor_id)
         return len(route) - 1 - int(libsumo.vehicle.getRouteIndex(actor_id))
 
@@ -360,20 +360,20 @@ class SumoWorld:
         return str(libsumo.vehicle.getRoute(actor_id)[-1])
 
     def knows(self, actor_id: str) -> bool:
-        """Whether the vehicle is on the road or waits to enter it."""
+        """Returns whether the vehicle is on the road or waits to enter it."""
         return actor_id in libsumo.vehicle.getLoadedIDList()
 
     def remove(self, actor_id: str) -> None:
-        """Takes a vehicle off the road, if it is still known."""
+        """Removes a vehicle, if it is still known."""
         try:
             libsumo.vehicle.remove(actor_id)
         except libsumo.TraCIException:
-            # It left the road by itself in this very step.
+            # It left the road by itself in this step.
             return
 
 
 def _at_route_end(actor_id: str) -> bool:
-    """Whether SUMO would take a vehicle off the road as arrived if it let it stand there."""
+    """Returns whether SUMO would remove a vehicle that stands there as arrived."""
     lane = libsumo.vehicle.getLaneID(actor_id)
     if not lane:
         return True
@@ -385,7 +385,7 @@ def _at_route_end(actor_id: str) -> bool:
 
 @lru_cache(maxsize=256)
 def _logic(phases: tuple[SignalPhase, ...]) -> libsumo.trafficlight.Logic:
-    """Returns a programme as SUMO takes it, which is slow to make; the same in every run."""
+    """Returns a programme for SUMO; cached, since making it is slow."""
     return libsumo.trafficlight.Logic(
         _PROGRAM, 0, 0, [libsumo.trafficlight.Phase(p.duration, p.state) for p in phases]
     )
@@ -393,7 +393,7 @@ def _logic(phases: tuple[SignalPhase, ...]) -> libsumo.trafficlight.Logic:
 
 @dataclass(slots=True)
 class _Process:
-    """Whether this process has started SUMO yet."""
+    """Whether this process has started SUMO."""
 
     started: bool = False
 
@@ -410,9 +410,9 @@ def open_world(
         network: The ``.net.xml`` file.
         step_length: Seconds.
         seed: Of SUMO's own random draws.
-        slippery: Whether SUMO's drivers must heed the friction of the road (the device costs time).
-        sublanes: Whether vehicles have places within lanes. Then SUMO takes drivers with the
-            lane-change model SL2015 only; without, it would drive them by LC2013 and not say so.
+        slippery: Whether SUMO's drivers react to the friction of the road (the device costs time).
+        sublanes: Whether vehicles have positions within lanes. Then SUMO accepts only drivers with
+            the lane-change model SL2015; without, it would silently drive them by LC2013.
 
     Raises:
         SimulatorError: If SUMO does not accept the network.
@@ -426,7 +426,7 @@ def open_world(
         "--no-step-log", "true",
         "--collision.action", "none",
         "--time-to-teleport", "-1",
-        # Drivers who wait at a minor road grow bold, else full junctions lock up for good.
+        # Drivers on minor roads grow impatient, else full junctions lock up permanently.
         "--time-to-impatience", _IMPATIENT_AFTER,
         "--device.friction.probability", "1" if slippery else "0",
         *(("--lateral-resolution", _SUBLANE_WIDTH) if sublanes else ()),
@@ -439,5 +439,5 @@ def open_world(
             _process.started = True
     except SUMO_ERRORS as error:
         _process.started = False
-        raise SimulatorError(f"SUMO does not start on {network.name}: {error}") from error
+        raise SimulatorError(f"SUMO does not start with {network.name}: {error}") from error
     return SumoWorld()

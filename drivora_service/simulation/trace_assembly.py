@@ -1,4 +1,4 @@
-"""From the frames of an episode to its trace, with what needs no step loop."""
+"""Assembly of an episode's trace from its frames, outside the step loop."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from drivora_service.simulation.world import World
 
 @dataclass(slots=True, kw_only=True)
 class Ending:
-    """How an ego's part ended; open until it has."""
+    """The end of an ego's part; empty until then."""
 
     event: TerminalEvent | None = None
     step: int = -1
@@ -34,7 +34,7 @@ class Ending:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Record:
-    """What an episode collected besides the frames."""
+    """The data of an episode besides the frames."""
 
     last_step: int
     endings: Sequence[Ending]

@@ -1,4 +1,4 @@
-"""SUMO's side of an episode: who is known to SUMO, who moves them, who enters and leaves."""
+"""SUMO's side of an episode: its vehicles, their control, entering and leaving."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _EDGES_LEFT = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
-    """How a moved row enters SUMO.
+    """The body with which a moved row enters SUMO.
 
     Attributes:
         on_lanes: Whether it keeps to ``edges``.
@@ -45,7 +45,7 @@ class Background:
     Attributes:
         wanderers: Draws entries and routes.
         rows: (row, id) of each vehicle.
-        clear: (n, 2) places where none may enter, metres: the starts of the egos.
+        clear: (n, 2) places where no vehicle may enter, metres: the starts of the egos.
         start_time: Seconds.
     """
 
@@ -56,11 +56,11 @@ class Background:
 
 
 class Traffic:
-    """Keeps SUMO's vehicles in step with the world's rows.
+    """Synchronizes SUMO's vehicles with the world's rows.
 
     Attributes:
         driven: Vehicles that SUMO drives now.
-        is_moved, known, placements: As ``step_kernels.write_placements`` takes and fills them.
+        is_moved, known, placements: Arrays of ``step_kernels.write_placements``.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Traffic:
         count: int,
         lane_change_model: LaneChangeModel = "LC2013",
     ) -> None:
-        """Takes the bodies of a world of ``count`` rows, and how SUMO's vehicles change lanes."""
+        """Takes the bodies of a world of ``count`` rows, and SUMO's lane-change model."""
         self._sumo = sumo
         self._stand_ins = stand_ins
         self._driver = f"{_DRIVER}-{lane_change_model}"
@@ -103,7 +103,7 @@ class Traffic:
         self._stand_ins.fix(row)
 
     def make_room(self, count: int) -> None:
-        """Fits the arrays to a world of ``count`` rows, after bodies have been added."""
+        """Resizes the arrays to a world of ``count`` rows, after bodies have been added."""
         known = np.zeros(count, dtype=np.bool_)
         known[: len(self.known)] = self.known
         self.known = known
@@ -122,16 +122,17 @@ class Traffic:
         self._background = background
 
     def hand_over(self, row: int, speed: float, driver: str) -> None:
-        """Lets one of SUMO's drivers take over a row that was moved until now."""
+        """Hands a moved row over to one of SUMO's drivers."""
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
         self.is_moved[row] = False
         self.driven.append(self._sumo.hand_over(actor, speed, driver))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
-        """Moves a row again that SUMO drove until now, or forgets it if it has left the road.
+        """Takes back a row from SUMO's driver, or removes it if it has left the road.
 
-        Its place in SUMO follows the world's rows from the next frame on, as before ``hand_over``.
+        Its position in SUMO follows the world's rows from the next frame on, as before
+        ``hand_over``.
         """
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
@@ -146,12 +147,12 @@ class Traffic:
     def step(
         self, step: int, time: float, changes: int, frame: FloatArray, present: BoolArray
     ) -> None:
-        """Shows SUMO a frame of moved rows and completes it with SUMO's own vehicles.
+        """Sends a frame of moved rows to SUMO and completes it with SUMO's own vehicles.
 
         Args:
             step: Row of the frame.
             time: Seconds of the frame.
-            changes: How many moved rows enter or leave with it.
+            changes: Number of moved rows that enter or leave with it.
             frame: (N, 9) the frame; rows that SUMO drives are filled in.
             present: (N,) of the frame; changed for rows that SUMO drives.
         """
@@ -173,7 +174,7 @@ class Traffic:
     def _begin(
         self, row: int, actor_id: str, speed: float, frame: FloatArray, present: BoolArray
     ) -> None:
-        """Slows a vehicle that has just entered to the speed that it is to begin with."""
+        """Slows a vehicle that has just entered to its initial speed."""
         now = float(np.hypot(frame[row, 3], frame[row, 4])) if present[row] else 0.0
         if now > speed:
             self._sumo.set_speed_now(actor_id, speed)
@@ -229,7 +230,7 @@ class Traffic:
         next_frame: FloatArray,
         next_present: BoolArray,
     ) -> None:
-        """Lets vehicles in that are missing and lengthens routes that run out."""
+        """Adds missing vehicles and extends routes that run out."""
         if self._tended and step % _ROUTE_CHECK_STEPS:
             return
         self._tended = True

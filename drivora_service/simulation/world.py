@@ -1,4 +1,4 @@
-"""The actors of an episode as arrays: one row each, one frame a step, grown as the run goes on."""
+"""The actors of an episode as arrays that grow: a row for each actor, a frame for each step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ KIND_OF_ROLE = {
 
 
 class World:
-    """Every frame of every actor so far.
+    """All frames of all actors so far.
 
     Attributes:
         actors: Rows in order; the egos come first.
@@ -44,7 +44,7 @@ class World:
         *,
         expected_rows: int,
     ) -> None:
-        """Makes room for ``expected_rows`` frames, within reason; more room is made as needed."""
+        """Allocates ``expected_rows`` frames, up to a limit; grows as needed."""
         self.actors = actors
         self.heights: FloatArray = np.array(heights)
         self.ego_count = ego_count
@@ -60,11 +60,11 @@ class World:
 
     @property
     def capacity(self) -> int:
-        """Frames that fit."""
+        """Number of frames that fit."""
         return len(self.states)
 
     def grow(self) -> None:
-        """Doubles the room for frames."""
+        """Doubles the capacity for frames."""
         more = self.capacity
         self.states = np.concatenate((self.states, np.empty_like(self.states)))
         self.present = np.concatenate((self.present, np.zeros_like(self.present)))

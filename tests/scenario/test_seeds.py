@@ -66,7 +66,7 @@ def test_it_ends_when_the_network_is_used_up(networks: NetworkCatalogue) -> None
         apart, count=1000, min_length=300.0, max_length=310.0, seed=1, agent="idm"
     )
     found: list[ScenarioDocument] = []
-    with pytest.raises(NetworkError, match=r"found \d+ of 1000 .*much like an earlier seed"):
+    with pytest.raises(NetworkError, match=r"found \d+ of 1000 .*too similar to an earlier seed"):
         found.extend(generated)
     assert 1 < len(found) < 1000
 

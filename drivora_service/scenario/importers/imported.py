@@ -1,4 +1,4 @@
-"""What an importer gives: a document, and what it had to leave out."""
+"""The result of an import: a document, and notes on dropped parts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class ImportedScenario:
 
     Attributes:
         name: Short name for files and listings; letters, digits, ``_`` and ``-``.
-        document: In the frame of the file.
+        document: Document in the frame of the file.
         notes: What was dropped or interpreted, one sentence each.
     """
 
@@ -24,6 +24,6 @@ class ImportedScenario:
 
 
 def short_name(text: str, default: str) -> str:
-    """Makes a name for files of any text."""
+    """Returns a file name made from a text."""
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", text).strip("_")[:64]
     return name or default

@@ -1,8 +1,8 @@
 """Reads route files of the CARLA Leaderboard: the flat form of 1.0 and the nested one of 2.x.
 
 A route becomes the route of one ego. Its town's coordinates are CARLA's. Scenarios that the
-Leaderboard starts from trigger points (2.x) are behaviours of its own runner and cannot be carried;
-the notes list them. Weather that changes along the route (2.x) is taken from its start.
+Leaderboard starts from trigger points (2.x) are behaviours of its own runner and are not imported;
+the notes list them. Of weather that changes along the route (2.x), that of the start is used.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def _root(text: str) -> ElementTree.Element:
 
 
 class _Bounded:
-    """Passes elements on to a tree builder, down to a depth."""
+    """Passes elements to a tree builder, up to a maximum depth."""
 
     def __init__(self, builder: ElementTree.TreeBuilder) -> None:
         self._builder = builder
@@ -98,7 +98,7 @@ class _Bounded:
         self._builder.start(tag, attributes)
 
     def end(self, tag: str) -> None:
-        """Closes it."""
+        """Closes an element."""
         self._depth -= 1
         self._builder.end(tag)
 
@@ -165,7 +165,7 @@ def _numbers(element: ElementTree.Element, names: tuple[str, ...]) -> dict[str, 
 
 
 def _number(text: str) -> float | str:
-    """Reads a number; what is none stays text, which the document refuses with its place."""
+    """Reads a number; other text is kept, which the document rejects with its place."""
     try:
         return float(text)
     except ValueError:

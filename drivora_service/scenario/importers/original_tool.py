@@ -3,7 +3,7 @@
 Its files are JSON in CARLA's frame with key names of their own: ``trigger_time`` is our
 ``start_time``, ``npc_statics`` our ``npc_obstacles``, ``traffic_light`` our ``traffic_lights``,
 ``region`` (``[x_min, x_max, y_min, y_max]``) our ``region_segment``. Waypoints carry pitch, roll,
-``road_option`` and lane data, for which a plane with a lane graph of its own has no use. What a
+``road_option`` and lane data, which are unused here, since the lane graph is the network's. What a
 file says about Python entry points is dropped: a document never names code.
 """
 
@@ -39,7 +39,7 @@ _WEATHER = (
     "fog_falloff",
 )
 _SILENT = frozenset({"pitch", "roll", "rolename", "color", "category", "scenario_type", "pattern"})
-"""Keys without any bearing on a run; dropped without a note."""
+"""Keys without effect on a run; dropped without a note."""
 _BACK: Mapping[str, str] = {
     "npc_obstacles": "npc_statics",
     "start_time": "trigger_time",
@@ -49,7 +49,7 @@ _BACK: Mapping[str, str] = {
 
 
 def is_original(content: Mapping[str, Any]) -> bool:
-    """Tells files of the original tool by keys that only they have."""
+    """Returns whether a file is of the original tool, by keys that only these have."""
     if any(key in content for key in ("scenario_type", "npc_statics", "traffic_light")):
         return True
     egos = content.get("ego_vehicles")
@@ -63,8 +63,8 @@ def import_original(
     """Reads a file of the original tool.
 
     Args:
-        data: Its text, or what a JSON parser made of it.
-        agent: The agent that drives every ego; the file's own names Python code.
+        data: Its text, or data from a JSON parser.
+        agent: The agent that drives every ego; that of the file names Python code.
 
     Raises:
         InvalidDocument: Every problem, with pointers into the original file.
@@ -99,7 +99,7 @@ def _original_pointer(place: str) -> str:
 
 
 class _Reader:
-    """Translates one file and remembers what it left out."""
+    """Translates one file and records dropped parts."""
 
     def __init__(self, agent: str) -> None:
         self._agent = agent
@@ -107,7 +107,7 @@ class _Reader:
         self._remarks: list[str] = []
 
     def notes(self) -> tuple[str, ...]:
-        """What was dropped, in a stable order."""
+        """Notes on dropped parts, in a stable order."""
         dropped = [f"dropped {key} ({count} times)" for key, count in sorted(self._dropped.items())]
         return (*self._remarks, *dropped)
 
@@ -200,7 +200,7 @@ class _Reader:
     def _chosen(
         self, source: Any, keys: tuple[str, ...], where: str, also: tuple[str, ...] = ()
     ) -> Any:
-        """Takes the keys that are given, and notes the others."""
+        """Selects the given keys, and notes the others."""
         if not isinstance(source, Mapping):
             return source
         self._drop(source, {*keys, *also}, where)

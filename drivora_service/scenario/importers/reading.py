@@ -25,10 +25,10 @@ class FileFormat(StrEnum):
 
 
 def detect_format(data: str | bytes) -> FileFormat:
-    """Tells the format of a file by its content.
+    """Detects the format of a file from its content.
 
     Raises:
-        InvalidDocument: The file is too large, no UTF-8, or neither XML nor readable JSON or YAML.
+        InvalidDocument: The file is too large, not UTF-8, or neither XML nor readable JSON or YAML.
     """
     text = decoded(data, MAX_DOCUMENT_BYTES).lstrip()
     if text.startswith("<"):
@@ -41,12 +41,12 @@ def detect_format(data: str | bytes) -> FileFormat:
 def read_scenarios(
     data: str | bytes, *, name: str, agent: str = "idm"
 ) -> tuple[ImportedScenario, ...]:
-    """Reads every scenario of a file, whatever its format.
+    """Reads all scenarios of a file of any format.
 
     Args:
         data: Content of the file.
-        name: For a scenario that brings no name; the file's stem, say.
-        agent: Drives the egos of formats that do not name an agent of the catalogue.
+        name: Name of a scenario without one, such as the file's stem.
+        agent: Agent for the egos of formats that name no agent of the catalogue.
 
     Raises:
         InvalidDocument: Every problem of the file.
