@@ -1,4 +1,4 @@
-"""A campaign inside the service: who searches for failures of whom, where, and for how long."""
+"""A campaign inside the service: tester, ADS, seed scenario, budget."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ DEFAULT_ORACLES = (
     "blocked",
     "deadlock",
 )
-"""Rules whose violations are failures unless a campaign says otherwise: those that a driver would
-be blamed for. The others describe how well a drive went."""
+"""Oracles whose violations are failures by default: those that a driver would be blamed for. The
+others describe the quality of a drive."""
 
 DEFAULT_LOOKAHEAD = 8
 
 
 class FeedbackMode(StrEnum):
-    """What a tester is told."""
+    """The results that a tester is told."""
 
     OWN = "own"
-    """What came of each of its candidates."""
+    """The result of each of its candidates."""
     SHUFFLED = "shuffled"
     """The results of another candidate, drawn at random: the method without its feedback."""
 
@@ -40,10 +40,10 @@ class TesterChoice:
     """The testing method of a campaign.
 
     Attributes:
-        name: In the catalogue of testers.
-        parameters: Those that differ from their defaults.
-        mutation: Name of the mutation that takes the place of the tester's own, or "".
-        selection: Name of the selection that takes the place of the tester's own, or "".
+        name: Name in the catalogue of testers.
+        parameters: Parameters that differ from their defaults.
+        mutation: Name of the mutation that replaces the tester's own, or "".
+        selection: Name of the selection that replaces the tester's own, or "".
     """
 
     name: str
@@ -57,18 +57,18 @@ class TesterChoice:
 class Campaign:
     """A search for failures.
 
-    All but ``name`` and ``workers`` decide which candidates are evaluated, and in which order.
+    All but ``name`` and ``workers`` determine which candidates are evaluated, and in which order.
 
     Attributes:
-        name: For people.
-        agent: Drives every ego; ``None``: as the scenario says.
+        name: Display name.
+        agent: The ADS of every ego; ``None``: as in the scenario.
         scenario: The seed scenario.
-        budget: Simulations; candidates that are no valid scenario do not count.
-        oracles: Rules whose violations are failures.
-        seed: Of every random draw of the search.
+        budget: Number of simulations; invalid candidates do not count.
+        oracles: Oracles whose violations are failures.
+        seed: Seed of every random draw of the search.
         workers: Worker processes; ``None``: as many as the installation has.
-        lookahead: Candidates that may wait to be told. Results are told this much later than they
-            could be, whatever the number of workers, so that it does not change the search.
+        lookahead: Number of candidates that may wait to be told. Results are told this much later
+            than possible, so that the number of workers does not change the search.
     """
 
     name: str

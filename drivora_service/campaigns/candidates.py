@@ -1,4 +1,4 @@
-"""From a tester's values to a scenario that can be run, or to what is wrong with it."""
+"""Candidates: a tester's values and their scenario, or the reason that there is none."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drivora_service.search.genes import GeneSpace
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Candidate:
-    """Values, and the scenario that they stand for.
+    """Values, and the scenario that they encode.
 
     Attributes:
         values: (d,) genes, repaired.
-        document: Canonical JSON text of the scenario; "" where there is none.
+        document: Canonical JSON text of the scenario; "" if there is none.
         problem: Why there is none, or "".
     """
 
@@ -29,7 +29,7 @@ class Candidates(Protocol):
 
     @property
     def genes(self) -> GeneSpace:
-        """What can be varied."""
+        """The genes of the candidates."""
         ...
 
     def prepare(self, values: FloatArray) -> Candidate:

@@ -1,4 +1,4 @@
-"""Where the names in a campaign are looked up."""
+"""The catalogues for the names in a campaign."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Catalogues:
 
 
 def installed_catalogues(networks: NetworkCatalogue, agents: Path | None = None) -> Catalogues:
-    """Returns what campaigns may name here: these networks, and whatever else is installed.
+    """Returns the catalogues of this installation, with these networks.
 
     Args:
         networks: The road networks.

@@ -1,4 +1,4 @@
-"""The campaigns of a command: each in a thread of the command's own process."""
+"""The campaigns of a command, each in a thread of the command's own process."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from drivora_service.store.database import Database, Transaction
 
 
 class CommandCampaigns:
-    """Runs campaigns until they end, or the command does: then they pause.
+    """Runs campaigns until they end; pauses them when the command ends.
 
     Attributes:
-        fault: Why no run can be begun, "" while they can.
+        fault: Why no run can be started, "" while they can.
     """
 
     def __init__(
@@ -38,10 +38,10 @@ class CommandCampaigns:
         Args:
             database: Holds the campaigns.
             folder: Returns the folder of a campaign.
-            catalogues: Where the names in campaigns are looked up.
-            evaluator: Returns what evaluates, for the number of workers that a campaign wants.
-            on_error: Told, from the thread of a campaign, why it cannot go on; the store says so
-                as well.
+            catalogues: Catalogues for the names in campaigns.
+            evaluator: Returns the evaluator, for the number of workers of a campaign.
+            on_error: Called from the thread of a campaign with the error that stopped it, which is
+                stored, too.
         """
         self._database, self._folder, self._catalogues = database, folder, catalogues
         self._evaluator, self._on_error = evaluator, on_error
@@ -51,11 +51,11 @@ class CommandCampaigns:
         self.fault = ""
 
     def open(self, _transaction: Transaction, campaign_id: str) -> None:
-        """Takes a campaign that was just made."""
+        """Accepts a new campaign."""
         self._taken.append(campaign_id)
 
     def resume(self, campaign_id: str) -> None:
-        """Goes on with a campaign that rests.
+        """Resumes a campaign that is not running.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -64,18 +64,18 @@ class CommandCampaigns:
         self._begin(campaign_id)
 
     def wake(self) -> None:
-        """Begins with the campaigns that were taken."""
+        """Starts the accepted campaigns."""
         while self._taken:
             self._begin(self._taken.pop())
 
     def close(self) -> None:
-        """Pauses what runs, and waits for it."""
+        """Pauses the running campaigns, and waits for them."""
         self._closing.set()
         for thread in self._threads:
             thread.join()
 
     def _begin(self, campaign_id: str) -> None:
-        """Starts the thread of a campaign, and returns once the campaign runs or cannot."""
+        """Starts the thread of a campaign; returns once the campaign runs or has failed to."""
         begun: Future[None] = Future()
         thread = threading.Thread(
             target=self._run, args=(campaign_id, begun), name=f"campaign {campaign_id}"

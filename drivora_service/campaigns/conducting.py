@@ -15,14 +15,14 @@ from drivora_service.store.campaign_records import CampaignRequest, CampaignStat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watcher:
-    """Whom the work on a campaign asks and tells.
+    """The callbacks of a running campaign.
 
     Attributes:
         on_begun: Called when the campaign is stored as running.
         requested: Returns a pending request to stop.
         on_told: Called with every evaluation.
-        on_confirmed: Called with the number of every failing evaluation that was run again, and
-            what came of it.
+        on_confirmed: Called with the number and the confirmation of every failing evaluation that
+            was run again.
     """
 
     on_begun: Callable[[], None] = lambda: None
@@ -44,19 +44,19 @@ def conduct(
 
     Args:
         search: The campaign.
-        evaluator: Used by nobody else meanwhile; closing it is for the caller.
-        journal: What it holds is gone through again first.
+        evaluator: Must have no other user meanwhile; the caller closes it.
+        journal: Record of the campaign; its evaluations are replayed first.
         traces: Folder for the traces of the failures; ``None``: they are not kept.
         confirm: Whether failures are run again.
-        watcher: Whom to ask and to tell.
+        watcher: Callbacks.
 
     Returns:
         ``finished``, ``paused`` or ``cancelled``.
 
     Raises:
-        CampaignError: It cannot go on, or does not fit what the journal holds.
+        CampaignError: It cannot continue, or does not match the journal.
         PluginError: The tester raised.
-        SearchError: The tester is broken.
+        SearchError: The tester violated its protocol.
     """
     engine = Engine(
         search, evaluator, journal, requested=watcher.requested, on_told=watcher.on_told

@@ -1,4 +1,4 @@
-"""After the search: do the failures happen again, and which are alike?"""
+"""Confirming and grouping the failures after the search."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def confirm_failures(
     requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
     on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None,
 ) -> CampaignRequest:
-    """Runs every violating scenario that has not been run again yet; no part of the budget.
+    """Repeats the run of every failing scenario that is not confirmed yet, outside the budget.
 
     A failure is confirmed if the second run's trace is the first one's, step by step.
 
     Args:
-        journal: Of a campaign whose search is over.
-        evaluator: Used by nobody else meanwhile.
-        run_prefix: Begins the ids of the runs.
+        journal: Journal of a campaign after its search.
+        evaluator: Must have no other user meanwhile.
+        run_prefix: Prefix of the ids of the runs.
         traces: Folder for the traces; ``None``: they are not kept.
-        requested: Says whether somebody wants it to stop.
-        on_confirmed: Called with each number and answer.
+        requested: Returns a pending request to stop.
+        on_confirmed: Called with each number and confirmation.
 
     Returns:
         The request that ended it, or none.
@@ -75,7 +75,7 @@ def group_failures(
     journal: Journal,
     grouping: Grouping = Grouping(),  # noqa: B008 # frozen
 ) -> None:
-    """Groups the failures of a campaign, those that did not happen again left out."""
+    """Groups the failures of a campaign, without those that were not repeated."""
     failures = [f for f in journal.failures() if f.confirmation is not Confirmation.FLAKY]
     labels = grouping.label([failure.verdict for failure in failures])
     journal.group(
@@ -84,7 +84,7 @@ def group_failures(
 
 
 def trace_name(number: int) -> str:
-    """Names the trace of a failing evaluation."""
+    """Returns the name of the trace of a failing evaluation."""
     return f"{number:06d}.trace.parquet"
 
 

@@ -1,4 +1,4 @@
-"""The campaign document: what a user writes."""
+"""The campaign document."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class TesterDocument(EntityDocument):
 
     name: PluginName = Field(description="A name of `drivora testers list`.")
     parameters: Annotated[dict[str, JsonValue], FreeData] = Field(
-        default_factory=dict, description="Those that differ from the tester's defaults."
+        default_factory=dict, description="Parameters that differ from the tester's defaults."
     )
     mutation: PluginName | None = Field(
         None, description="A mutation in place of the tester's own."
@@ -74,18 +74,18 @@ class TesterDocument(EntityDocument):
     )
     feedback: FeedbackMode = Field(
         FeedbackMode.OWN,
-        description="own: the tester is told what came of its candidates; shuffled: it is told the "
-        "results of others, drawn at random, so that only its operators work.",
+        description="own: the tester is told the results of its candidates; shuffled: it is told "
+        "those of others, drawn at random, so that only its operators work.",
     )
 
 
 class SpaceDocument(EntityDocument):
-    """What varies besides the scenario as it is written."""
+    """The variable parts beside the fixed scenario."""
 
     egos: Egos = Field(
         _DEFAULTS.egos,
-        description="Egos in all. 1: the scenario's own, unchanged. More: routes, starts and start "
-        "times of up to this many vary, two at least.",
+        description="Number of egos. 1: the scenario's own, unchanged. More: routes, starts and "
+        "start times of up to this many vary, two at least.",
     )
     vehicles: Actors = Field(_DEFAULTS.vehicles, description="NPC vehicles.")
     walkers: Actors = Field(_DEFAULTS.walkers, description="Walkers that cross an ego's way.")
@@ -96,9 +96,9 @@ class SpaceDocument(EntityDocument):
         _DEFAULTS.optional, strict=True, description="Whether each of these may be absent."
     )
     slices: Slices = Field(
-        _DEFAULTS.slices, description="Waypoints that are set along an NPC vehicle's way."
+        _DEFAULTS.slices, description="Number of waypoints along an NPC vehicle's path."
     )
-    behavior: NpcBehavior = Field(_DEFAULTS.behavior, description="Of the NPC vehicles.")
+    behavior: NpcBehavior = Field(_DEFAULTS.behavior, description="Behavior of the NPC vehicles.")
     weather: bool = Field(_DEFAULTS.weather, strict=True, description="Whether the weather varies.")
     lights: bool = Field(
         _DEFAULTS.lights, strict=True, description="Whether the times of the lights vary."
@@ -107,26 +107,26 @@ class SpaceDocument(EntityDocument):
         _DEFAULTS.reach, description="NPC vehicles start at most this far from the egos' routes."
     )
     paths: Paths = Field(
-        _DEFAULTS.paths, description="Ways that NPC vehicles choose from, at most."
+        _DEFAULTS.paths, description="Greatest number of paths that NPC vehicles choose from."
     )
     max_speed_factor: SpeedFactor = Field(
         _DEFAULTS.max_speed_factor,
-        description="Greatest wanted speed of an NPC vehicle over the speed limit of its lane.",
+        description="Greatest desired speed of an NPC vehicle over the speed limit of its lane.",
     )
     max_walker_delay: Delay = Field(
-        _DEFAULTS.max_walker_delay, description="Walkers start at this time at the latest."
+        _DEFAULTS.max_walker_delay, description="Latest start time of walkers."
     )
     max_ego_delay: Delay = Field(
         _DEFAULTS.max_ego_delay,
-        description="Egos start at this time at the latest, where egos vary.",
+        description="Latest start time of egos, if egos vary.",
     )
 
 
 class BudgetDocument(EntityDocument):
-    """When the campaign ends."""
+    """The budget of the campaign."""
 
     simulations: Simulations = Field(
-        description="Runs; candidates that are no valid scenario do not count."
+        description="Number of simulations; invalid candidates do not count."
     )
 
 
@@ -139,29 +139,29 @@ class CampaignDocument(EntityDocument):
     )
     tester: TesterDocument = Field(description="Who searches.")
     agent: AgentDocument | None = Field(
-        None, description="The ADS that drives every ego; without it, as the scenario says."
+        None, description="The ADS of every ego; without it, as in the scenario."
     )
-    scenario: ScenarioDocument = Field(description="The scenario to begin with.")
+    scenario: ScenarioDocument = Field(description="The seed scenario.")
     space: SpaceDocument = Field(
-        default_factory=SpaceDocument, description="What varies, and how far."
+        default_factory=SpaceDocument, description="The variable parts and their ranges."
     )
-    budget: BudgetDocument = Field(description="How much it may cost.")
+    budget: BudgetDocument = Field(description="The budget.")
     oracles: Annotated[
         tuple[PluginName, ...], Field(min_length=1), AfterValidator(_no_repetition)
-    ] = Field(DEFAULT_ORACLES, description="Rules whose violations are failures.")
-    seed: fields.Seed = Field(0, description="Seeds every random draw of the search.")
+    ] = Field(DEFAULT_ORACLES, description="Oracles whose violations are failures.")
+    seed: fields.Seed = Field(0, description="Seed of every random draw of the search.")
     workers: Workers | None = Field(
         None, description="Worker processes; without it, as many as the installation has."
     )
     lookahead: Lookahead = Field(
         DEFAULT_LOOKAHEAD,
-        description="Candidates that may wait for their results. Part of the search, so that the "
-        "number of workers is not; it should be a few times as large.",
+        description="Number of candidates that may wait for their results. It determines the "
+        "search, the number of workers does not; it should be a few times that number.",
     )
 
 
 def to_campaign(document: CampaignDocument) -> Campaign:
-    """Returns the campaign that a document stands for."""
+    """Returns the campaign of a document."""
     tester, agent = document.tester, document.agent
     space = {
         option.name: getattr(document.space, option.name)

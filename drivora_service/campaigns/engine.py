@@ -1,4 +1,4 @@
-"""The loop of a campaign: ask for candidates, have them evaluated, tell what came of them.
+"""The loop of a campaign: ask for candidates, have them evaluated, tell the results.
 
 Candidates are numbered as they are proposed and told strictly in that order, one at a time, with a
 fixed number of them waiting. So the sequence is a function of the campaign alone: it depends
@@ -36,27 +36,27 @@ from drivora_service.search.tester import EvaluationStatus, Proposal, Tester
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
 
 _POLL_S = 0.5
-"""Seconds after which a request to stop is seen while runs go on."""
+"""Seconds between two checks for a request to stop while runs are in flight."""
 
 _SPARE_INVALID = 100
-"""Invalid candidates that a campaign may propose beyond as many as its budget."""
+"""Number of invalid candidates that a campaign may propose beyond its budget."""
 
 _LOG = 4000
-"""Characters of a tester's traceback that are kept."""
+"""Number of characters of a tester's traceback that are kept."""
 
-_HOPELESS = 20
-"""Failed runs after which a campaign of which no run has been judged is given up."""
+_MAX_INITIAL_FAILURES = 20
+"""Number of failed runs after which a campaign without a judged run fails."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
-    """A campaign, ready to go.
+    """A campaign, ready to run.
 
     Attributes:
-        run_prefix: Begins the ids of the runs; the number follows.
-        feedback: What the tester wants measured.
+        run_prefix: Prefix of the ids of the runs; the number follows.
+        feedback: The feedback that the tester asks for.
         kind_of: Returns the kind of failure of a violation.
     """
 
@@ -72,10 +72,10 @@ class Search:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Told:
-    """What the engine shows of its work: an evaluation that the tester has just been told.
+    """An evaluation that the tester has just been told.
 
     Attributes:
-        replayed: Whether it was known before, from the journal.
+        replayed: Whether it came from the journal.
     """
 
     record: EvaluationRecord
@@ -109,10 +109,10 @@ class Engine:
 
         Args:
             search: The campaign.
-            evaluator: Used by nobody else meanwhile.
-            journal: What it holds is told again first.
-            requested: Says whether somebody wants the campaign to stop.
-            on_told: Called after each telling.
+            evaluator: Must have no other user meanwhile.
+            journal: Record of the campaign; its evaluations are told again first.
+            requested: Returns a pending request to stop.
+            on_told: Called after each told evaluation.
         """
         self._search, self._evaluator, self._journal = search, evaluator, journal
         self._requested, self._on_told = requested, on_told
@@ -124,15 +124,15 @@ class Engine:
         self._search_s = 0.0
 
     def run(self) -> CampaignRequest:
-        """Goes on until the budget is spent, the tester has ended, or somebody wants a stop.
+        """Runs until the budget is spent, the tester has ended, or a stop is requested.
 
         Returns:
             The request that ended it, or none.
 
         Raises:
-            CampaignError: It cannot go on, or does not fit what the journal holds.
+            CampaignError: It cannot continue, or does not match the journal.
             PluginError: The tester raised.
-            SearchError: The tester is broken.
+            SearchError: The tester violated its protocol.
         """
         self._ask()
         while self._waiting:
@@ -163,10 +163,10 @@ class Engine:
             self._waiting.append(waiting)
 
     def _proposals(self, room: int) -> tuple[Proposal, ...]:
-        """Asks the tester, and refuses what could be run only as something else.
+        """Asks the tester, and checks its proposals.
 
         Raises:
-            CampaignError: It proposes more than there is room for, or values that are no numbers.
+            CampaignError: It proposes too many candidates, or values that are no finite numbers.
         """
         proposals = self._timed("asked", lambda: self._search.tester.ask(room))
         if len(proposals) > room:
@@ -185,7 +185,7 @@ class Engine:
         return proposals
 
     def _take(self, waiting: _Waiting) -> None:
-        """Counts a new candidate, and has it evaluated if that is still to be done."""
+        """Counts a new candidate, and has it evaluated unless the journal has its evaluation."""
         if waiting.stored is not None:
             _compare(waiting, waiting.stored)
         if waiting.candidate.problem:
@@ -193,7 +193,7 @@ class Engine:
             if self._invalid > self._search.budget + _SPARE_INVALID:
                 raise CampaignError(
                     f"{self._invalid} of {self._next} candidates were no valid scenarios, the last "
-                    f"one because: {waiting.candidate.problem}. Let less vary, or begin with "
+                    f"one because: {waiting.candidate.problem}. Vary fewer parts, or start with "
                     "another scenario"
                 )
             return
@@ -207,7 +207,7 @@ class Engine:
             self._evaluator.submit(waiting.number, spec)
 
     def _await(self, waiting: _Waiting) -> CampaignRequest:
-        """Waits until it is known what came of a candidate, or somebody wants a stop."""
+        """Waits for the result of a candidate, or a request to stop."""
         if waiting.stored is not None:
             return CampaignRequest.NONE
         while True:
@@ -223,13 +223,17 @@ class Engine:
         if record is None:
             record = self._record(waiting)
             self._journal.append(record, waiting.candidate.document)
-        # Also where it is known already: its time was counted before the campaign was resumed.
+        # Also for a replayed evaluation: its time was counted before the campaign was resumed.
         self._search_s = 0.0
         self._timed("told", lambda: self._search.tester.tell(evaluation_of(record)))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED
         self._on_told(Told(record=record, replayed=waiting.stored is not None))
-        if self._failed >= _HOPELESS and not self._judged and record.report.failure is not None:
+        if (
+            self._failed >= _MAX_INITIAL_FAILURES
+            and not self._judged
+            and record.report.failure is not None
+        ):
             raise CampaignError(
                 f"none of the first {self._failed} runs could be judged, the last one because: "
                 f"{record.report.failure.message}"
@@ -244,7 +248,7 @@ class Engine:
         else:
             report = self._reports.pop(waiting.number)
             refuse_lost(waiting.number, report)
-            # As it will be read from the journal: telling must not depend on where it comes from.
+            # As it is read from the journal: a replayed evaluation must be told identically.
             report = report_from_json(report_to_json(report))
             status = status_of(report)
         violations = violations_of(report, self._search.oracles)
@@ -262,7 +266,7 @@ class Engine:
         )
 
     def _timed(self, call: str, work: Callable[[], T]) -> T:
-        """Calls the tester, whose errors are named as its own."""
+        """Calls the tester and attributes its exceptions to it."""
         begun = time.perf_counter()
         try:
             return work()
@@ -279,10 +283,10 @@ class Engine:
 
 
 def _compare(waiting: _Waiting, stored: EvaluationRecord) -> None:
-    """Checks that a candidate is the one that was evaluated before.
+    """Checks that a candidate equals the one of its stored evaluation.
 
     Raises:
-        CampaignError: It is not.
+        CampaignError: It does not.
     """
     new, old = waiting.proposal, stored.proposal
     if not np.array_equal(new.values, old.values):

@@ -1,4 +1,4 @@
-"""The process of its own in which the service runs a campaign."""
+"""The process in which the service runs a campaign."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from drivora_service.store.traces import TraceFolder
 from drivora_service.worker.parent_death import die_with_parent
 
 NOT_MINE = 75
-"""Exit code of a process that cannot run its campaign now: another does, it is not queued, or the
-database cannot be used."""
+"""Exit code of a process that cannot run its campaign now: another process runs it, it is not
+queued, or the database cannot be used."""
 
 _FAILED = 1
 _PATIENCE_S = 60.0
-"""Seconds for which an engine, whose threads serve no client, waits for other writers."""
+"""Seconds for which an engine, which serves no client, waits for other writers."""
 _LOG_BYTES = 1 << 20
 _TAIL_BYTES = 16_384
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineSetup:
-    """What every engine's process is told.
+    """The configuration of every engine's process.
 
     Attributes:
-        database_url: Of the service.
+        database_url: Database of the service.
         campaigns: Folder of all campaigns.
         traces: Folder of the service's traces.
-        workers: Runs that the service can have at once.
+        workers: Number of runs that the service performs at once.
     """
 
     database_url: str
@@ -57,12 +57,12 @@ class EngineSetup:
         return CampaignFolder(self.campaigns, campaign_id)
 
     def log(self, campaign_id: str) -> Path:
-        """Returns the file that takes what the process of a campaign prints."""
+        """Returns the path of the log of a campaign's process."""
         return self.folder(campaign_id).path / "engine.log"
 
 
 def log_tail(path: Path, lines: int) -> str:
-    """Returns the last lines of a log; "" where there is none."""
+    """Returns the last lines of a log; "" if there is none."""
     try:
         with path.open("rb") as log:
             log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))
@@ -73,15 +73,15 @@ def log_tail(path: Path, lines: int) -> str:
 
 
 def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None:
-    """Runs a campaign until it ends, rests, or the service does; the store knows how it ended.
+    """Runs a campaign until it ends or pauses, or the service ends; stores the final state.
 
     Args:
-        setup: What every engine is told.
-        campaign_id: Which campaign.
-        queued: Gets a message whenever a run was queued.
+        setup: Configuration of every engine.
+        campaign_id: Id of the campaign.
+        queued: Receives a message for every queued run.
     """
     die_with_parent()
-    # A session of its own: an interrupt typed at a terminal is the service's to handle.
+    # A session of its own: the service handles an interrupt typed at a terminal.
     os.setsid()
     _print_to(setup.log(campaign_id))
     faulthandler.enable()
@@ -111,7 +111,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
                 NetworkCatalogue(setup.shipped_networks, setup.imported_networks), setup.agents
             ),
             evaluator=evaluating,
-            if_wanted=True,
+            only_queued=True,
         )
     except DrivoraError as error:
         print(f"campaign {campaign_id}: {error}", flush=True)

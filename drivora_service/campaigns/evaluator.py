@@ -1,4 +1,4 @@
-"""The execution component: what evaluates candidates, here or elsewhere."""
+"""The execution component: the evaluator of candidates, local or remote."""
 
 from __future__ import annotations
 
@@ -14,47 +14,46 @@ from drivora_service.worker.setup import WorkerSetup
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """The end of a run, by the number under which it was asked for."""
+    """The end of a run, with the number under which it was submitted."""
 
     number: int
     report: RunReport
 
 
 class Evaluator(Protocol):
-    """Simulates and judges.
+    """Simulates and judges candidates.
 
-    Every number that was submitted comes back exactly once from :meth:`wait`, in whatever order,
-    unless the evaluator is closed before. Crashes are confirmed and lost workers made good before
-    the answer is given: it is final.
+    :meth:`wait` returns every submitted number exactly once, in any order, unless the evaluator is
+    closed before. Crashes are confirmed and lost attempts repeated before: the answer is final.
     """
 
     def submit(self, number: int, spec: RunSpec) -> None:
-        """Begins with a run as soon as possible; earlier ones first."""
+        """Queues a run; first in, first out."""
         ...
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
         """Returns the answers since the last call; waits for one, ``timeout`` seconds at most.
 
-        Returns none at once where nothing is under way.
+        Returns none at once if no run is in flight.
 
         Raises:
-            WorkersCannotStart: Nothing can be run.
+            WorkersCannotStart: No worker can be started.
         """
         ...
 
     def close(self) -> None:
-        """Cancels what is under way and releases all resources; may be called again."""
+        """Cancels the runs in flight and releases all resources; may be called again."""
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluatorContext:
-    """What an evaluator works with.
+    """The configuration of an evaluator.
 
     Attributes:
-        workers: Runs that may go on at once.
-        setup: What every worker is told.
-        limits: What a worker may use.
+        workers: Number of runs at once.
+        setup: Configuration of every worker.
+        limits: Limits of a worker.
         folder: For files of its own; exists, and is removed after the end.
     """
 
@@ -66,7 +65,7 @@ class EvaluatorContext:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluatorPlugin:
-    """What an entry point of the group ``drivora_service.evaluators`` gives."""
+    """The object of an entry point of the group ``drivora_service.evaluators``."""
 
     name: str
     description: str

@@ -1,4 +1,4 @@
-"""The evaluators that a campaign may run on."""
+"""The catalogue of evaluators."""
 
 from __future__ import annotations
 

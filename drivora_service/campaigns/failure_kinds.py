@@ -1,8 +1,8 @@
-"""Which violations are the same kind of failure.
+"""The kinds of failures.
 
-The key of a violation names the rule, where it was broken, and how the other actor stood to the ego
-(after DoppelTest's type and routes): ``collision|junction C|vehicle, front``. Two violations with
-the same key may still differ much; ``campaigns.grouping`` looks at their numbers.
+The kind of a violation names the oracle, the place, and the relation of the other actor to the ego
+(after DoppelTest's type and routes): ``collision|junction C|vehicle, front``. Two violations of one
+kind may still differ much; ``campaigns.grouping`` compares their numbers.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ _SEPARATOR = "|"
 
 @dataclass(frozen=True, slots=True)
 class FailureKinds:
-    """Returns keys of violations on one road network."""
+    """Determines the kinds of violations on one road network."""
 
     network: RoadNetwork
 
     def __call__(self, verdict: Verdict) -> str:
-        """Returns the key of a violation."""
+        """Returns the kind of a violation."""
         parts = (verdict.oracle, self.place(verdict), relation(verdict.evidence))
         return _SEPARATOR.join(part for part in parts if part)
 
     def place(self, verdict: Verdict) -> str:
-        """Names the junction or the road where a rule was broken; "" where that is not known."""
+        """Returns the name of a violation's junction or road; "" if it is not known."""
         if verdict.location is None:
             return ""
         x, y = verdict.location
@@ -49,10 +49,10 @@ def junction_of(internal_edge_id: str) -> str:
 
 
 def relation(evidence: Mapping[str, Any]) -> str:
-    """Says how the other stood to the ego, as far as an oracle tells; else "".
+    """Returns the relation of the other actor to the ego from an oracle's evidence, or "".
 
-    Of a collision that is who the other was and the part of the ego that was touched; of a
-    deadlock, how many wait for one another.
+    For a collision it is the role of the other actor and the touched part of the ego; for a
+    deadlock, the number of actors that wait for one another.
     """
     cycle = evidence.get("cycle")
     if isinstance(cycle, list | tuple):

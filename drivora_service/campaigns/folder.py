@@ -1,4 +1,4 @@
-"""The folder of a campaign, and whether somebody works in it."""
+"""The folder of a campaign, and its lock."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class CampaignFolder:
 
     Attributes:
         path: The folder.
-        traces: Where the traces of its failures are.
+        traces: Folder of the traces of its failures.
     """
 
     def __init__(self, root: Path, campaign_id: str) -> None:
@@ -23,7 +23,7 @@ class CampaignFolder:
 
         Args:
             root: Folder of all campaigns.
-            campaign_id: As the store gave it.
+            campaign_id: Id of the campaign.
         """
         self.path = root / campaign_id
         self.traces = CampaignTraces(root).folder(campaign_id)
@@ -31,14 +31,14 @@ class CampaignFolder:
 
     @property
     def is_running(self) -> bool:
-        """Whether a process works on the campaign."""
+        """Whether a process runs the campaign."""
         return self._lock_path.is_file() and is_locked(self._lock_path)
 
     def lock(self) -> FileLock:
-        """Takes the campaign for this process.
+        """Locks the campaign for this process.
 
         Raises:
-            Conflict: Another process works on it.
+            Conflict: Another process runs it.
         """
         return FileLock(
             self._lock_path,
@@ -53,7 +53,7 @@ class CampaignFolder:
 def ask_for(
     database: Database, campaign_id: str, folder: CampaignFolder, request: CampaignRequest
 ) -> CampaignRecord:
-    """Pauses or cancels a campaign, whether or not a process works on it.
+    """Pauses or cancels a campaign, whether or not a process runs it.
 
     Raises:
         UnknownName: There is no such campaign.
@@ -62,7 +62,7 @@ def ask_for(
     with database.write() as transaction:
         record = transaction.campaigns.ask_for(campaign_id, request)
         if record.state is CampaignState.RUNNING and not folder.is_running:
-            # Its process was killed: nobody would heed.
+            # Its process was killed and cannot follow a request.
             ended = {
                 CampaignRequest.PAUSE: CampaignState.PAUSED,
                 CampaignRequest.CANCEL: CampaignState.CANCELLED,

@@ -1,4 +1,4 @@
-"""The genes of campaigns that are in the database."""
+"""The genes of stored campaigns."""
 
 from __future__ import annotations
 
@@ -15,16 +15,13 @@ _MOST = 64
 
 
 class GeneSpaces:
-    """Builds the gene spaces of campaigns, each once, and keeps the last ones that were asked for.
-
-    Safe to use from several threads.
-    """
+    """Builds the gene spaces of campaigns, and caches the last ones. Thread-safe."""
 
     def __init__(self, catalogues: Catalogues) -> None:
         """Begins with none.
 
         Args:
-            catalogues: Where the names in a campaign are looked up.
+            catalogues: Catalogues for the names in a campaign.
         """
         self._catalogues = catalogues
         self._known: OrderedDict[str, GeneSpace] = OrderedDict()
@@ -36,7 +33,7 @@ class GeneSpaces:
             if record.id not in self._known:
                 built = self._build(record)
                 if built is None:
-                    # What is missing may come back, such as a road network.
+                    # A missing part, such as a road network, may be installed again.
                     return None
                 self._known[record.id] = built
                 if len(self._known) > _MOST:

@@ -15,7 +15,7 @@ from drivora_service.store.campaign_records import CampaignRecord
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ground:
-    """What campaigns on one seed scenario have in common."""
+    """The common parts of campaigns on one seed scenario."""
 
     network: RoadNetwork
     space: GeneSpace
@@ -25,15 +25,15 @@ def ground_of(record: CampaignRecord, catalogues: Catalogues) -> Ground:
     """Returns the network and the genes of a campaign.
 
     Raises:
-        InvalidDocument: What it names is not there any more.
+        InvalidDocument: A name in it is no longer available.
         CampaignError: Its road network has changed since.
-        SearchError: Its space cannot be built any more.
+        SearchError: Its space can no longer be built.
     """
     valid = read_campaign(record.document, catalogues)
     if valid.network.sha256 != record.network_sha256:
         raise CampaignError(
             f"the road network {record.town!r} has changed since campaign {record.id} was made: "
-            "what it searched is not known any more; bring the old one back, or leave it out"
+            "its gene space is no longer known; restore the old network, or leave the campaign out"
         )
     space = ScenarioSpace(valid.seed, valid.network, valid.campaign.space)
     return Ground(network=valid.network, space=space.genes)

@@ -1,10 +1,10 @@
-"""Groups of similar failures: DBSCAN over what is known of the situation of each violation.
+"""Groups of similar failures: DBSCAN over features of the situation of each violation.
 
-The features of a violation are its place, its time, and what the oracle measured: numbers as they
-are, words one-hot. Those of one oracle are scaled to 0..1 by their least and greatest value, so
-that groups are of a kind with the spread of what was found; where that spread is below one SI unit
-it is not stretched. Failures of different oracles are never in one group. (scenoRITA, Huai et al.
-2023, groups violations in this way.)
+The features of a violation are its place, its time, and the oracle's evidence: numbers as they are,
+words one-hot. Those of one oracle are scaled to 0..1 by their least and greatest value, so that the
+size of groups follows the spread of the violations; a spread below one SI unit is not stretched.
+Failures of different oracles are never in one group. (scenoRITA, Huai et al. 2023, groups
+violations in this way.)
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from drivora_service.oracles.verdict import Verdict
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Grouping:
-    """How alike failures of a group are.
+    """The parameters of the grouping.
 
     Attributes:
         radius: Greatest distance of neighbours in a group, as the root mean square over features
             that are scaled to 0..1.
-        least: Failures within the radius (itself among them) that make a failure the core of a
-            group; with 1, a failure that is like no other is a group by itself.
+        least: Number of failures within the radius (itself included) that make a failure the core
+            of a group; with 1, a failure without neighbours is a group by itself.
     """
 
     radius: float = 0.15
@@ -38,7 +38,7 @@ class Grouping:
     def label(self, verdicts: Sequence[Verdict]) -> tuple[int, ...]:
         """Returns the number of the group of each violation, from 0 within its oracle.
 
-        Failures that are in no group (there are none with ``least`` = 1) get -1.
+        Failures in no group (none with ``least`` = 1) get -1.
         """
         by_oracle: dict[str, list[int]] = defaultdict(list)
         for index, verdict in enumerate(verdicts):
@@ -50,10 +50,10 @@ class Grouping:
         return tuple(labels.tolist())
 
     def count_each(self, samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
-        """Counts the groups that each of several samples of violations is in.
+        """Returns the number of groups in each of several samples of violations.
 
-        All violations are grouped together: groups that were made sample by sample could not be
-        compared, as each would have a scale of its own.
+        All violations are grouped together: groups made sample by sample could not be compared, as
+        each would have a scale of its own.
         """
         labels = iter(self.label([verdict for sample in samples for verdict in sample]))
         return tuple(
@@ -65,7 +65,7 @@ class Grouping:
             return np.zeros(len(features), dtype=np.int64)
         if len(features) == 1:
             return np.array([0 if self.least <= 1 else -1])
-        # Loading it takes a second, and only the end of a campaign needs it.
+        # Importing it takes a second, and only the end of a campaign needs it.
         from sklearn.cluster import DBSCAN
 
         # A root mean square instead of a sum, so that the radius means the same for every oracle.
@@ -77,7 +77,7 @@ class Grouping:
 
 
 def situation_features(verdicts: Sequence[Verdict]) -> FloatArray:
-    """Returns (n, d) features of violations of one oracle: those that all of them have.
+    """Returns (n, d) features of violations of one oracle.
 
     A feature is kept if it is measured, and finite, in every violation.
     """
@@ -106,7 +106,7 @@ def scale(features: FloatArray) -> FloatArray:
 
 
 _CATEGORIES = frozenset({"counterpart_role", "face", "front_crossed_on"})
-"""Evidence in words that comes from a fixed set; other texts are for people."""
+"""Textual evidence from a fixed set of words; other texts are not features."""
 
 
 def _is_number(value: object) -> bool:

@@ -1,4 +1,4 @@
-"""What runs campaigns for the API: the service in processes, or a command in its own."""
+"""The host protocol: runs campaigns for the API, in processes of a service or in a command."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from drivora_service.store.database import Transaction
 
 
 class CampaignHost(Protocol):
-    """Takes campaigns and runs them, each until it ends or rests."""
+    """Accepts campaigns and runs each until it ends or pauses."""
 
     def open(self, transaction: Transaction, campaign_id: str) -> None:
-        """Takes a campaign that was just made, in the transaction that makes it."""
+        """Accepts a new campaign, in the transaction that stores it."""
         ...
 
     def resume(self, campaign_id: str) -> None:
-        """Takes a campaign that rests.
+        """Accepts a campaign that is not running.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -24,5 +24,5 @@ class CampaignHost(Protocol):
         ...
 
     def wake(self) -> None:
-        """Begins with what was taken, or acts on a request; called after the transaction."""
+        """Starts accepted campaigns, or follows a request; called after the transaction."""
         ...

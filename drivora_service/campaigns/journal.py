@@ -1,4 +1,4 @@
-"""Where a campaign is written down."""
+"""The journal of a campaign."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ class Journal(Protocol):
     """The record of a campaign, from which it can be resumed."""
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Returns what was appended, in order; may be read while more is appended behind it."""
+        """Yields the evaluations in order; may be read while more are appended."""
         ...
 
     def append(self, record: EvaluationRecord, document: str) -> None:
-        """Writes the next evaluation down, for good when the call returns.
+        """Writes the next evaluation, durably when the call returns.
 
         Args:
-            record: Its number is that of the evaluation before it plus 1.
-            document: Canonical JSON text of the scenario; "" where there is none.
+            record: The evaluation; its number is the previous one plus 1.
+            document: Canonical JSON text of the scenario; "" if there is none.
         """
         ...
 
@@ -39,16 +39,16 @@ class Journal(Protocol):
         ...
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
-        """Writes down whether the failures of an evaluation happened again."""
+        """Writes whether an identical run repeated the failures of an evaluation."""
         ...
 
     def group(self, groups: Mapping[tuple[int, int], int]) -> None:
-        """Writes down the groups of failures, by number of the evaluation and place."""
+        """Writes the groups of failures, by number of the evaluation and place."""
         ...
 
 
 def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
-    """Returns the failures that an evaluation found."""
+    """Returns the failures of an evaluation."""
     return tuple(
         Failure(evaluation=record.number, place=place, kind=kind, verdict=verdict)
         for place, (verdict, kind) in enumerate(
@@ -58,20 +58,20 @@ def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
 
 
 class MemoryJournal:
-    """A journal that is gone with its process: for studies and tests."""
+    """A journal in memory, for studies and tests."""
 
     def __init__(self, evaluations: Sequence[EvaluationRecord] = ()) -> None:
-        """Begins with evaluations that are known already, without their documents."""
+        """Begins with known evaluations, without their documents."""
         self._evaluations = list(evaluations)
         self._documents: dict[int, str] = {}
         self._failures = [failure for record in evaluations for failure in failures_of(record)]
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Returns what was appended, in order."""
+        """Yields the evaluations in order."""
         return iter(tuple(self._evaluations))
 
     def append(self, record: EvaluationRecord, document: str) -> None:
-        """Keeps the next evaluation; documents only of those that violate a rule."""
+        """Keeps the next evaluation; documents only of those with failures."""
         if record.number != len(self._evaluations):
             raise ValueError(f"evaluation {record.number} follows {len(self._evaluations) - 1}")
         self._evaluations.append(record)
@@ -80,7 +80,7 @@ class MemoryJournal:
             self._failures += failures_of(record)
 
     def document(self, number: int) -> str:
-        """Returns the scenario of an evaluation that was appended here and violates a rule.
+        """Returns the scenario of an evaluation that was appended here and has failures.
 
         Raises:
             UnknownName: There is none.
@@ -94,7 +94,7 @@ class MemoryJournal:
         return tuple(self._failures)
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
-        """Keeps whether the failures of an evaluation happened again."""
+        """Keeps whether an identical run repeated the failures of an evaluation."""
         self._failures = [
             replace(failure, confirmation=confirmation, trace=trace)
             if failure.evaluation == number

@@ -1,4 +1,4 @@
-"""From the report of a run to what a tester is told."""
+"""From the report of a run to the evaluation that a tester is told."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from drivora_service.store.campaign_records import EvaluationRecord
 
 
 def status_of(report: RunReport) -> EvaluationStatus:
-    """Says whether a run that was simulated was judged."""
+    """Returns whether a simulated run was judged."""
     if report.status is RunStatus.FINISHED:
         return EvaluationStatus.JUDGED
     return EvaluationStatus.FAILED
 
 
 def refuse_lost(number: int, report: RunReport) -> None:
-    """Refuses a report that says nothing of the candidate, as it must not become part of a search.
+    """Refuses a report without a result of the candidate, which must not affect the search.
 
     Raises:
-        CampaignError: The workers were lost again and again, or somebody cancelled the run.
+        CampaignError: The workers were lost repeatedly, or the run was cancelled.
     """
     if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
         why = "" if report.failure is None else f": {report.failure.message}"
@@ -36,8 +36,7 @@ def refuse_lost(number: int, report: RunReport) -> None:
 def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:
     """Returns the verdicts that count as failures, in the order of their times.
 
-    Those are of a campaign's oracles and say that a rule was violated, and not by somebody else's
-    fault.
+    These are violations of the campaign's oracles, without those known to be another actor's fault.
     """
     found = [
         verdict
@@ -50,7 +49,7 @@ def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict,
 
 
 def evaluation_of(record: EvaluationRecord) -> Evaluation:
-    """Returns what a tester is told of a candidate."""
+    """Returns the evaluation that a tester is told."""
     judged = record.status is EvaluationStatus.JUDGED
     return Evaluation(
         number=record.number,

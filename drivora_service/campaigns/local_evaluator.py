@@ -1,4 +1,4 @@
-"""Evaluating on worker processes of this machine."""
+"""The evaluator on worker processes of this machine."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class LocalEvaluator:
         self._numbers: dict[str, int] = {}
 
     def submit(self, number: int, spec: RunSpec) -> None:
-        """Begins with a run as soon as a slot is free; earlier ones first."""
+        """Queues a run, which starts when a slot is free; first in, first out."""
         self._numbers[spec.run_id] = number
         self._runs.submit(spec)
 
@@ -28,7 +28,7 @@ class LocalEvaluator:
         """Returns the answers since the last call; waits for one, ``timeout`` seconds at most.
 
         Raises:
-            WorkersCannotStart: Nothing can be run.
+            WorkersCannotStart: No worker can be started.
         """
         until = None if timeout is None else time.monotonic() + timeout
         while len(self._runs):

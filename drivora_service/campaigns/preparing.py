@@ -1,4 +1,4 @@
-"""From a checked campaign to a search that can begin."""
+"""From a validated campaign to a search that is ready to run."""
 
 from __future__ import annotations
 
@@ -19,22 +19,21 @@ from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.tester import Tester, TesterContext
 
 _SEARCH, _SHUFFLE = 0, 1
-"""Streams of random numbers that a campaign's seed begins."""
+"""Streams of random numbers that derive from a campaign's seed."""
 
 
 def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: str) -> Search:
-    """Builds the gene space and the tester, and joins them.
+    """Builds the search of a campaign: its gene space and its tester.
 
     The same campaign always gives the same search.
 
     Args:
         valid: The campaign.
-        catalogues: Where its names were looked up.
-        run_prefix: Begins the ids of the runs.
+        catalogues: Catalogues for its names.
+        run_prefix: Prefix of the ids of the runs.
 
     Raises:
-        InvalidDocument: Nothing can vary as the campaign wants it, or the tester cannot work with
-            what varies.
+        InvalidDocument: The gene space cannot be built, or the tester cannot search it.
     """
     campaign = valid.campaign
     try:
@@ -62,7 +61,7 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
 
 
 def search_versions() -> dict[str, str]:
-    """Returns the versions of what decides how a search goes, by name."""
+    """Returns the versions of the software that determines a search, by name."""
     packages = ("drivora", "numpy", "scipy", "scikit-learn", "pymoo", "libsumo")
     return {name: version(name) for name in packages}
 

@@ -1,4 +1,4 @@
-"""How far a campaign is, how fast it goes, and what it has found, while it runs."""
+"""The progress, speed and findings of a running campaign."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import CampaignCounts, Confirmation
 
 _WINDOW = 50
-"""Evaluations over which the rate is taken."""
+"""Number of evaluations over which the rate is measured."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,13 +21,13 @@ class Progress:
     """A campaign at one moment.
 
     Attributes:
-        budget: Simulations in all.
-        kinds: Different failures by key.
-        rate: Simulations a second of late; ``None`` until that is known.
+        budget: Number of simulations allowed.
+        kinds: Number of kinds of failures.
+        rate: Recent simulations a second; ``None`` until it is known.
         left_s: Seconds until the budget is spent, at that rate.
         best: Name and least value of the tester's first objective; ``None`` if never measured.
-        confirmed: Failing scenarios that failed again in the same way.
-        flaky: Failing scenarios that did not.
+        confirmed: Failing scenarios that an identical run confirmed.
+        flaky: Failing scenarios that it did not.
     """
 
     counts: CampaignCounts
@@ -41,7 +41,7 @@ class Progress:
 
 
 class ProgressMeter:
-    """Watches the work on a campaign."""
+    """Measures the progress of a campaign."""
 
     def __init__(self, budget: int, clock: Callable[[], float] = time.monotonic) -> None:
         """Begins with nothing.
@@ -60,7 +60,7 @@ class ProgressMeter:
         self._answers: dict[int, Confirmation] = {}
 
     def note(self, told: Told) -> None:
-        """Takes note of an evaluation."""
+        """Counts an evaluation."""
         record = told.record
         self._statuses[record.status] += 1
         self._violating += bool(record.violations)
@@ -77,11 +77,11 @@ class ProgressMeter:
             self._best = (name, value)
 
     def note_again(self, number: int, confirmation: Confirmation) -> None:
-        """Takes note of whether a failing evaluation failed again."""
+        """Counts the confirmation of a failing evaluation."""
         self._answers[number] = confirmation
 
     def progress(self) -> Progress:
-        """Returns how it stands now."""
+        """Returns the current progress."""
         counts = CampaignCounts(
             evaluations=sum(self._statuses.values()),
             judged=self._statuses[EvaluationStatus.JUDGED],

@@ -1,4 +1,4 @@
-"""Evaluating on the workers of a service, through the queue in its database."""
+"""The evaluator on the workers of a service, through the queue in its database."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _SLOWER = 1.5
 
 
 class QueueEvaluator:
-    """Queues each evaluation as a run of the campaign's batch, and looks for its report.
+    """Queues each evaluation as a run of the campaign's batch, and polls for its report.
 
-    The runs are called as their specs are. So whoever goes on with a campaign after a kill asks for
-    runs that may be there already: what is queued, runs or has ended is not queued again.
+    The runs have the ids of their specs. So a campaign that is resumed after a kill may submit runs
+    that exist already: those that are queued, running or ended are not queued again.
     """
 
     def __init__(
@@ -39,13 +39,13 @@ class QueueEvaluator:
         most: int | None = None,
         on_queued: Callable[[], None] = lambda: None,
     ) -> None:
-        """Has the runs of the campaign handed out.
+        """Resumes the batch of the campaign.
 
         Args:
-            database: Of the service.
-            campaign: Whose runs they are.
-            traces: Where the workers write traces.
-            most: Runs that may be queued or running at once; ``None``: any number.
+            database: Database of the service.
+            campaign: The campaign.
+            traces: Folder into which the workers write traces.
+            most: Greatest number of runs queued or running at once; ``None``: any number.
             on_queued: Called after a run was queued.
         """
         self._database, self._campaign, self._traces = database, campaign, traces
@@ -56,7 +56,7 @@ class QueueEvaluator:
             self._batch_id = transaction.campaign_runs.open(campaign.id)
 
     def submit(self, number: int, spec: RunSpec) -> None:
-        """Queues a run, or holds it until there is room for it."""
+        """Queues a run, or holds it back until there is room for it."""
         self._held.append((number, spec))
         self._queue()
 
@@ -77,7 +77,7 @@ class QueueEvaluator:
         return ()
 
     def close(self) -> None:
-        """Waits for nothing any more; the runs go on as long as their campaign does not rest."""
+        """Stops waiting; queued runs continue as long as their campaign is running."""
         self._held.clear()
         self._open.clear()
 
@@ -124,7 +124,7 @@ def _share(written: Path, wanted: Path) -> None:
     """Links a trace under a second name, or copies it where links are impossible."""
     wanted.parent.mkdir(parents=True, exist_ok=True)
     wanted.unlink(missing_ok=True)
-    # A trace that was pruned meanwhile is missed by nobody but its readers.
+    # A trace may have been pruned meanwhile.
     with contextlib.suppress(FileNotFoundError):
         try:
             os.link(written, wanted)

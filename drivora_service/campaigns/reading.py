@@ -1,4 +1,4 @@
-"""Reading a campaign: the document, and all that it names, checked at once."""
+"""Reading a campaign: the document and all its names, validated together."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ class ValidCampaign:
     """A campaign that can be run.
 
     Attributes:
-        document: As it was written, defaults filled in.
-        seed: The scenario to begin with, driven by the campaign's agent.
-        network: The road network that it takes place on.
-        notes: What was interpreted on the way, for people.
-        versions: Of the packages and ADSs that it names and Drivora does not bring, by name.
+        document: The document, with defaults filled in.
+        seed: The seed scenario, driven by the campaign's agent.
+        network: The road network of the scenario.
+        notes: Notes on how the document was interpreted.
+        versions: Versions of the packages and ADSs from outside Drivora that it names, by name.
     """
 
     document: CampaignDocument
@@ -57,18 +57,18 @@ class ValidCampaign:
     versions: Mapping[str, str]
 
     def notes_for(self, workers: int | None) -> tuple[str, ...]:
-        """Returns the notes, and one more if the search cannot keep so many workers busy.
+        """Returns the notes, and one more if the search cannot keep all workers busy.
 
         Args:
-            workers: That will run it; ``None``: not known.
+            workers: Number of workers; ``None``: not known.
         """
         most = self.campaign.lookahead
         if workers is None or workers <= most:
             return self.notes
         return (
             *self.notes,
-            f"a lookahead of {most} keeps at most {most} of {workers} workers busy; a greater one, "
-            "which changes the search, keeps more",
+            f"a lookahead of {most} keeps at most {most} of {workers} workers busy; a greater "
+            "lookahead keeps more busy, and changes the search",
         )
 
 
@@ -77,15 +77,15 @@ def read_campaign(
     catalogues: Catalogues,
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
 ) -> ValidCampaign:
-    """Reads a campaign and checks it, and all that it names.
+    """Reads a campaign and validates it with all its names.
 
     Args:
-        data: Text, or what a parser made of it.
-        catalogues: What there is.
+        data: Text, or its parsed content.
+        catalogues: Catalogues for the names.
         format: Language of the text; YAML without aliases and tags.
 
     Raises:
-        InvalidDocument: With every problem, in document order.
+        InvalidDocument: The document has problems; all are listed, in document order.
         NetworkError: The network's file cannot be read.
     """
     content, odd = plain_data(data, format, what="a campaign")
@@ -93,7 +93,7 @@ def read_campaign(
     tester = document.tester if document else _part(TesterDocument, content, "tester")
     agent = document.agent if document else _part(AgentDocument, content, "agent")
     scenario, inside = _scenario(content, catalogues, "" if agent is None else agent.name)
-    # A value that is odd is of a wrong type as well, which needs no telling.
+    # An odd value is of a wrong type as well, which is not reported again.
     known = {problem.pointer for problem in odd}
     problems = [
         *dict.fromkeys((*odd, *inside)),
@@ -136,13 +136,13 @@ def _versions(campaign: Campaign, seed: Scenario, catalogues: Catalogues) -> dic
 
 
 def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, list[Problem]]:
-    """Returns the document if it is one, and what is wrong with its structure."""
+    """Returns the document, or ``None``, and the problems of its structure."""
     try:
         return CampaignDocument.model_validate(content), []
     except ValidationError as error:
         problems = structural_problems(error, CampaignDocument)
     if isinstance(content.get("scenario"), Mapping):
-        # Whoever checks the scenario finds these, and more.
+        # The check of the scenario finds these, and more.
         problems = [p for p in problems if not p.pointer.startswith("/scenario/")]
     return None, problems
 
@@ -150,11 +150,11 @@ def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, lis
 def _scenario(
     content: Mapping[str, Any], catalogues: Catalogues, driven_by: str
 ) -> tuple[ValidScenario | None, list[Problem]]:
-    """Returns the scenario if it can be run, and what is wrong with it.
+    """Returns the scenario, or ``None``, and its problems.
 
     Args:
         content: The campaign.
-        catalogues: What there is.
+        catalogues: Catalogues for the names.
         driven_by: The campaign's own agent, "" if it has none.
     """
     scenario = content.get("scenario")
@@ -222,7 +222,7 @@ def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Pr
 def _check_oracles(
     names: Sequence[object], catalogue: OracleCatalogue, wrong: Collection[str]
 ) -> Iterator[Problem]:
-    """Checks names in a document, but for those that are known to be wrong."""
+    """Checks the names of oracles, without those that are known to be wrong."""
     for place, name in enumerate(names[:MAX_PROBLEMS]):
         pointer = f"/oracles/{place}"
         if pointer in wrong or not isinstance(name, str):
@@ -237,14 +237,13 @@ def _check_oracles(
 
 def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:
     close = difflib.get_close_matches(error.name, error.known, n=1)
-    guess = f"; did you mean {close[0]!r}?" if close else ""
+    hint = f"; did you mean {close[0]!r}? Known" if close else "; known"
     known = ", ".join(error.known) or "none"
     see = f" See {listed_by}" if listed_by else ""
     return Problem(
         pointer=pointer,
         code=f"unknown_{error.kind}",
-        message=f"found {error.kind} {error.name!r}, which there is not{guess} Known: {known}."
-        f"{see}".replace("not Known", "not; known"),
+        message=f"unknown {error.kind} {error.name!r}{hint}: {known}.{see}",
     )
 
 

@@ -22,24 +22,24 @@ from drivora_service.search.space.scenario_space import ScenarioSpace
 
 
 class ScenarioCandidates:
-    """Decodes values, and checks the scenario as documents are checked."""
+    """Decodes values, and validates the scenario as a document."""
 
     def __init__(
         self, space: ScenarioSpace, networks: NetworkLookup, agents: Collection[str]
     ) -> None:
-        """Takes what decides about a candidate.
+        """Prepares the candidates.
 
         Args:
             space: Decodes values.
-            networks: Where the town of a scenario is looked up.
-            agents: Names of the agents that exist.
+            networks: Catalogue for the town of a scenario.
+            agents: Names of the available agents.
         """
         self._space, self._networks, self._agents = space, networks, agents
         self._check_route = remembering_routes(space.seed)
 
     @property
     def genes(self) -> GeneSpace:
-        """What can be varied."""
+        """The genes of the candidates."""
         return self._space.genes
 
     def prepare(self, values: FloatArray) -> Candidate:
@@ -54,9 +54,9 @@ class ScenarioCandidates:
 
 
 def remembering_routes(seed: Scenario) -> RouteCheck:
-    """Returns a check of routes that checks those of a seed scenario once.
+    """Returns a check of routes that caches the results for those of a seed scenario.
 
-    They are in every candidate. The routes that genes decide are hardly ever the same again.
+    They are in every candidate. Routes from genes are hardly ever repeated.
     """
     shared = frozenset(place_actors(seed, FrameTransform())[0])
     remembered = lru_cache(maxsize=len(shared))(check_route)

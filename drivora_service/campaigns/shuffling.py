@@ -1,4 +1,4 @@
-"""A method without its feedback: its operators work, but what it is told means nothing."""
+"""A method without its feedback: its operators work, but the told results are shuffled."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal
 
 
 class ShuffledFeedback:
-    """Tells a tester, of each candidate, the results of one that was judged so far.
+    """Tells a tester, for each candidate, the results of one of the candidates judged so far.
 
-    Which one is drawn evenly, the candidate itself among them, so that the tester sees results that
-    are distributed as its own are. Whether a candidate is valid is told as it is.
+    It is drawn uniformly, the candidate itself included, so that the tester sees results that are
+    distributed as its own. Whether a candidate is valid is told truly.
     """
 
     def __init__(self, tester: Tester, random: np.random.Generator) -> None:

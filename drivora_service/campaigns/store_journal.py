@@ -1,4 +1,4 @@
-"""A campaign's journal in the database."""
+"""The journal of a campaign in the database."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _PAGE = 200
 
 
 class StoreJournal:
-    """Writes every evaluation in a transaction of its own, and keeps the campaign's working time.
+    """Writes every evaluation in a transaction of its own, and measures the campaign's work time.
 
-    A killed process loses at most what was being simulated.
+    A kill loses at most the running simulations.
     """
 
     def __init__(self, database: Database, campaign_id: str) -> None:
@@ -27,7 +27,7 @@ class StoreJournal:
         self._counted_until = time.monotonic()
 
     def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Returns what was appended, in order, a page at a time."""
+        """Yields the evaluations in order, read a page at a time."""
         after = -1
         while True:
             with self._database.read() as transaction:
@@ -38,7 +38,7 @@ class StoreJournal:
             after = page[-1].number
 
     def append(self, record: EvaluationRecord, document: str) -> None:
-        """Writes the next evaluation down, for good when the call returns."""
+        """Writes the next evaluation, durably when the call returns."""
         with self._database.write() as transaction:
             transaction.evaluations.append(
                 self._campaign_id, record, document=document, active_s=self.active_s()
@@ -55,22 +55,22 @@ class StoreJournal:
             return transaction.evaluations.failures(self._campaign_id)
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
-        """Writes down whether the failures of an evaluation happened again."""
+        """Writes whether an identical run repeated the failures of an evaluation."""
         with self._database.write() as transaction:
             transaction.evaluations.confirm(self._campaign_id, number, confirmation, trace=trace)
 
     def group(self, groups: Mapping[tuple[int, int], int]) -> None:
-        """Writes down the groups of failures."""
+        """Writes the groups of failures."""
         with self._database.write() as transaction:
             transaction.evaluations.group(self._campaign_id, groups)
 
     def requested(self) -> CampaignRequest:
-        """Says what somebody wants of the campaign."""
+        """Returns the pending request to the campaign."""
         with self._database.read() as transaction:
             return transaction.campaigns.request_of(self._campaign_id)
 
     def active_s(self) -> float:
-        """Returns the seconds of work since it was last asked."""
+        """Returns the seconds of work since the last call."""
         now = time.monotonic()
         elapsed, self._counted_until = now - self._counted_until, now
         return elapsed

@@ -1,4 +1,4 @@
-"""Running a campaign that is in the database."""
+"""Running a stored campaign."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from drivora_service.store.database import Database
 
 
 def new_campaign(valid: ValidCampaign) -> NewCampaign:
-    """Returns what the store wants to know of a campaign."""
+    """Returns the values of a campaign for the store."""
     campaign = valid.campaign
     return NewCampaign(
         name=campaign.name,
@@ -46,31 +46,31 @@ def run_stored(
     catalogues: Catalogues,
     evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
     watcher: Watcher = Watcher(),  # noqa: B008 # frozen
-    if_wanted: bool = False,
+    only_queued: bool = False,
 ) -> CampaignRecord:
-    """Runs a campaign, or goes on with it, until it is finished or somebody wants it to stop.
+    """Starts or resumes a campaign; returns when it is finished or a stop is requested.
 
     Args:
         database: Holds the campaign.
-        campaign_id: Which.
-        folder: Of this campaign.
-        catalogues: Where its names are looked up.
-        evaluator: Returns what evaluates, for the number of workers that the campaign wants.
-        watcher: Whom to ask and to tell; the database is asked besides.
-        if_wanted: Whether to run it only if it waits to be run; see ``CampaignRepository.begin``.
+        campaign_id: Id of the campaign.
+        folder: Folder of the campaign.
+        catalogues: Catalogues for its names.
+        evaluator: Returns the evaluator, for the campaign's number of workers.
+        watcher: Callbacks; requests in the database are followed besides.
+        only_queued: Whether to run it only if it is queued; see ``CampaignRepository.begin``.
 
     Raises:
-        Conflict: Another process runs it, it is over, or it does not wait to be run.
-        CampaignError: It cannot go on; the store knows why.
-        InvalidDocument: What it names is not there any more.
-        StoreUnavailable: The database cannot be used now; the campaign is as it was.
+        Conflict: Another process runs it, it is over, or it is not queued.
+        CampaignError: It cannot continue; the reason is stored.
+        InvalidDocument: A name in it is no longer available.
+        StoreUnavailable: The database cannot be used now; the campaign is unchanged.
         UnknownName: There is no such campaign.
-        WorkersCannotStart: Nothing can be run on this machine; the campaign is paused.
+        WorkersCannotStart: No worker can be started here; the campaign is paused.
     """
     lock = folder.lock()
     try:
         with database.write() as transaction:
-            record = transaction.campaigns.begin(campaign_id, if_wanted=if_wanted)
+            record = transaction.campaigns.begin(campaign_id, only_queued=only_queued)
         watcher.on_begun()
         journal = StoreJournal(database, campaign_id)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
@@ -85,11 +85,11 @@ def run_stored(
             _end(database, campaign_id, CampaignState.PAUSED, journal)
             raise
         except WorkersCannotStart as error:
-            # A fault of this machine, not of the campaign, which goes on from here once it is gone.
+            # A fault of this machine, not of the campaign, which can be resumed after it.
             _end(database, campaign_id, CampaignState.PAUSED, journal, str(error))
             raise
         except StoreUnavailable:
-            # It passes; whatever runs the campaign again goes on from here.
+            # The fault is temporary; the campaign can be resumed from here.
             raise
         except Exception as error:
             message = str(error) or type(error).__name__
@@ -101,17 +101,17 @@ def run_stored(
 
 
 def hand_over(database: Database, campaign_id: str, folder: CampaignFolder) -> CampaignRecord:
-    """Has the service go on with a campaign that rests, whoever ran it before.
+    """Queues a campaign that is not running for the service.
 
     Raises:
         UnknownName: There is no such campaign.
-        Conflict: It is over, or a process works on it.
+        Conflict: It is over, or a process runs it.
     """
     with database.write() as transaction:
         record = transaction.campaigns.get(campaign_id)
         deserted = record.state is CampaignState.RUNNING and not record.batch_id
         if deserted and not folder.is_running:
-            # The command that ran it was killed.
+            # The command that ran the campaign was killed.
             transaction.campaigns.end(campaign_id, CampaignState.PAUSED)
         transaction.campaigns.queue_again(campaign_id)
         transaction.campaign_runs.open(campaign_id)
@@ -122,22 +122,22 @@ def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
     if record.network_sha256 != valid.network.sha256:
         raise CampaignError(
             f"the road network {record.town!r} has changed since campaign {record.id} was made; "
-            "bring the old one back, or begin a new campaign"
+            "restore the old network, or start a new campaign"
         )
 
 
 def _refuse_other_versions(record: CampaignRecord, valid: ValidCampaign) -> None:
-    """Refuses to go on with a campaign that would have gone another way from its begin."""
+    """Refuses to resume a campaign under changed versions."""
     now = {**search_versions(), **valid.versions}
     changed = [
-        f"{name} was {then} and is {now.get(name, 'not there')}"
+        f"{name} was {then} and is {now.get(name, 'not installed')}"
         for name, then in sorted(record.versions.items())
         if now.get(name) != then
     ]
     if changed and record.counts.evaluations:
         raise CampaignError(
-            f"campaign {record.id} was made with other versions: {', '.join(changed)}. It would "
-            "not go on as it began; install those, or begin a new campaign. What it found stays"
+            f"campaign {record.id} was made with other versions: {', '.join(changed)}. It cannot "
+            "be resumed; install those, or start a new campaign. Its results are kept"
         )
 
 

@@ -1,4 +1,4 @@
-"""Keeps a process for every campaign that the service runs."""
+"""The supervisor of the processes of the service's campaigns."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from drivora_service.store.campaign_records import CampaignRequest, CampaignStat
 from drivora_service.store.database import Database, Transaction
 
 _LOOK_S = 0.5
-"""Seconds between two looks at what is to be run."""
+"""Seconds between two polls for campaigns to run."""
 
 _RETRY_S = 1.0
-"""Seconds after which an engine is started again, twice as long with each death."""
+"""Seconds before an engine is restarted, doubled with each death."""
 
 _MOST_DEATHS = 4
-"""Deaths of its engine, without an evaluation between them, after which a campaign has failed."""
+"""Deaths of its engine without an evaluation between them after which a campaign fails."""
 
 _TAIL_LINES = 20
 
@@ -42,7 +42,7 @@ _ENDS = {
 
 @dataclass(slots=True, kw_only=True)
 class _Engine:
-    """A running process; ``queued`` is ``None`` once it has closed its end."""
+    """A running process; ``queued`` is ``None`` once the process has closed it."""
 
     campaign_id: str
     process: BaseProcess
@@ -58,10 +58,10 @@ class _Deaths:
 
 
 class CampaignSupervisor:
-    """A thread that starts the processes of campaigns, watches them, and ends them with itself.
+    """A thread that starts, supervises and ends the processes of campaigns.
 
-    Campaigns whose process died, with the service or alone, go on where they were. What they do is
-    in the store; the supervisor writes there only what their processes cannot say any more.
+    Campaigns are resumed after the death of their process, alone or with the service. The processes
+    store their own states; the supervisor stores only those of dead processes.
     """
 
     def __init__(
@@ -77,12 +77,12 @@ class CampaignSupervisor:
         """Prepares the thread.
 
         Args:
-            database: Of the service.
-            setup: What every process is told.
-            at_once: Campaigns that may run at once; the others wait.
+            database: Database of the service.
+            setup: Configuration of every process.
+            at_once: Greatest number of campaigns that run at once; the others wait.
             on_queued: Called when a campaign has queued runs.
             explained: Whether a failure is due to a known fault of the infrastructure.
-            on_fatal: Told why the thread has given up.
+            on_fatal: Called with the reason for which the thread has given up.
         """
         self._database, self._setup = database, setup
         self._at_once, self._on_queued = at_once, on_queued
@@ -103,35 +103,35 @@ class CampaignSupervisor:
         )
 
     def start(self) -> None:
-        """Starts the thread, and with it the campaigns that wait."""
+        """Starts the thread, which starts the queued campaigns."""
         self._thread.start()
 
     @property
     def fault(self) -> str:
-        """Why no campaign is started, "" while they are."""
+        """Why no campaign can be started, "" while they can."""
         return "" if self._thread.is_alive else "no campaign is started: its thread has ended"
 
     def wake(self) -> None:
-        """Tells that a campaign was made or is to go on; otherwise it is seen within a second."""
+        """Signals a new or resumed campaign; without it, the thread sees it within 1 s."""
         with self._waking:
             self._waker.send_bytes(b"wake")
 
     def open(self, transaction: Transaction, campaign_id: str) -> None:
-        """Takes a campaign that was just made."""
+        """Accepts a new campaign."""
         transaction.campaign_runs.open(campaign_id)
 
     def resume(self, campaign_id: str) -> None:
-        """Goes on with a campaign that rests, whatever ran it before.
+        """Resumes a campaign that is not running.
 
         Raises:
             UnknownName: There is no such campaign.
-            Conflict: It is over, or a process works on it.
+            Conflict: It is over, or a process runs it.
         """
         hand_over(self._database, campaign_id, self._setup.folder(campaign_id))
         self.wake()
 
     def stop(self) -> None:
-        """Ends every engine; their campaigns go on when the service is started again."""
+        """Ends every engine; the campaigns are resumed when the service is started again."""
         self._thread.stop()
         self.wake()
         self._thread.join()
@@ -146,14 +146,14 @@ class CampaignSupervisor:
         for engine in list(self._engines.values()):
             code = exit_code(engine.process)
             if code is not None:
-                self._bury(engine, code)
+                self._clean_up(engine, code)
         now = time.monotonic()
         if now >= self._look_at:
             self._look_at = now + _LOOK_S
             self._look(now)
 
     def _listen(self) -> bool:
-        """Waits until something happens, or it is time to look; says whether runs were queued."""
+        """Waits for a message or the next poll; returns whether runs were queued."""
         engines = list(self._engines.values())
         words: dict[Connection, _Engine] = {e.queued: e for e in engines if e.queued is not None}
         sentinels = [engine.process.sentinel for engine in engines]
@@ -173,7 +173,7 @@ class CampaignSupervisor:
         return queued
 
     def _look(self, now: float) -> None:
-        """Starts what there is room for, and ends what is to end and has no engine."""
+        """Starts campaigns for the free room, and ends stopped ones without an engine."""
         with self._database.read() as transaction:
             wanted = transaction.campaigns.to_run()
         for campaign in wanted:
@@ -182,13 +182,13 @@ class CampaignSupervisor:
             try:
                 self._look_at_one(campaign.id, campaign.request)
             except OSError as error:
-                # Its folder or its lock; the other campaigns do not suffer from it.
+                # An error of its folder or lock must not hold up the other campaigns.
                 self._faults.error("campaign_not_started", campaign=campaign.id, error=repr(error))
                 self._not_before[campaign.id] = now + _RETRY_S
 
     def _look_at_one(self, campaign_id: str, request: CampaignRequest) -> None:
         if self._setup.folder(campaign_id).is_running:
-            # Some command works on it.
+            # A command runs it.
             return
         if request is not CampaignRequest.NONE:
             with self._database.write() as transaction:
@@ -214,7 +214,7 @@ class CampaignSupervisor:
         )
         _log.info("campaign_started", campaign=campaign_id, pid=process.pid)
 
-    def _bury(self, engine: _Engine, code: int) -> None:
+    def _clean_up(self, engine: _Engine, code: int) -> None:
         campaign_id = engine.campaign_id
         with self._database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
@@ -256,7 +256,7 @@ class CampaignSupervisor:
 
 
 def _drain(connection: Connection) -> bool:
-    """Throws away what has come; says whether more may come."""
+    """Discards received messages; returns whether more may come."""
     try:
         while connection.poll():
             connection.recv_bytes()

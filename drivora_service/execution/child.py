@@ -1,4 +1,4 @@
-"""The one worker of a slot: starting it, giving it work, looking at it, replacing it."""
+"""The worker process of a slot: start, work, inspection, replacement."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from drivora_service.worker.processes import (
 )
 from drivora_service.worker.progress import NO_PROGRESS, Progress
 
-_FAMILY_EVERY_S = 0.7
-"""Seconds between two looks at the memory of what was started in the worker."""
+_DESCENDANTS_EVERY_S = 0.7
+"""Seconds between two measurements of the memory of processes started in the worker."""
 
 _READY_AGAIN_S = 5.0
-"""Seconds in which a process is ready again after a report; it takes a worker microseconds."""
+"""Seconds within which a process must be ready after a report; a worker takes microseconds."""
 
 
 class NotReadyError(Exception):
-    """The worker process has found that it cannot work; its message says why."""
+    """The worker process reported that it cannot work; the message is its reason."""
 
 
 class Child:
     """A worker process and its successors.
 
-    A process is replaced after a number of runs, after every run that did not end properly, and
-    after every death. All that belongs to one process is kept in one object, so that nothing which
-    a dead process held can matter.
+    A process is replaced after a number of runs, after every run that did not finish, and after
+    every death. The state of one process is kept in one object, so that no state of a dead process
+    is used.
 
     Attributes:
-        log: What the processes print.
+        log: Output of the processes.
         ready: Whether the process has been set up.
-        restarts: Processes there have been, beyond the first.
+        restarts: Number of processes after the first.
     """
 
     def __init__(self, task: WorkerTask, *, log: Path, limits: Limits) -> None:
@@ -50,8 +50,8 @@ class Child:
         self._worker: KeptWorker | None = None
         self._runs = 0
         self._retired = False
-        self._family_memory = 0
-        self._next_family_look = 0.0
+        self._descendant_memory = 0
+        self._next_descendants_look = 0.0
         self.log = WorkerLog(log, longest=limits.log_bytes)
         self.ready = False
         self.restarts = -1
@@ -64,16 +64,16 @@ class Child:
 
     @property
     def is_idle(self) -> bool:
-        """Whether there is a process that lives and waits for a run."""
+        """Whether the process is alive and waits for a run."""
         return self.ready and self._worker is not None and self._worker.is_idle
 
     @property
-    def worn(self) -> bool:
-        """Whether the process is to be replaced before the next run."""
+    def needs_replacement(self) -> bool:
+        """Whether the process must be replaced before the next run."""
         return self._retired or self._runs >= self._limits.runs_per_worker
 
     def retire(self) -> None:
-        """Lets the process have no more runs."""
+        """Marks the process for replacement before the next run."""
         self._retired = True
 
     def wait_until_ready(self, timeout: float) -> bool:
@@ -81,7 +81,7 @@ class Child:
 
         Raises:
             NotReadyError: It cannot work.
-            WorkerDiedError: It has ended and did not say why.
+            WorkerDiedError: It has ended without a reason.
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something else.
         """
@@ -101,7 +101,7 @@ class Child:
         self.log.cut()
         self.log.mark()
         self._runs += 1
-        self._family_memory, self._next_family_look = 0, 0.0
+        self._descendant_memory, self._next_descendants_look = 0, 0.0
         self._current().begin(spec)
 
     def wait(self, run_id: str, timeout: float) -> RunReport | None:
@@ -119,7 +119,7 @@ class Child:
         """Waits until the process, which has sent a report, is ready for the next run.
 
         A report that code under test has sent is followed by that of the worker, which may come
-        late: it is not to be taken for the report of the next run.
+        late and must not be taken for the report of the next run.
 
         Returns:
             False if something else came, or nothing within a few seconds.
@@ -140,49 +140,49 @@ class Child:
         return self._worker
 
     def progress(self) -> Progress:
-        """Returns what the process shows of its progress."""
+        """Returns the progress that the process shows."""
         worker = self._worker
         return NO_PROGRESS if worker is None else worker.board.read()
 
     def reading(self) -> ProcessReading | None:
-        """Returns what the system tells of the process, ``None`` while there is no process."""
+        """Returns the system's data on the process, ``None`` while there is no process."""
         pid = self.pid
         return None if pid is None else read_process(pid)
 
-    def family_memory(self) -> int:
-        """Returns the bytes of memory of what was started in the process; 0 if that is nothing.
+    def descendant_memory(self) -> int:
+        """Returns the bytes of memory of the processes started in the process; 0 if there are none.
 
-        It is measured now and then only.
+        It is measured at intervals and kept between them.
         """
         now = time.monotonic()
-        if self._worker is None or now < self._next_family_look:
-            return self._family_memory
-        self._next_family_look = now + _FAMILY_EVERY_S
-        family = self._worker.family()
-        readings = [reading for pid in family if (reading := read_process(pid)) is not None]
+        if self._worker is None or now < self._next_descendants_look:
+            return self._descendant_memory
+        self._next_descendants_look = now + _DESCENDANTS_EVERY_S
+        descendants = self._worker.descendants()
+        readings = [reading for pid in descendants if (reading := read_process(pid)) is not None]
         memory = sum(reading.memory_bytes for reading in readings)
         own = self.reading()
         resident = 0 if own is None else own.memory_bytes
         if memory and resident + memory > self._limits.memory_bytes:
-            # What a process forks shares its memory, which counts once.
+            # Forked processes share memory with their parent, which counts once.
             pid = self._worker.pid
-            together = proportional_memory(family if pid is None else [pid, *family])
+            together = proportional_memory(descendants if pid is None else [pid, *descendants])
             memory = max(0, together - resident)
-        self._family_memory = memory
+        self._descendant_memory = memory
         return memory
 
-    def strangers(self) -> Sequence[str]:
+    def leftovers(self) -> Sequence[str]:
         """Returns the names of the processes that a run has left behind.
 
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
-        return self._current().strangers()
+        return self._current().leftovers()
 
     def replace(self) -> None:
-        """Ends the process, if there is one, with all that it started, and starts another.
+        """Ends the process, if there is one, and all that it started; starts another.
 
-        It gets ready while the caller goes on.
+        Does not wait until the new process is ready.
 
         Raises:
             Exception: The system gives no process; what kind depends on what is short.
@@ -195,14 +195,14 @@ class Child:
         self.restarts += 1
 
     def end(self) -> None:
-        """Ends the process with all that was started in it, and waits until they are gone."""
+        """Ends the process and all that was started in it, and waits until they are gone."""
         worker, self._worker = self._worker, None
         self.ready = False
         if worker is not None:
             worker.end()
 
     def close(self) -> None:
-        """Ends the process and lets go of the log."""
+        """Ends the process and closes the log."""
         try:
             self.end()
         finally:

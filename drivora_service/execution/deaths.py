@@ -1,4 +1,4 @@
-"""What the death of a worker process says about the run that it had."""
+"""Reports of runs whose worker process died."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _CRASHES = frozenset(
         signal.SIGSYS,
     }
 )
-"""Signals by which a program's own fault ends it; others come from outside."""
+"""Signals that a program's own fault raises; others come from outside."""
 
 
 def signal_name(exit_code: int) -> str:
-    """Names the signal of a negative exit code, "" for any other."""
+    """Returns the name of the signal of a negative exit code, "" for any other."""
     if exit_code >= 0:
         return ""
     try:
@@ -33,10 +33,11 @@ def signal_name(exit_code: int) -> str:
 
 
 def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> RunReport:
-    """Makes the report of a run whose worker died unasked.
+    """Returns the report of a run whose worker died unexpectedly.
 
-    A fault, or an exit, within a call of an agent is the agent's; elsewhere it is the simulator's.
-    A signal from outside, such as the kernel's when memory is short, is nobody's.
+    A crash or exit within a call of an agent is attributed to the agent, elsewhere to the
+    simulator, and a signal from outside, such as the kernel's when memory is short, to the
+    infrastructure.
     """
     name = signal_name(exit_code)
     in_agent, place = progress.phase is RunPhase.IN_AGENT, _place(progress)
@@ -55,11 +56,11 @@ def report_death(run_id: str, exit_code: int, progress: Progress, log: str) -> R
 
 
 def report_breach(run_id: str, what: str, progress: Progress, log: str) -> RunReport:
-    """Makes the report of a run whose worker sent something that no worker sends.
+    """Returns the report of a run whose worker broke the protocol.
 
     Args:
         run_id: The run.
-        what: What was found.
+        what: What the worker sent.
         progress: Where the worker was.
         log: The last lines of its log.
     """
@@ -82,7 +83,7 @@ def _place(progress: Progress) -> str:
 
 
 def report_loss(run_id: str, message: str, log: str) -> RunReport:
-    """Makes the report of a run whose worker was lost through nobody's fault."""
+    """Returns the report of a run whose worker was lost to the infrastructure."""
     return RunReport(
         run_id=run_id,
         status=RunStatus.INFRASTRUCTURE_FAILED,

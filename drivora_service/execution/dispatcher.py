@@ -1,4 +1,4 @@
-"""The loop between the store and the executor: hands out runs, writes down what became of them."""
+"""The loop between the store and the executor: it claims runs and stores their reports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drivora_service.execution.storage_failures import (
     unpreparable_trace,
     unwritable_report,
 )
-from drivora_service.execution.supervised import Patience, SupervisedThread
+from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.fault_log import FaultLog
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
@@ -33,18 +33,18 @@ _POLL_S = 0.5
 _HEARTBEAT_S = 2.0
 
 _WRITE_S = 0.25
-"""Seconds between two writings while the slots have work; a transaction costs as much as ten
+"""Seconds between two transactions while the slots have work; a transaction costs as much as ten
 steps of a simulation, so that ends of short runs are written together."""
 
 _log = structlog.get_logger(__name__)
 
 
 class Dispatcher:
-    """A thread that keeps the executor's slots busy with what the store has queued.
+    """A thread that keeps the executor's slots busy with the queued runs of the store.
 
-    It is the only one that writes ends of runs. The next runs of the slots wait in the executor, so
-    that no slot waits for the database. While the infrastructure has a fault, no run is claimed,
-    and what ends because of the fault goes back to the queue unharmed.
+    No other thread writes ends of runs. The next runs of the slots wait in the executor, so that no
+    slot waits for the database. While the infrastructure has a fault, no run is claimed, and runs
+    that end because of the fault go back to the queue unchanged.
     """
 
     def __init__(
@@ -61,13 +61,13 @@ class Dispatcher:
         """Prepares the loop.
 
         Args:
-            database: What is queued, and where ends are written.
-            executor: What runs it. Closing it is for the caller, after :meth:`stop`.
-            traces: Where workers write traces.
-            infrastructure: What tells a fault of the infrastructure from one of a run.
+            database: Holds the queue and the ends of runs.
+            executor: Performs the runs. The caller closes it, after :meth:`stop`.
+            traces: Folder into which workers write traces.
+            infrastructure: Tells faults of the infrastructure from those of runs.
             ownership: This process as an owner of leases.
             policy: How often a run may fail for reasons that are not its own.
-            on_fatal: Told, from the thread, why it has given up.
+            on_fatal: Called from the thread with the reason for which it has given up.
         """
         self._database, self._executor, self._traces = database, executor, traces
         self._infrastructure = infrastructure
@@ -91,11 +91,11 @@ class Dispatcher:
             at_end=self._release_all,
             explained=lambda: bool(self._infrastructure.confirm_now()),
             on_fatal=on_fatal,
-            patience=Patience(longest_s=5.0),
+            backoff=Backoff(longest_s=5.0),
         )
 
     def start(self) -> None:
-        """Takes over what dead servers left behind and starts the loop.
+        """Takes over the runs of dead servers and starts the loop.
 
         Raises:
             StoreError: The database cannot be used.
@@ -117,15 +117,15 @@ class Dispatcher:
         return f"no worker can be started: {fault}" if fault else ""
 
     def wake(self) -> None:
-        """Tells that something was queued or cancelled; otherwise it is seen within a second."""
+        """Signals that a run was queued or cancelled; without it, the loop sees it within 1 s."""
         self._executor.wake()
 
     def stop(self, *, drain_s: float = 0.0) -> None:
         """Hands out no more runs and ends the loop; of several calls the first one counts.
 
         Args:
-            drain_s: Seconds for which runs that are going on may end; the others go back to the
-                queue unharmed.
+            drain_s: Seconds for which running runs may end; the others go back to the queue
+                unchanged.
         """
         with self._ending:
             if not self._stopping.is_set():
@@ -135,7 +135,7 @@ class Dispatcher:
         self._thread.join()
 
     def hurry(self) -> None:
-        """Has a stop that is going on, or comes, wait for no run."""
+        """Makes the current or next :meth:`stop` wait for no run."""
         with self._ending:
             self._stop_at = 0.0
             self._stopping.set()
@@ -159,7 +159,7 @@ class Dispatcher:
         self._beat()
 
     def _collect(self) -> None:
-        """Takes what has ended; lingers for more as long as no slot can run out of work."""
+        """Collects ended attempts; waits for more as long as no slot can run out of work."""
         timeout = 0.0 if self._unwritten or self._claimed else _POLL_S
         while True:
             ended = self._executor.wait(timeout)
@@ -170,7 +170,7 @@ class Dispatcher:
                 return
 
     def _take_ends(self, ends: Sequence[AttemptEnd]) -> None:
-        """Keeps ends to be written; what a fault of the storage ended goes back unharmed."""
+        """Keeps ends to be written; runs that a storage fault ended go back to the queue."""
         self._unwritten += ends
         for end in ends:
             self._pace.note((end.ended - end.started).total_seconds())
@@ -181,7 +181,7 @@ class Dispatcher:
         self._unwritten = [end for end in self._unwritten if end not in suspects]
 
     def _room(self, *, ended: int = 0) -> int:
-        """Runs that may be claimed now, where so many of those in flight have ended."""
+        """Returns how many runs may be claimed now if ``ended`` of those in flight have ended."""
         if self._stopping.is_set() or self._executor.fault or self._infrastructure.fault:
             return 0
         return self._pace.wanted_in_flight() - len(self._in_flight) + ended
@@ -193,13 +193,13 @@ class Dispatcher:
             return transaction.queue.has_work(self._ownership.reserved_to)
 
     def _write_and_claim(self) -> None:
-        """Writes the ends in hand and claims what there is room for, in one transaction."""
+        """Writes the collected ends and claims runs for the free room, in one transaction."""
         try:
             self._commit(self._unwritten, room=self._room(ended=len(self._unwritten)))
         except Exception as error:
             if not self._unwritten or isinstance(error, StoreUnavailable):
                 raise
-            # One of the reports cannot be written as it is; the runs behind it shall not suffer.
+            # One of the reports cannot be written as it is; it must not hold up the others.
             self._faults.error("unwritable_report", error=repr(error))
             for end in self._unwritten[:]:
                 self._commit_alone(end)
@@ -228,7 +228,7 @@ class Dispatcher:
             self._commit([replace(end, report=unwritable_report(end.report, error))])
 
     def _submit_claimed(self) -> None:
-        """Hands what was claimed to the executor; what it does not take is kept for another try."""
+        """Submits the claimed runs to the executor; those that it refuses are tried again."""
         while self._claimed:
             spec = self._claimed[0]
             if spec.trace_path:
@@ -242,7 +242,7 @@ class Dispatcher:
             self._claimed.popleft()
 
     def _look_for_a_fault(self) -> None:
-        """Takes back runs that cannot be begun."""
+        """Withdraws runs that cannot be started."""
         fault = self._executor.fault
         if fault:
             self._faults.error("workers_cannot_start", reason=fault)
@@ -254,7 +254,7 @@ class Dispatcher:
             self._claimed.clear()
 
     def _release_withdrawn(self) -> None:
-        """Puts runs back into the queue, unharmed."""
+        """Puts withdrawn runs back into the queue, unchanged."""
         if not self._withdrawn:
             return
         with self._database.write() as transaction:
@@ -263,7 +263,7 @@ class Dispatcher:
         self._withdrawn.clear()
 
     def _cancel(self) -> None:
-        """Asks for the end of runs again and again, since a run may be between two hands."""
+        """Cancels runs, repeatedly, since a run may be on its way from one queue to another."""
         if not self._in_flight:
             return
         with self._database.read() as transaction:
@@ -282,7 +282,7 @@ class Dispatcher:
         try:
             return self._executor.slots()
         except Exception as error:
-            # A heartbeat matters more than what it tells of the slots.
+            # The heartbeat matters more than the state of the slots in it.
             self._faults.error("slots_unknown", exc_info=error)
             return ()
 

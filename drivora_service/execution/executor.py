@@ -1,4 +1,4 @@
-"""What runs runs: a protocol, so that one machine and many look the same."""
+"""The executor protocol, the same for one machine and for many."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from drivora_service.runs.slot_state import SlotState
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What a worker may use.
+    """Limits of a worker.
 
     Attributes:
         wall_time_s: Seconds a run may take.
         agent_deadline_s: Seconds one call of an agent may take.
-        memory_bytes: Resident memory a worker process may have, with all that was started in it.
+        memory_bytes: Resident memory a worker process and its descendants may have together.
         runs_per_worker: Runs after which a worker process is replaced, against leaks in code under
             test; the simulator has none worth mentioning, and a start costs seconds.
         start_s: Seconds a new worker process may take until it is ready; the first one of an
             installation compiles.
-        log_bytes: Size beyond which all but the end of a worker's log is dropped.
+        log_bytes: Size of a worker's log beyond which only its end is kept.
     """
 
     wall_time_s: float = 600.0
@@ -36,14 +36,14 @@ class Limits:
 class Executor(Protocol):
     """Runs attempts on a number of slots.
 
-    Every submitted spec comes back exactly once from :meth:`wait`, whatever happens to its worker,
-    unless it is withdrawn or the executor is closed before. Nothing is repeated here: whether
-    another attempt follows is for the caller and ``runs.lifecycle`` to say.
+    :meth:`wait` returns every submitted spec exactly once, whatever happens to its worker, unless
+    it is withdrawn or the executor is closed before. Nothing is repeated here: the caller and
+    ``runs.lifecycle`` decide whether another attempt follows.
     """
 
     @property
     def capacity(self) -> int:
-        """Slots: attempts that can go on at once."""
+        """Number of slots: attempts that can run at once."""
         ...
 
     @property
@@ -55,17 +55,17 @@ class Executor(Protocol):
         ...
 
     def submit(self, spec: RunSpec) -> None:
-        """Starts an attempt as soon as a slot is free; specs wait in the order of their coming."""
+        """Queues an attempt, which starts when a slot is free; first in, first out."""
         ...
 
     def cancel(self, run_id: str) -> None:
-        """Ends an attempt; it comes back as ``cancelled``, or as it ended just before."""
+        """Ends an attempt; its status is ``cancelled``, or that of its end just before."""
         ...
 
     def withdraw(self) -> tuple[str, ...]:
-        """Takes back every spec that was not begun; returns the ids of their runs.
+        """Removes every spec that was not started; returns the ids of their runs.
 
-        They do not come from :meth:`wait`.
+        :meth:`wait` does not return them.
         """
         ...
 
@@ -77,11 +77,11 @@ class Executor(Protocol):
         ...
 
     def wake(self) -> None:
-        """Makes a :meth:`wait` that is going on, or the next one, return at once."""
+        """Makes the current or next :meth:`wait` return at once."""
         ...
 
     def slots(self) -> tuple[SlotState, ...]:
-        """Tells what each slot does."""
+        """Returns the state of each slot."""
         ...
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Starting processes from one that has the imports done that they need."""
+"""Starting processes from a fork server that has their imports done."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from drivora_service.worker.processes import ProcessHandle
 _PRELOADED = "drivora_service.worker.preloaded"
 
 ENVIRONMENT = {
-    # Results must not depend on the order of sets, nor on what this machine's processor can do.
+    # Results must not depend on the order of sets, nor on the features of this processor.
     "PYTHONHASHSEED": "0",
     "NUMBA_CPU_NAME": "generic",
     # A worker has one core; more threads would only take those of its neighbours.
@@ -34,20 +34,20 @@ _GONE_S = 5.0
 """Seconds within which a process that was killed is gone."""
 
 _TOLD_S = 0.2
-"""Seconds within which a fork server tells the end of a process."""
+"""Seconds within which a fork server reports the end of a process."""
 
 _log = structlog.get_logger(__name__)
 
-# With each start, multiprocessing looks at all the processes there are. Of two threads that look at
-# one that has just ended, the slower would be told that its exit code is unknown.
+# With each start, multiprocessing polls all processes. Of two threads that poll one that has just
+# ended, the slower would get an unknown exit code.
 _looking = threading.Lock()
 
 
 def prepare_processes(*, preloaded: bool = True) -> None:
-    """Starts the fork server, if it is not running, and does not wait for it.
+    """Starts the fork server, if it is not running, without waiting for it.
 
     Args:
-        preloaded: Whether it shall import what workers need, which takes it a second or two.
+        preloaded: Whether it imports what workers need, which takes a second or two.
     """
     os.environ.update(ENVIRONMENT)
     forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
@@ -58,12 +58,12 @@ def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BasePro
     """Starts a process from the fork server.
 
     Args:
-        target: What it does.
-        args: With what; must be picklable.
+        target: Function that the process calls.
+        args: Its arguments; must be picklable.
 
     Raises:
         OSError: The system gives no process.
-        EOFError: The fork server ended while it was asked; the next call starts another.
+        EOFError: The fork server ended during the call; the next call starts another.
     """
     process: BaseProcess = multiprocessing.get_context("forkserver").Process(
         target=_run, args=(dict(os.environ), target, args), daemon=True
@@ -73,14 +73,14 @@ def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BasePro
             _end_stopped_server()
             process.start()
     except (FileNotFoundError, ConnectionRefusedError) as error:
-        # Its socket lies among the temporary files, which some systems clear away after days.
+        # Its socket is a temporary file, which some systems remove after days.
         _log.warning("fork_server_not_reached", error=repr(error))
         return spawn_process(target, args)
     return process
 
 
 def _end_stopped_server() -> None:
-    """Ends a fork server that a signal has stopped: a start would wait for it for ever."""
+    """Ends a fork server that a signal has stopped; a start would wait for it for ever."""
     pid = getattr(getattr(forkserver, "_forkserver", None), "_forkserver_pid", None)
     server = None if pid is None else ProcessHandle(pid)
     if server is None:
@@ -95,7 +95,7 @@ def _end_stopped_server() -> None:
 
 
 def spawn_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
-    """Starts a process with nothing in it; arguments and errors as of :func:`start_process`."""
+    """Starts a process without preloaded imports; see :func:`start_process`."""
     process: BaseProcess = multiprocessing.get_context("spawn").Process(
         target=target, args=args, daemon=True
     )
@@ -127,8 +127,8 @@ def kill_process(process: BaseProcess) -> None:
 
 
 def forget_process(process: BaseProcess) -> None:
-    """Lets go of a process that has ended; if that is not known yet, of nothing."""
-    # Where the fork server is stopped, it does not tell the end of its children.
+    """Releases a process that has ended; does nothing while its end is not known."""
+    # A stopped fork server does not report the end of its children.
     if wait([process.sentinel], _TOLD_S):
         with _looking:
             process.join()

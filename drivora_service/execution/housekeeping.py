@@ -1,4 +1,4 @@
-"""The thread of a service that removes what is older than it is to be kept."""
+"""The thread of a service that removes expired runs and traces."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from drivora_service.execution.supervised import Patience, SupervisedThread
+from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.store.database import Database
 from drivora_service.store.retention import Retention, retain
 from drivora_service.store.traces import CampaignTraces, TraceFolder
@@ -16,7 +16,7 @@ _STOP_S = 5.0
 
 
 class Housekeeping:
-    """Removes old runs and traces once an hour, if anything is ever to be removed."""
+    """Removes expired runs and traces once an hour, if any retention time is set."""
 
     def __init__(
         self,
@@ -31,20 +31,20 @@ class Housekeeping:
         """Prepares the thread.
 
         Args:
-            database: Where the runs and campaigns are.
-            traces: Where the traces of runs are.
-            campaign_traces: Where the traces of failures are.
-            retention: What is kept for how long.
+            database: Holds the runs and campaigns.
+            traces: Folder of the traces of runs.
+            campaign_traces: Folder of the traces of failures.
+            retention: Retention times.
             every_s: Seconds between two passes.
-            explained: Whether a failure is due to a fault that is known.
+            explained: Whether a known fault explains a failure.
         """
         self._database, self._traces, self._campaign_traces = database, traces, campaign_traces
         self._retention, self._every_s = retention, every_s
         self._stopping = threading.Event()
-        # A service whose old runs stay is still of use: this thread never ends it.
-        patience = Patience(longest_s=every_s, failures=1 << 60)
+        # A service that keeps old runs is still of use: this thread never ends it.
+        backoff = Backoff(longest_s=every_s, failures=1 << 60)
         self._thread = SupervisedThread(
-            "housekeeping", self._turn, explained=explained, patience=patience
+            "housekeeping", self._turn, explained=explained, backoff=backoff
         )
 
     def start(self) -> None:
@@ -53,7 +53,7 @@ class Housekeeping:
             self._thread.start()
 
     def stop(self) -> None:
-        """Has the pass that goes on end after its transaction, and waits for that."""
+        """Ends the current pass after its transaction, and waits for that."""
         self._stopping.set()
         self._thread.stop()
         self._thread.join(_STOP_S)

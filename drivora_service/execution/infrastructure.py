@@ -1,4 +1,4 @@
-"""Whether what every run needs can be written: a fault of that is no run's."""
+"""Probes of the storage that every run needs; its faults are not attributed to runs."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.fault_log import FaultLog
 
 Probe = Callable[[], None]
-"""Tries to write; raises ``OSError`` or ``StoreError`` if that is not possible."""
+"""Tries to write; raises ``OSError`` or ``StoreError`` if it cannot."""
 
 _WELL_S = 5.0
 _FAULTY_S = (0.5, 1.0, 2.0, 4.0, 5.0)
-"""Pauses between the probes while nothing is wrong, and after a fault was found."""
+"""Seconds between the probes without and with a fault."""
 
 _SILENT_S = 30.0
-"""Seconds after which a probe that has not come back counts as failed: a network drive hangs."""
+"""Seconds after which a probe that has not returned counts as failed: a network drive hangs."""
 
 _FREE_BYTES = 16 << 20
 _FREE_SHARE = 0.25
-"""What must be free on a volume for a trace: so many bytes, or this share of a smaller volume."""
+"""Bytes that must be free on a volume for a trace, or the share of a smaller volume."""
 
 _WRITTEN = bytes(64 << 10)
 
@@ -36,11 +36,11 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """What a probe has found.
+    """The result of a probe.
 
     Attributes:
-        name: Of what it tries, such as ``traces``.
-        fault: What is wrong and what to do, "" if nothing is.
+        name: Name of the storage, such as ``traces``.
+        fault: What is wrong and what to do, "" without a fault.
     """
 
     name: str
@@ -48,9 +48,9 @@ class Condition:
 
 
 class Infrastructure:
-    """Probes, in a thread, what the service writes to; answers are kept. Safe for several threads.
+    """Probes the service's storage in a thread and keeps the results. Thread-safe.
 
-    While anything is wrong no run is begun, and none that fails of it is counted as failed.
+    During a fault no run is started, and runs that fail because of it are not counted as failed.
     """
 
     def __init__(
@@ -59,8 +59,8 @@ class Infrastructure:
         """Begins with no fault.
 
         Args:
-            probes: What to try, by the name under which it is reported.
-            on_fatal: Told why the thread has given up.
+            probes: Probes by the name under which they are reported.
+            on_fatal: Called with the reason for which the thread has given up.
         """
         self._probes = dict(probes)
         self._found = dict.fromkeys(self._probes, "")
@@ -74,11 +74,11 @@ class Infrastructure:
 
     @property
     def fault(self) -> str:
-        """What is wrong and what to do, "" if nothing is; answered from what was found last."""
+        """What is wrong and what to do, "" without a fault; from the last results."""
         return "; ".join(f"{c.name}: {c.fault}" for c in self.conditions() if c.fault)
 
     def conditions(self) -> tuple[Condition, ...]:
-        """Returns what was found last, one for each probe."""
+        """Returns the last result of each probe."""
         begun = self._begun_at
         silent = begun is not None and time.monotonic() - begun > _SILENT_S
         hung = f"writing has not ended for {_SILENT_S:g} s; look at its disk" if silent else ""
@@ -93,7 +93,7 @@ class Infrastructure:
             The fault; "" if everything can be written.
         """
         if self._probe():
-            # The thread shall look again soon, and not only when it would have.
+            # The thread shall probe again soon, and not only at its next turn.
             self._again.set()
         return self.fault
 
@@ -101,7 +101,7 @@ class Infrastructure:
         """Starts the thread.
 
         Args:
-            on_change: Called, from any thread that probes, when a fault has come or gone.
+            on_change: Called, from any probing thread, when a fault begins or ends.
         """
         self._on_change = on_change
         self._thread.start()
@@ -113,7 +113,7 @@ class Infrastructure:
         self._thread.join(1.0)
 
     def _probe(self) -> bool:
-        """Tries everything; says whether a fault has come or gone."""
+        """Runs every probe; returns whether a fault began or ended."""
         with self._probing:
             before = any(self._found.values())
             self._begun_at = time.monotonic()
@@ -146,7 +146,7 @@ class Infrastructure:
 
 
 def folder_probe(folder: Path) -> Probe:
-    """Returns a probe that writes a file into a folder, and makes the folder if it is gone."""
+    """Returns a probe that writes a file into a folder and makes the folder if it is missing."""
 
     def probe() -> None:
         try:

@@ -1,4 +1,4 @@
-"""One worker process and its keeper, as their slot sees them."""
+"""A worker process and its keeper, from the side of their slot."""
 
 from __future__ import annotations
 
@@ -23,39 +23,39 @@ from drivora_service.worker.channel import (
 )
 from drivora_service.worker.keeper import HandedFile, is_guard, keep
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.messages import Ended, Started, Strangers, message_of
+from drivora_service.worker.messages import Ended, Leftovers, Started, message_of
 from drivora_service.worker.processes import ProcessHandle, descendants_of, read_process
 from drivora_service.worker.progress import BoardReader
 
 _ANSWER_S = 10.0
-"""Seconds within which a keeper answers, and tells the end of a worker whose channel is closed."""
+"""Seconds within which a keeper answers, and reports the end of a worker with a closed channel."""
 _END_S = 10.0
-"""Seconds within which a keeper ends everything; longer than it gives up by itself."""
+"""Seconds within which a keeper ends everything; longer than its own time limit."""
 _LOOK_S = 0.05
 
 
 class WorkerDiedError(Exception):
-    """The worker process ended unasked.
+    """The worker process ended unexpectedly.
 
     Attributes:
         exit_code: Its exit code; the negative number of the signal that ended it, if one did.
     """
 
     def __init__(self, exit_code: int) -> None:
-        """Takes the attribute."""
+        """Keeps the exit code."""
         super().__init__(f"the worker process ended with {exit_code}")
         self.exit_code = exit_code
 
 
 class KeeperLostError(Exception):
-    """The keeper of a worker ended or does not answer, so how the worker ended is not known."""
+    """The keeper of a worker ended or does not answer; the worker's exit code is unknown."""
 
 
 class KeptWorker:
     """A worker, from its start to its end.
 
     Attributes:
-        board: What the worker shows of its progress.
+        board: Progress of the worker.
         pid: Its process id, ``None`` until the keeper has told it.
     """
 
@@ -72,8 +72,8 @@ class KeptWorker:
         self.pid: int | None = None
         self._worker: ProcessHandle | None = None
         self._exit_code: int | None = None
-        self._strangers: tuple[str, ...] | None = None
-        self._family: dict[int, ProcessHandle] = {}
+        self._leftovers: tuple[str, ...] | None = None
+        self._descendants: dict[int, ProcessHandle] = {}
         self.board = BoardReader()
         channel, theirs = socket.socketpair()
         control, keepers = socket.socketpair()
@@ -87,20 +87,20 @@ class KeptWorker:
                 end.close()
             raise
         finally:
-            # With no end of them left here, the channels end with the processes.
+            # Without descriptors of their ends here, the channels close with the processes.
             theirs.close()
             keepers.close()
         self._keeper = ProcessHandle(self._process.pid or 0)
 
     def begin(self, spec: RunSpec) -> None:
-        """Hands a run to the worker, which is ready; does not wait until it has it."""
+        """Hands a run to the ready worker; does not wait until it is received."""
         self._channel.put(Frame(Kind.RUN, pickle.dumps(spec)))
 
     def receive(self, timeout: float) -> Frame | None:
         """Waits for a message of the worker; ``None`` after ``timeout`` seconds.
 
         Raises:
-            WorkerDiedError: It has ended, and what it sent before has been received.
+            WorkerDiedError: It has ended, and all that it sent has been received.
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something that is no message.
         """
@@ -110,7 +110,7 @@ class KeptWorker:
             frame = self._channel.read()
             if frame is None:
                 self._hear_keeper()
-                # What it sent before it died counts.
+                # Messages that it sent before it died count.
                 frame = None if self._exit_code is None else self._channel.read()
         except ChannelClosedError:
             self._expect_end()
@@ -120,7 +120,7 @@ class KeptWorker:
         return frame
 
     def _expect_end(self) -> None:
-        """Waits for how a worker has ended whose channel is closed."""
+        """Waits for the exit code of a worker with a closed channel."""
         until = time.monotonic() + _ANSWER_S
         while self._exit_code is None:
             if time.monotonic() > until:
@@ -140,59 +140,59 @@ class KeptWorker:
                         self.pid = pid
                     case Ended(exit_code=exit_code):
                         self._exit_code = exit_code
-                    case Strangers(names=names):
-                        self._strangers = names
+                    case Leftovers(names=names):
+                        self._leftovers = names
         except (ChannelClosedError, ProtocolError) as error:
             if self._exit_code is None:
-                # Its worker is killed with it.
+                # The worker is killed with its keeper.
                 raise KeeperLostError(f"the keeper of the worker was lost: {error}") from None
 
     @property
     def is_idle(self) -> bool:
-        """Whether the worker lives and has sent nothing that was not asked for."""
+        """Whether the worker is alive and has sent nothing unrequested."""
         try:
             return self.receive(0.0) is None and not self._channel.is_within_message
         except (WorkerDiedError, KeeperLostError, ProtocolError):
             return False
 
-    def strangers(self) -> tuple[str, ...]:
-        """Asks for the processes that live beside the worker and its ADSs; returns their names.
+    def leftovers(self) -> tuple[str, ...]:
+        """Returns the names of the live processes beside the worker and its ADSs.
 
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
-        self._strangers = None
+        self._leftovers = None
         self._control.put(Frame(Kind.LOOK))
         until = time.monotonic() + _ANSWER_S
-        while self._strangers is None and self._exit_code is None:
+        while self._leftovers is None and self._exit_code is None:
             if time.monotonic() > until or self._keeper.is_stopped:
                 raise KeeperLostError("the keeper does not answer")
             wait_for((self._control,), _LOOK_S)
             self._hear_keeper()
-        return self._strangers or ()
+        return self._leftovers or ()
 
-    def family(self) -> list[int]:
-        """Returns the process ids of what was started in the worker and lives, ADSs left out."""
-        family = descendants_of(self._keeper.pid, spare=is_guard)
-        found = [pid for pid in family if pid != self.pid]
+    def descendants(self) -> list[int]:
+        """Returns the ids of live processes started in the worker, ADSs left out."""
+        descendants = descendants_of(self._keeper.pid, spare=is_guard)
+        found = [pid for pid in descendants if pid != self.pid]
         if not self._keeper.lives:
             return []
-        for pid in [pid for pid in self._family if pid not in found]:
-            self._family.pop(pid).close()
+        for pid in [pid for pid in self._descendants if pid not in found]:
+            self._descendants.pop(pid).close()
         for pid in found:
-            # Kept for the case that the keeper, which would end them, is lost.
-            if pid not in self._family:
-                self._family[pid] = ProcessHandle(pid)
+            # Kept in case the keeper, which would end them, is lost.
+            if pid not in self._descendants:
+                self._descendants[pid] = ProcessHandle(pid)
         return found
 
     def end(self) -> None:
-        """Ends the worker with all that was started in it, and waits until that is gone."""
+        """Ends the worker and all that was started in it, and waits until they are gone."""
         self._control.put(Frame(Kind.END))
         # A keeper that has not started its worker yet need not do so to end it.
         if not (self._has_begun() and self._ends()):
-            self.family()
+            self.descendants()
             self._keeper.kill()
-            remains = [*self._family.values(), *map(ProcessHandle, self._session())]
+            remains = [*self._descendants.values(), *map(ProcessHandle, self._session())]
             if self._worker is not None:
                 remains.append(self._worker)
             for handle in remains:
@@ -207,7 +207,7 @@ class KeptWorker:
         return self.pid is not None
 
     def _ends(self) -> bool:
-        """Waits for the end of the keeper; false if it did not end everything before."""
+        """Waits for the end of the keeper; false if it did not end everything."""
         until = time.monotonic() + _END_S
         try:
             while time.monotonic() < until and not self._keeper.is_stopped:
@@ -220,7 +220,7 @@ class KeptWorker:
         return False
 
     def _session(self) -> list[int]:
-        """Returns what is left of the worker's session; its own id is not used again before."""
+        """Returns the processes left of the worker's session, whose id is not reused before."""
         found = []
         if self.pid is not None:
             for pid in psutil.pids():
@@ -234,8 +234,8 @@ class KeptWorker:
         self._control.close()
         self.board.close()
         self._keeper.close()
-        for handle in self._family.values():
+        for handle in self._descendants.values():
             handle.close()
-        self._family.clear()
+        self._descendants.clear()
         if self._worker is not None:
             self._worker.close()

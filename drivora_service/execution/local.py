@@ -32,17 +32,18 @@ class LocalExecutor:
         perform: str = PERFORM,
         warm_up: str = WARM_UP,
     ) -> None:
-        """Starts the slots; their workers get ready while the caller goes on.
+        """Starts the slots; does not wait until their workers are ready.
 
         Args:
             slots: Worker processes.
-            setup: What every worker is told; must be picklable.
+            setup: Configuration of every worker; must be picklable.
             folder: For the workers' logs; made if it does not exist.
-            limits: What a worker may use.
-            perform: What does a run, as ``module:function``; see ``execution.worker.Perform``.
-            warm_up: What gets a worker ready, as ``module:function``, or "" for nothing.
+            limits: Limits of a worker.
+            perform: Function that performs a run, as ``module:function``; see
+                ``worker.loop.Perform``.
+            warm_up: Function that prepares a worker, as ``module:function``, or "" for none.
         """
-        # Workers that are not warmed up need nothing that would have to be imported.
+        # Workers without a warm-up need no preloaded imports.
         prepare_processes(preloaded=bool(warm_up))
         folder.mkdir(parents=True, exist_ok=True)
         self._changed = threading.Condition()
@@ -71,7 +72,7 @@ class LocalExecutor:
 
     @property
     def capacity(self) -> int:
-        """Slots: attempts that can go on at once."""
+        """Number of slots: attempts that can run at once."""
         return len(self._slots)
 
     @property
@@ -80,7 +81,7 @@ class LocalExecutor:
         return self._starts.fault
 
     def submit(self, spec: RunSpec) -> None:
-        """Starts an attempt as soon as a slot is free; specs wait in the order of their coming."""
+        """Queues an attempt, which starts when a slot is free; first in, first out."""
         with self._changed:
             if self._closed:
                 raise RuntimeError("the executor is closed")
@@ -88,10 +89,10 @@ class LocalExecutor:
             self._changed.notify_all()
 
     def cancel(self, run_id: str) -> None:
-        """Ends an attempt; it comes back as ``cancelled``, or as it ended just before."""
+        """Ends an attempt; its status is ``cancelled``, or that of its end just before."""
         with self._changed:
             if run_id in self._taken:
-                # Its slot looks here for as long as it has the run, from the taking to the end.
+                # Its slot checks this set from taking the run to the run's end.
                 self._cancelled.add(run_id)
                 return
             for spec in self._waiting:
@@ -101,18 +102,18 @@ class LocalExecutor:
                     return
 
     def is_cancelled(self, run_id: str) -> bool:
-        """Returns whether a run that a slot has taken is to end."""
+        """Returns whether a run that a slot has taken was cancelled."""
         return run_id in self._cancelled
 
     def _end_cancelled(self, run_id: str) -> None:
-        """Ends a run that no slot has begun."""
+        """Ends a run that no slot has started."""
         now = datetime.now(UTC)
         report = cancelled_report(run_id)
         self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
         self._changed.notify_all()
 
     def withdraw(self) -> tuple[str, ...]:
-        """Takes back every spec that no slot has begun; returns the ids of their runs."""
+        """Removes every spec that no slot has started; returns the ids of their runs."""
         with self._changed:
             run_ids = tuple(spec.run_id for spec in self._waiting)
             self._waiting.clear()
@@ -131,13 +132,13 @@ class LocalExecutor:
         return ended
 
     def wake(self) -> None:
-        """Makes a :meth:`wait` that is going on, or the next one, return at once."""
+        """Makes the current or next :meth:`wait` return at once."""
         with self._changed:
             self._woken = True
             self._changed.notify_all()
 
     def slots(self) -> tuple[SlotState, ...]:
-        """Tells what each slot does."""
+        """Returns the state of each slot."""
         return tuple(slot.state() for slot in self._slots)
 
     def close(self) -> None:
@@ -162,7 +163,7 @@ class LocalExecutor:
             return spec
 
     def put_back(self, spec: RunSpec) -> None:
-        """Takes back a run that a slot has not begun; it is the next one again."""
+        """Puts a run that a slot has not started back to the front of the queue."""
         with self._changed:
             cancelled = spec.run_id in self._cancelled
             self._let_go(spec.run_id)

@@ -1,4 +1,4 @@
-"""This process as the owner of leases: its heartbeat, and the leases of processes that died."""
+"""This process as an owner of leases: its heartbeat, and the leases of dead processes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Seen:
-    """A heartbeat of another server, and when it was new, by the clock of this process."""
+    """A heartbeat of another server, and when it was first seen, by the clock of this process."""
 
     heartbeat: datetime
     at: float
@@ -33,10 +33,9 @@ class _Seen:
 class Ownership:
     """This process as an owner of leases: a server, or a command with runs of its own.
 
-    Whether another server lives is judged by its heartbeats changing, in seconds of this process's
-    own clock: the times that stand in the database are of clocks that may jump. Whether a command
-    lives is told by its lock. What a dead server had goes back to the queue; what a dead command
-    had is cancelled.
+    Another server is alive while its heartbeat changes, in seconds of this process's own clock: the
+    times in the database are of clocks that may jump. A command is alive while its lock is held.
+    Runs of a dead server go back to the queue; runs of a dead command are cancelled.
     """
 
     def __init__(
@@ -52,11 +51,11 @@ class Ownership:
         """Prepares; :meth:`register` makes this process an owner.
 
         Args:
-            database: Where leases are kept.
-            policy: What becomes of runs that are taken over.
-            commands: Tells which commands live.
-            exclusive: Whether every other server is dead for sure.
-            is_command: Whether this is the process of a command, which leaves servers alone.
+            database: Holds the leases.
+            policy: Decides what follows for runs that are taken over.
+            commands: Locks of the live commands.
+            exclusive: Whether every other server is known to be dead.
+            is_command: Whether this process is a command; it takes over no runs of servers.
             clock: Returns seconds that never go backwards.
         """
         self._database, self._policy, self._commands = database, policy, commands
@@ -67,17 +66,17 @@ class Ownership:
 
     @property
     def reserved_to(self) -> str:
-        """Process whose own runs it is handed; "": those that are for any server."""
+        """Process for which the claimed runs are reserved; "" for runs of any server."""
         return self.owner_id if self._is_command else ""
 
     def register(self) -> None:
-        """Makes this process an owner and takes over what processes known to be dead left behind.
+        """Makes this process an owner and takes over the runs of processes known to be dead.
 
         Raises:
             StoreError: The database cannot be used.
         """
         if self._is_command:
-            # Before others can see the owner, so that none of them takes it for dead.
+            # Locked before other processes can see the owner, so that none takes it for dead.
             self._lock = self._commands.hold(self.owner_id)
         with self._database.write() as transaction:
             transaction.workers.register(self.owner_id)
@@ -85,7 +84,7 @@ class Ownership:
         self._take_over()
 
     def beat(self, slots: Sequence[SlotState]) -> None:
-        """Says that this process lives and what its slots do; takes over from the dead.
+        """Writes the heartbeat and the state of the slots; takes over runs of dead owners.
 
         Raises:
             StoreError: The database cannot be used.
@@ -95,7 +94,7 @@ class Ownership:
         self._take_over()
 
     def leave(self, in_flight: Sequence[str]) -> None:
-        """Ends this process as an owner: its leases go back, the rest of a command is cancelled.
+        """Ends this process as an owner: its leases are released, runs of a command cancelled.
 
         Raises:
             StoreError: The database cannot be used.

@@ -1,4 +1,4 @@
-"""How many runs are to be held ready for the slots."""
+"""The number of runs to claim ahead for the slots."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ _WEIGHT = 0.1
 
 
 class Pace:
-    """Learns how long runs take, and from it how many to hold ready.
+    """Estimates the number of runs to claim ahead from the duration of runs.
 
-    One more than each slot can do is the least. More are held ready if runs are short, enough for
-    the time between two transactions; but not more, since an urgent run waits for those.
+    At least one run more than there are slots is claimed. Short runs are claimed for the time
+    between two transactions, and no more, since an urgent run waits for those.
     """
 
     def __init__(self, slots: int) -> None:
@@ -21,14 +21,14 @@ class Pace:
         self._mean_s: float | None = None
 
     def note(self, seconds: float) -> None:
-        """Learns from a run that took ``seconds``."""
+        """Adds a run that took ``seconds`` to the estimate."""
         if self._mean_s is None:
             self._mean_s = seconds
         else:
             self._mean_s += _WEIGHT * (seconds - self._mean_s)
 
     def wanted_in_flight(self) -> int:
-        """Returns how many runs should be running or ready."""
+        """Returns how many runs should be running or claimed."""
         if self._mean_s is None:
             return 2 * self._slots
         ahead = math.ceil(_AHEAD_S / max(self._mean_s, 1e-3))

@@ -1,4 +1,4 @@
-"""Running specs to their reports without a database."""
+"""Running specs to their final reports without a database."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from drivora_service.runs.report import RunReport, RunSpec
 
 
 class Runs:
-    """Runs under way on an executor, each until its final report.
+    """Runs in flight on an executor, each until its final report.
 
-    Crashes are confirmed and lost workers made good, as the service does it.
+    Crashes are confirmed and lost attempts repeated, as in the service.
     """
 
     def __init__(
@@ -26,28 +26,28 @@ class Runs:
         """Begins with none.
 
         Args:
-            executor: Used by nobody else meanwhile.
+            executor: Must have no other user meanwhile.
             policy: How often a run may fail for reasons that are not its own.
         """
         self._executor, self._policy = executor, policy
         self._running: dict[str, tuple[RunSpec, RunState]] = {}
 
     def __len__(self) -> int:
-        """Counts the runs that are under way."""
+        """Returns the number of runs in flight."""
         return len(self._running)
 
     def submit(self, spec: RunSpec) -> None:
-        """Begins with a run as soon as a slot is free; its id is its own."""
+        """Queues a run; its id must be unique."""
         self._attempt(spec, RunState())
 
     def wait(self, timeout: float | None = None) -> tuple[RunReport, ...]:
-        """Waits for the end of an attempt, and gives the reports of runs that are over with it.
+        """Waits for the end of an attempt; returns the reports of runs that ended with it.
 
         Raises:
-            WorkersCannotStart: Nothing can be run; the runs that are under way have not failed.
+            WorkersCannotStart: No worker can be started; the runs in flight have not failed.
         """
         over: list[RunReport] = []
-        # What has ended before the fault is told first.
+        # Attempts that ended before the fault are returned first.
         ends = self._executor.wait(0.0 if self._executor.fault else timeout)
         if not ends and self._running and self._executor.fault:
             raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
@@ -70,17 +70,17 @@ def run_all(
     specs: Iterable[RunSpec],
     policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
 ) -> Iterator[RunReport]:
-    """Runs every spec and gives the reports in the order in which the runs end.
+    """Runs every spec; yields the reports in the order in which the runs end.
 
-    ``specs`` is read as slots come free, so it may be long.
+    ``specs`` is read as slots become free, so it may be long.
 
     Args:
-        executor: Used by nobody else meanwhile.
-        specs: With run ids of their own.
+        executor: Must have no other user meanwhile.
+        specs: Runs with unique ids.
         policy: How often a run may fail for reasons that are not its own.
 
     Raises:
-        WorkersCannotStart: Nothing can be run.
+        WorkersCannotStart: No worker can be started.
     """
     coming = iter(specs)
     runs = Runs(executor, policy)

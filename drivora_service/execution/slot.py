@@ -1,4 +1,4 @@
-"""A slot: a thin supervisor, in a thread, of one worker process."""
+"""A slot: the supervisor, in a thread, of one worker process."""
 
 from __future__ import annotations
 
@@ -33,34 +33,34 @@ from drivora_service.worker.channel import ProtocolError
 from drivora_service.worker.loop import WorkerTask
 
 _POLL_S = 0.05
-"""Seconds between two looks at a run: limits are kept to this, and a look costs some 50 us."""
+"""Seconds between two checks of a run: the resolution of its limits; a check costs some 50 us."""
 
-_SAID_AGAIN_S = 60.0
-"""Seconds between two lines of the log on faults of one slot."""
+_LOG_AGAIN_S = 60.0
+"""Seconds between two log lines about faults of one slot."""
 
 _log = structlog.get_logger(__name__)
 
 
 class Source(Protocol):
-    """Where a slot gets its runs."""
+    """The source of a slot's runs."""
 
     def take(self) -> RunSpec | None:
-        """Waits for the next run; ``None`` says that the slot shall end."""
+        """Waits for the next run; ``None`` ends the slot."""
         ...
 
     def put_back(self, spec: RunSpec) -> None:
-        """Takes back a run that was not begun; it is the next one again."""
+        """Puts a run that was not started back to the front of the queue."""
         ...
 
     def is_cancelled(self, run_id: str) -> bool:
-        """Returns whether a run that was taken is to end."""
+        """Returns whether a run that was taken was cancelled."""
         ...
 
 
 class Slot:
-    """Takes runs from a source, one after another, and says how each attempt ended.
+    """Takes runs from a source, one after another, and reports the end of each attempt.
 
-    It takes one only while its worker is ready, so that a worker which cannot start costs no run.
+    It takes a run only while its worker is ready, so that no run is lost to failed starts.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class Slot:
         self._runs = 0
         self._last_crash = ""
         self._unsent: AttemptEnd | None = None
-        self._said_at = -_SAID_AGAIN_S
+        self._logged_at = -_LOG_AGAIN_S
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
         self._thread.start()
@@ -109,7 +109,7 @@ class Slot:
         )
 
     def stop(self) -> None:
-        """Ends the slot with the run that it may have; does not wait for that."""
+        """Ends the slot and its run, if it has one; does not wait for the end."""
         self._closing.set()
 
     def join(self) -> None:
@@ -117,14 +117,14 @@ class Slot:
         self._thread.join()
 
     def _serve(self) -> None:
-        """Serves until the source ends, whatever befalls the worker or the supervision."""
+        """Serves until the source ends, through faults of the worker and of the supervision."""
         child = self._child
         while True:
             try:
                 self._serve_runs(child)
                 break
             except Exception as error:
-                self._say("slot_fault", error)
+                self._log_fault("slot_fault", error)
                 with contextlib.suppress(Exception):
                     child.end()
                 if self._closing.wait(self._starts.failed(self.name, repr(error), certain=False)):
@@ -132,13 +132,13 @@ class Slot:
         try:
             child.close()
         except Exception as error:
-            self._say("worker_not_ended", error)
+            self._log_fault("worker_not_ended", error)
 
-    def _say(self, event: str, error: Exception) -> None:
-        """Writes a line of the log, unless the last one was written a short while ago."""
+    def _log_fault(self, event: str, error: Exception) -> None:
+        """Writes a log line, unless the last one is more recent than ``_LOG_AGAIN_S``."""
         now = time.monotonic()
-        if now - self._said_at >= _SAID_AGAIN_S:
-            self._said_at = now
+        if now - self._logged_at >= _LOG_AGAIN_S:
+            self._logged_at = now
             _log.error(event, slot=self.name, exc_info=error)
 
     def _serve_runs(self, child: Child) -> None:
@@ -146,49 +146,49 @@ class Slot:
             self._sink(self._unsent)
             self._unsent = None
         while not self._closing.is_set():
-            if child.worn or not child.ready:
+            if child.needs_replacement or not child.ready:
                 self._start(child)
             spec = self._source.take()
             if spec is None:
                 return
             if not child.is_idle:
-                # It died while it had nothing to do, which is no run's fault.
+                # It died while it was idle, which is not attributed to a run.
                 self._source.put_back(spec)
                 child.end()
                 continue
             self._unsent = self._attempt(child, spec)
             self._sink(self._unsent)
             self._unsent = None
-            if child.ready and not child.worn:
-                self._look_for_strangers(child, spec.run_id)
+            if child.ready and not child.needs_replacement:
+                self._check_leftovers(child, spec.run_id)
 
-    def _look_for_strangers(self, child: Child, run_id: str) -> None:
-        """Retires a worker in which a run has left processes behind: they end with it."""
+    def _check_leftovers(self, child: Child, run_id: str) -> None:
+        """Retires a worker in which a run has left processes; they end with the worker."""
         try:
-            strangers = child.strangers()
+            leftovers = child.leftovers()
         except KeeperLostError as error:
             self._last_crash = str(error)
             child.retire()
             return
-        if strangers:
-            child.log.note(f"run {run_id} left processes behind: {', '.join(strangers)}")
+        if leftovers:
+            child.log.note(f"run {run_id} left processes behind: {', '.join(leftovers)}")
             child.retire()
 
     def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
-        """Performs an attempt; always returns its end, so that no run is lost here."""
+        """Performs an attempt; returns its end in every case, so that no run is lost."""
         self._run_id = spec.run_id
         started = datetime.now(UTC)
         exit_code = 0
         try:
             report, exit_code = self._perform(child, spec)
         except Exception as error:
-            # The worker turns whatever a run raises into a report: this is the system.
-            self._say("slot_fault", error)
+            # The worker reports all that a run raises; this is a fault of the system.
+            self._log_fault("slot_fault", error)
             report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", "")
             self._last_crash = f"the worker process was lost: {error!r}"
             with contextlib.suppress(Exception):
                 child.end()
-        if _leaves_a_mark(report, in_process=child.progress().in_process):
+        if _may_affect_next_run(report, in_process=child.progress().in_process):
             child.retire()
         self._run_id = ""
         self._runs += 1
@@ -201,7 +201,7 @@ class Slot:
         )
 
     def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport, int]:
-        """Has the worker do a run; returns the report and the exit code of a worker that died."""
+        """Hands a run to the worker; returns its report and exit code, 0 while the worker lives."""
         exit_code = 0
         try:
             child.begin(spec)
@@ -236,7 +236,7 @@ class Slot:
                 Look(
                     progress=child.progress(),
                     process=child.reading(),
-                    family_memory=child.family_memory(),
+                    descendant_memory=child.descendant_memory(),
                     now=now,
                 )
             )
@@ -252,7 +252,7 @@ class Slot:
             child.log.cut()
 
     def _start(self, child: Child) -> None:
-        """Starts a worker, as often as it takes until one is ready or the slot ends."""
+        """Starts workers until one is ready or the slot ends."""
         while not self._closing.is_set():
             certain = False
             try:
@@ -269,7 +269,7 @@ class Slot:
                 last = child.log.tail().rpartition("\n")[2]
                 reason = f"{death} before it was ready: {last or 'its log is empty'}"
             except Exception as error:
-                # The system is short of processes or memory, which passes; the slot must not.
+                # The system is short of processes or memory, which passes; the slot must survive.
                 reason = f"the system starts no worker process: {type(error).__name__}: {error}"
             child.end()
             self._last_crash = reason
@@ -283,8 +283,8 @@ class Slot:
         return False
 
 
-def _leaves_a_mark(report: RunReport, *, in_process: bool) -> bool:
-    """Returns whether a run may have left the worker in a state that no other run should find.
+def _may_affect_next_run(report: RunReport, *, in_process: bool) -> bool:
+    """Returns whether a run may have changed the worker's state for later runs.
 
     Args:
         report: How the run ended.

@@ -1,4 +1,4 @@
-"""Whether workers can be started: what is wrong with that is a fault of the service, of no run."""
+"""Failed starts of workers, which are faults of the service and not of runs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterable
 
 _LOSSES = 3
-"""Starts in a row that are lost, to a signal or a lack of memory, before that counts as a fault."""
+"""Consecutive starts lost to a signal or a lack of memory before they count as a fault."""
 
 _FIRST_PAUSE_S = 1.0
 _LONGEST_PAUSE_S = 30.0
@@ -16,14 +16,14 @@ def pause_s(failures: int) -> float:
     """Returns the seconds to wait before the next start.
 
     Args:
-        failures: Starts in a row that have failed, at least one.
+        failures: Consecutive failed starts, at least one.
     """
-    # An exponent beyond some 1,000 is no float any more.
+    # An exponent beyond some 1,000 overflows a float.
     return float(min(_FIRST_PAUSE_S * 2.0 ** min(failures - 1, 30), _LONGEST_PAUSE_S))
 
 
 class WorkerStarts:
-    """The starts of the workers of all slots of an executor. Safe to use from several threads.
+    """The starts of the workers of all slots of an executor. Thread-safe.
 
     Workers cannot start if the last starts of every slot have failed.
     """
@@ -47,22 +47,21 @@ class WorkerStarts:
         return self._fault
 
     def succeeded(self, slot: str) -> None:
-        """A worker of the slot is ready."""
+        """Records that a worker of the slot is ready."""
         with self._lock:
             self._reasons[slot], self._failures[slot] = "", 0
             self._fault = ""
 
     def failed(self, slot: str, reason: str, *, certain: bool) -> float:
-        """A worker of the slot did not get ready.
+        """Records that a worker of the slot did not become ready.
 
         Args:
             slot: Its name.
             reason: What was found and what to do.
-            certain: Whether the worker itself has found it, so that it need not come again to be
-                believed.
+            certain: Whether the worker itself reported it, so that one failure is a fault.
 
         Returns:
-            The seconds after which to try again.
+            The seconds to wait before the next start.
         """
         with self._lock:
             self._failures[slot] += 1

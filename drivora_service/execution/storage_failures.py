@@ -1,4 +1,4 @@
-"""Ends of runs that the storage may have caused, and reports of ends that it did cause."""
+"""Ends of runs that a storage fault may have caused, and reports of those that it did."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ TRACE_NOT_WRITTEN = "trace_not_written"
 """Cause of a run whose trace could not be written."""
 
 _SIGNS = ("No space left on device", "Disk quota exceeded", "Read-only file system")
-"""What the operating system says of a storage that takes nothing, in the message of any failure."""
+"""Error messages of the operating system for storage that cannot be written to."""
 
 
 def may_be_storage(report: RunReport) -> bool:
-    """Whether a probe of the storage is to decide if this is the run's own end.
+    """Returns whether a probe of the storage must decide if this is the run's own end.
 
-    So is an agent that raised because nothing could be written to its log.
+    It must also for an agent that raised because its log could not be written.
     """
     if report.status is RunStatus.INFRASTRUCTURE_FAILED:
         return True
@@ -26,7 +26,7 @@ def may_be_storage(report: RunReport) -> bool:
 
 
 def unpreparable_trace(spec: RunSpec, error: OSError) -> AttemptEnd:
-    """Returns the end of a run that was not begun because its trace has no folder."""
+    """Returns the end of a run that was not started because its trace has no folder."""
     now = datetime.now(UTC)
     report = RunReport(
         run_id=spec.run_id,
@@ -40,7 +40,7 @@ def unpreparable_trace(spec: RunSpec, error: OSError) -> AttemptEnd:
 
 
 def unwritable_report(report: RunReport, error: Exception) -> RunReport:
-    """Returns what is stored of a run whose report cannot be."""
+    """Returns the report that replaces one that cannot be stored."""
     return RunReport(
         run_id=report.run_id,
         status=RunStatus.INFRASTRUCTURE_FAILED,

@@ -1,4 +1,4 @@
-"""A thread that survives what its work raises, and ends the process if that never stops."""
+"""A thread that survives exceptions of its work, and gives up if they persist."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _log = structlog.get_logger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Patience:
-    """How a supervised thread goes on after a failure.
+class Backoff:
+    """The pauses of a supervised thread after failures.
 
     Attributes:
         first_s: Seconds of the pause after the first failure; doubled with each one after it.
         longest_s: Seconds of the longest pause.
-        failures: Failures in a row after which the thread gives up.
+        failures: Consecutive failures after which the thread gives up.
     """
 
     first_s: float = 0.5
@@ -28,17 +28,17 @@ class Patience:
     failures: int = 10
 
     def pause_s(self, failures: int) -> float:
-        """Returns the seconds to wait after so many failures in a row, at least one."""
+        """Returns the seconds to wait after so many consecutive failures, at least one."""
         return float(min(self.first_s * 2.0 ** min(failures - 1, 30), self.longest_s))
 
 
 class SupervisedThread:
     """Repeats a function in a thread until it is told to stop.
 
-    What the function raises is written to the log, once a minute, and the function is called again
-    after a pause. If it fails too often in a row, and no known fault of the infrastructure explains
-    it, the thread ends and says so: a process without this thread is of no use, and whatever
-    supervises the process shall start it anew.
+    An exception of the function is logged, at most once a minute, and the function is called again
+    after a pause. After too many consecutive failures that no known fault of the infrastructure
+    explains, the thread ends and calls ``on_fatal``: a process without this thread is of no use,
+    and its supervisor must restart it.
     """
 
     def __init__(
@@ -49,22 +49,22 @@ class SupervisedThread:
         at_end: Callable[[], None] = lambda: None,
         explained: Callable[[], bool] = lambda: False,
         on_fatal: Callable[[str], None] = lambda _message: None,
-        patience: Patience = Patience(),  # frozen
+        backoff: Backoff = Backoff(),  # frozen
     ) -> None:
         """Prepares the thread.
 
         Args:
-            name: Of the thread, for the log and the message.
-            turn: Called again and again; it waits by itself if there is nothing to do.
+            name: Name of the thread, for the log and the message.
+            turn: Called repeatedly; it waits by itself if there is nothing to do.
             at_end: Called in the thread when it ends, also after it has given up.
-            explained: Whether a failure is due to a fault that is known and reported elsewhere;
+            explained: Whether a fault that is known and reported elsewhere explains a failure;
                 such failures never end the thread.
-            on_fatal: Told, from the thread, why it has given up.
-            patience: How often and how long to wait.
+            on_fatal: Called from the thread with the reason for which it has given up.
+            backoff: Number and length of the pauses.
         """
         self.name = name
         self._turn, self._at_end = turn, at_end
-        self._explained, self._on_fatal, self._patience = explained, on_fatal, patience
+        self._explained, self._on_fatal, self._backoff = explained, on_fatal, backoff
         self._faults = FaultLog(_log)
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -79,11 +79,11 @@ class SupervisedThread:
         self._thread.start()
 
     def stop(self) -> None:
-        """Has the thread end after the turn that is going on; does not wait for that."""
+        """Ends the thread after the current turn; does not wait for it."""
         self._stopping.set()
 
     def join(self, timeout_s: float | None = None) -> bool:
-        """Waits for the end of the thread, if it was started; says whether it has ended."""
+        """Waits for the end of the thread, if it was started; returns whether it has ended."""
         if self._thread.ident is not None:
             self._thread.join(timeout_s)
         return not self._thread.is_alive()
@@ -108,10 +108,10 @@ class SupervisedThread:
                 self._faults.error(
                     "thread_failed", thread=self.name, failures=failures, exc_info=error
                 )
-                if unexplained >= self._patience.failures:
+                if unexplained >= self._backoff.failures:
                     self._give_up(unexplained, error)
                     return
-                self._stopping.wait(self._patience.pause_s(failures))
+                self._stopping.wait(self._backoff.pause_s(failures))
             else:
                 failures = unexplained = 0
                 self._faults.over("thread_failed", "thread_works_again", thread=self.name)

@@ -1,9 +1,9 @@
-"""The limits of a run, checked from outside while it goes on.
+"""The limits of a run, checked from outside while it runs.
 
-A worker may be slow through no fault of its code: stopped by a signal, waiting for memory that was
-swapped out, crowded out by other processes, or seen late because the server was. So what counts
-against an agent is the time that the worker itself has had: the seconds in which it slept, which
-is up to its code, and the processor time that it used otherwise.
+A worker may be slow for reasons outside its code: stopped by a signal, waiting for swapped-out
+memory, displaced by other processes, or sampled late by a slow server. So the time that counts
+against an agent is the worker's own: the seconds in which it slept, which is up to its code, and
+the processor time that it used otherwise.
 """
 
 from __future__ import annotations
@@ -17,35 +17,35 @@ from drivora_service.worker.processes import ProcessReading
 from drivora_service.worker.progress import Progress
 
 _LONGEST_GAP_S = 1.0
-"""Seconds between two looks that count; more means that the server itself was held up."""
+"""Seconds between two looks that count; more means that the server itself was delayed."""
 
 _OWN_SHARE = 0.5
-"""Share of its wall time that a run must have had itself to be too long by its own doing."""
+"""Share of its wall time that a run must have had itself to count as timed out."""
 
 _SLEEPING = frozenset("SIKWPXx")
-"""States in ``proc(5)`` in which a process waits because its code does; R, D, T and t are not."""
+"""States in ``proc(5)`` in which a process waits because of its code; R, D, T and t are not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """A worker in a run, seen at one moment.
+    """A sample of a worker in a run.
 
     Attributes:
-        progress: What it shows.
-        process: What the system tells of it, ``None`` if that is not known.
-        family_memory: Bytes of memory of what was started in it.
+        progress: Progress that it shows.
+        process: The system's data on it, ``None`` if unknown.
+        descendant_memory: Bytes of memory of the processes started in it.
         now: Seconds of a monotonic clock.
     """
 
     progress: Progress
     process: ProcessReading | None
-    family_memory: int = 0
+    descendant_memory: int = 0
     now: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Breach:
-    """A limit that a run has broken; its worker is to be killed."""
+    """A limit that a run has exceeded; its worker must be killed."""
 
     status: RunStatus
     failure: RunFailure
@@ -55,9 +55,9 @@ class Watch:
     """Watches one run.
 
     A run that is too long is timed out, or was stopped if it had little of that time itself. An
-    agent that stays in one call for too long has failed. Memory is attributed to the agent if the
-    worker was seen beyond the limit within a call of it, or through processes that it started, and
-    to the simulator otherwise.
+    agent whose call takes too long has failed. Memory is attributed to the agent if the worker was
+    beyond the limit during a call of the agent, or through processes that it started, and to the
+    simulator otherwise.
     """
 
     def __init__(self, limits: Limits, *, now: float) -> None:
@@ -70,7 +70,7 @@ class Watch:
         self._in_call = 0.0
 
     def check(self, look: Look) -> Breach | None:
-        """Takes a look into account; returns the first limit that is broken."""
+        """Accounts for a sample; returns the first limit that is exceeded."""
         own = self._account(look)
         if look.progress != self._seen:
             self._seen, self._in_call = look.progress, 0.0
@@ -78,7 +78,7 @@ class Watch:
             self._in_call += own
         in_agent = look.progress.phase is RunPhase.IN_AGENT
         resident = 0 if look.process is None else look.process.memory_bytes
-        if resident + look.family_memory > self._limits.memory_bytes:
+        if resident + look.descendant_memory > self._limits.memory_bytes:
             return self._memory_breach(look, resident)
         if in_agent and self._in_call > self._limits.agent_deadline_s:
             return Breach(
@@ -101,7 +101,7 @@ class Watch:
         if process is None or process.state in _SLEEPING:
             own = passed
         else:
-            # Several threads may have used more than there was.
+            # Several threads may have used more than the wall time.
             own = 0.0 if self._cpu_s is None else min(process.cpu_s - self._cpu_s, elapsed)
         self._last = look.now
         self._cpu_s = self._cpu_s if process is None else process.cpu_s
@@ -134,8 +134,8 @@ class Watch:
         by_agent = started or look.progress.phase is RunPhase.IN_AGENT
         grown = (
             f"the worker grew to {resident >> 20} MiB and the processes that were started in it to "
-            f"{look.family_memory >> 20} MiB"
-            if look.family_memory
+            f"{look.descendant_memory >> 20} MiB"
+            if look.descendant_memory
             else f"the worker grew to {resident >> 20} MiB"
         )
         return Breach(

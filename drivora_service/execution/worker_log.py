@@ -1,4 +1,4 @@
-"""What a worker prints, in a file of bounded size that only its slot opens by name."""
+"""The output of a worker, in a file of bounded size that only its slot opens by name."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from pathlib import Path
 _TAIL_BYTES = 16_384
 _TAIL_LINES = 40
 _KEPT = 256 << 10
-"""Bytes of a log's end that are kept when it is cut."""
+"""Bytes at the end of a log that are kept when it is cut."""
 
 
 class WorkerLog:
     """The log of a slot's workers.
 
-    Code under test may write to the file as it likes, and may put something else in its place: the
-    slot opens no file that it has not made itself.
+    Code under test may write anything to the file, and may replace it: the slot opens no file that
+    it has not made itself.
     """
 
     def __init__(self, path: Path, *, longest: int) -> None:
         """Begins without a file; :meth:`open` makes it.
 
         Args:
-            path: Where it is to lie.
+            path: Path of the file.
             longest: Bytes beyond which it is cut.
         """
         self._path, self._longest = path, longest
@@ -32,7 +32,7 @@ class WorkerLog:
         self._begin = 0
 
     def open(self) -> int:
-        """Makes the file, unless it is there, and returns its descriptor, which stays the log's.
+        """Makes the file, unless it exists; returns its descriptor, which the log owns.
 
         Raises:
             OSError: It cannot be made.
@@ -56,21 +56,21 @@ class WorkerLog:
         return same and stat.S_ISREG(ours.st_mode)
 
     def mark(self) -> None:
-        """Lets :meth:`tail` begin with what is printed from now on."""
+        """Makes :meth:`tail` begin with the output after this call."""
         self._begin = self._size()
 
     def _size(self) -> int:
         return 0 if self._file < 0 else os.fstat(self._file).st_size
 
     def tail(self) -> str:
-        """Returns the last lines that were printed since the mark."""
+        """Returns the last lines printed since the mark."""
         end = self._size()
         begin = max(self._begin if self._begin <= end else 0, end - _TAIL_BYTES)
         text = os.pread(self._file, end - begin, begin) if end > begin else b""
         return "\n".join(text.decode(errors="replace").splitlines()[-_TAIL_LINES:])
 
     def cut(self) -> None:
-        """Keeps no more than the end of the log, with a line that says so, if it is too long."""
+        """Keeps only the end of a log that is too long, with a line that says so."""
         size = self._size()
         if size <= self._longest:
             return
@@ -86,7 +86,7 @@ class WorkerLog:
             os.write(self._file, f"[{text}]\n".encode(errors="replace"))
 
     def close(self) -> None:
-        """Closes the file, which stays where it lies."""
+        """Closes the file, which is kept."""
         if self._file >= 0:
             os.close(self._file)
         self._file = -1

@@ -1,1 +1,1 @@
-"""What is to be run, how its life goes, and what came of it."""
+"""Values: the specification of a run, its life cycle, its report."""

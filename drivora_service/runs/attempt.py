@@ -1,4 +1,4 @@
-"""One try at a run: who tried, when, and how it ended."""
+"""One attempt at a run: its slot, its times and its report."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from drivora_service.runs.report import RunReport
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AttemptEnd:
-    """The end of an attempt. Its report is the run's own unless the attempt is repeated.
+    """The end of an attempt. Its report is that of the run unless the attempt is repeated.
 
     Attributes:
         worker: Name of the slot.
         started: When the slot took the run, UTC.
-        ended: When its end was seen, UTC.
+        ended: When the slot saw its end, UTC.
         signal: Name of the signal that ended the worker process, such as ``SIGSEGV``, or "".
     """
 

@@ -1,4 +1,4 @@
-"""The life of a run: what may happen to it, and what follows.
+"""The life cycle of a run: a pure state machine.
 
 ::
 
@@ -11,8 +11,8 @@
       │                 └── interrupted (the server died): again, up to a limit
       └──cancel──▶ cancelled
 
-Pure functions from state to state; whoever keeps the state (the store, or a list in memory) applies
-them and does what the :class:`Transition` says.
+Pure functions from state to state. The owner of the state (the store, or a list in memory) applies
+them and acts on the :class:`Transition`.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class RetryPolicy:
     """How often a run may fail for reasons that are not its own.
 
     Attributes:
-        infrastructure_failures: Attempts that may be lost before the run is given up.
+        infrastructure_failures: Attempts that may be lost before the run fails.
         crashes: Crashes of the simulator that confirm each other.
         interruptions: Deaths of the server that a run survives; the limit ends the loop of a run
             that takes the whole machine down.
-        trusted_interruptions: Deaths of the server after which a run waits, and goes after all
+        trusted_interruptions: Deaths of the server after which a run waits, and is run after all
             others.
         first_wait_s: Seconds of the first wait; doubled with each death after it.
         longest_wait_s: Seconds of the longest wait.
@@ -53,7 +53,7 @@ class RetryPolicy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunState:
-    """All that decides what may happen next to a run."""
+    """The state of a run on which its next transition depends."""
 
     status: RunStatus = RunStatus.QUEUED
     infrastructure_failures: int = 0
@@ -64,13 +64,13 @@ class RunState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Transition:
-    """What follows from an event.
+    """The result of an event.
 
     Attributes:
         state: The new state.
         report: The end of the run, or ``None`` while it goes on.
-        quarantine: Whether the scenario crashed the simulator for sure and must not run again.
-        wait_s: Seconds for which the run is not to be begun again; after them it goes last.
+        quarantine: Whether the scenario is confirmed to crash the simulator and must not run again.
+        wait_s: Seconds before the run may be started again; then it is last in the queue.
     """
 
     state: RunState
@@ -80,7 +80,7 @@ class Transition:
 
 
 def start(state: RunState) -> RunState:
-    """A worker takes the run.
+    """Returns the state of a run that a worker has taken.
 
     Raises:
         ValueError: The run is not queued.
@@ -90,7 +90,7 @@ def start(state: RunState) -> RunState:
 
 
 def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
-    """An attempt ended with ``report``.
+    """Returns the transition at the end of an attempt with ``report``.
 
     Raises:
         ValueError: The run is not running, or the report is not final.
@@ -102,7 +102,7 @@ def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
         case RunStatus.SIMULATOR_CRASHED:
             state = replace(state, crashes=state.crashes + 1)
             if report.failure is not None and report.failure.cause == SIMULATOR_ERROR:
-                # Raised, not died of: the same calls give the same error, and harm no worker.
+                # An exception, not a crash: it is repeatable and harms no worker.
                 return Transition(state=_final(state, report), report=report)
             if state.crashes >= policy.crashes:
                 return Transition(state=_final(state, report), report=report, quarantine=True)
@@ -117,7 +117,7 @@ def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
 
 
 def interrupt(state: RunState, run_id: str, policy: RetryPolicy) -> Transition:
-    """The process that watched the run died, so nobody will report this attempt.
+    """Returns the transition after the death of the process that supervised the run.
 
     Raises:
         ValueError: The run is not running.
@@ -138,7 +138,7 @@ def interrupt(state: RunState, run_id: str, policy: RetryPolicy) -> Transition:
 
 
 def release(state: RunState, run_id: str) -> Transition:
-    """The run goes back to the queue unharmed, because the server stops.
+    """Returns the transition of a run that a stopping server puts back, unchanged.
 
     Raises:
         ValueError: The run is not running.
@@ -148,10 +148,10 @@ def release(state: RunState, run_id: str) -> Transition:
 
 
 def cancel(state: RunState, run_id: str) -> Transition:
-    """Somebody asks that the run be given up.
+    """Returns the transition after a request to cancel the run.
 
-    A queued run ends at once. A running one ends when its worker has let go of it; if it ends by
-    itself before, that end counts. A final one stays as it is.
+    A queued run ends at once. A running one ends when its worker has been stopped; if it ends by
+    itself before, that end counts. A final one is unchanged.
     """
     if state.status is RunStatus.RUNNING:
         return Transition(state=replace(state, cancel_requested=True))
@@ -162,7 +162,7 @@ def cancel(state: RunState, run_id: str) -> Transition:
 
 
 def cancelled_report(run_id: str) -> RunReport:
-    """The report of a run that was given up."""
+    """Returns the report of a cancelled run."""
     return RunReport(
         run_id=run_id,
         status=RunStatus.CANCELLED,

@@ -1,4 +1,4 @@
-"""What is to be run, and what came of it."""
+"""The specification of a run and its report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivora_service.shapes import Shape
 
 
 class RunStatus(StrEnum):
-    """Where a run is in its life."""
+    """The state of a run in its life cycle."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -29,7 +29,7 @@ class RunStatus(StrEnum):
 
     @property
     def is_final(self) -> bool:
-        """Whether nothing more will happen to the run."""
+        """Whether the status cannot change any more."""
         return self not in (RunStatus.QUEUED, RunStatus.RUNNING)
 
 
@@ -43,7 +43,7 @@ class RunSpec:
         trace_path: Where the worker writes the trace; "" for none.
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
-        feedback: What is to be measured besides, for a tester; ``None`` for nothing.
+        feedback: Feedback that measures the run for a tester; ``None`` for none.
     """
 
     run_id: str
@@ -63,7 +63,7 @@ class RunFailure(Shape):
             ``oracle_raised``, ``feedback_raised``, ``simulator_error``, ``signal``,
             ``memory_limit``, ``wall_time_limit``, ``worker_lost``, ``invalid_document`` and their
             like.
-        message: For people.
+        message: Explanation in words.
         log: The last lines of the worker's or agent's log.
     """
 
@@ -74,25 +74,25 @@ class RunFailure(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunReport(Shape):
-    """The end of a run; exists for every run that was started.
+    """The result of a run; exists for every run that was started.
 
     Attributes:
         verdicts: Of all oracles and egos; empty unless finished.
         metrics: Measured values by name; ``None`` is "not measurable".
         scores: Feedback objectives by name, to be minimised; ``None`` is "not measurable".
-        measurement: Of the feedback that the spec asked for; ``None`` unless finished.
+        measurement: Measurement by the spec's feedback; ``None`` unless finished.
         trace_sha256: Hash of the trace, hexadecimal; "" unless the run was simulated to its end.
         steps: Rows of the trace.
         sim_time_s: Simulated seconds.
         wall_time_s: Seconds from the start of the run to its report, in the worker.
         step_cost_us: Mean wall microseconds a step, without reset and judging.
-        agent_cost_us: What the calls of each ego's agent took of that, by the ego's id; a mean over
+        agent_cost_us: Part of that in the calls of each ego's agent, by the ego's id; a mean over
             the same steps, so that the rest is the simulation's. Egos that SUMO drives are left
             out.
-        privileged: Ids of the egos that saw more than the perception model lets through.
+        privileged: Ids of the egos that got more than the perception model lets through.
         agents: The agent of each ego by the ego's id, with the values of all its parameters, the
             defaults among them.
-        versions: Versions of what took part, by name.
+        versions: Versions of the software that took part, by name.
     """
 
     run_id: str

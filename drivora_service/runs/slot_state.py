@@ -1,4 +1,4 @@
-"""What a worker slot does."""
+"""The state of a worker slot."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ class SlotState:
     Attributes:
         name: Unique among the slots of one server.
         pid: Process id of its worker, ``None`` while there is none.
-        run_id: What it runs, or "".
-        phase: What the worker is doing, as in ``RunPhase``, in lower case.
-        step: Row of the trace at which the run is.
+        run_id: Id of its run, or "".
+        phase: Phase of the worker, as in ``RunPhase``, in lower case.
+        step: Current row of the trace.
         memory_bytes: Resident memory of the worker process.
         runs: Runs that the slot has ended.
-        restarts: Worker processes it has had, beyond the first.
-        last_crash: How its last worker to die unasked died, or "".
-        updated_at: The moment, UTC.
+        restarts: Number of its worker processes after the first.
+        last_crash: How its last worker died unexpectedly, or "".
+        updated_at: Time of this state, UTC.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A consistent copy of the database and the traces, while the server goes on."""
+"""A consistent copy of the database and the traces of a running server."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DATABASE_NAME = "drivora.sqlite3"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Backup:
-    """What a backup holds.
+    """The contents of a backup.
 
     Attributes:
         missing_traces: Ids of runs whose trace should have been there; of failures, the campaign's
@@ -38,7 +38,7 @@ def back_up(
 ) -> Backup:
     """Copies the database, then the traces of the runs that have ended in that copy.
 
-    Those of the failures that campaigns have found go with them, if it is known where they are.
+    Copies the traces of campaigns' failures, too, if their folder is given.
 
     A trace is complete before its run ends and does not change afterwards, so the two agree.
     ``target`` then holds ``drivora.sqlite3``, ``traces`` and ``campaigns`` and can be used as a
@@ -59,7 +59,7 @@ def back_up(
             closing(sqlite3.connect(database.engine.url.database)) as source,
             closing(sqlite3.connect(copy)) as destination,
         ):
-            # One view for the whole copy: else every write of a server begins it anew.
+            # One view for the whole copy: else every write of a server restarts it.
             source.execute("BEGIN").close()
             source.execute("SELECT count(*) FROM alembic_version").fetchone()
             source.backup(destination, pages=2048, sleep=0.01)

@@ -1,4 +1,4 @@
-"""Batches: runs that were asked for together."""
+"""Batches: runs that were submitted together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drivora_service.store.records import Batch, BatchState, Page, Priority
 from drivora_service.store.tables import BatchRow, RunRow
 
 SINGLE_JOBS = "jobs"
-"""Id of the batch of all jobs that were posted alone; it is never shown."""
+"""Id of the batch of all jobs that were posted singly; it is never shown."""
 
 
 class BatchRepository:
@@ -34,8 +34,8 @@ class BatchRepository:
 
         Args:
             name: Display name.
-            priority: Of its runs.
-            owner_id: Process that alone is handed its runs; "": any server.
+            priority: Priority of its runs.
+            owner_id: Process for which its runs are reserved; "": any server.
         """
         row = BatchRow(
             id=new_id(),
@@ -75,7 +75,7 @@ class BatchRepository:
         return Page(items=tuple(self._records(shown)), next_page_token=more)
 
     def pause(self, batch_id: str) -> Batch:
-        """Hands out no further run of a batch; those that run go on.
+        """Holds back the queued runs of a batch; running ones are not affected.
 
         Raises:
             UnknownName: There is none of this id.
@@ -84,7 +84,7 @@ class BatchRepository:
         return self._set_state(batch_id, BatchState.PAUSED)
 
     def resume(self, batch_id: str) -> Batch:
-        """Hands out the runs of a paused batch again.
+        """Releases the queued runs of a paused batch.
 
         Raises:
             UnknownName: There is none of this id.
@@ -119,7 +119,7 @@ class BatchRepository:
         return self.get(batch_id)
 
     def cancel_reserved(self, owner_id: str) -> None:
-        """Cancels what has not ended of the batches that are for one process alone."""
+        """Cancels the runs that have not ended of the batches reserved for a process."""
         query = select(BatchRow.id).where(
             BatchRow.owner_id == owner_id, BatchRow.state != BatchState.CANCELLED
         )
@@ -144,7 +144,7 @@ class BatchRepository:
         return row
 
     def _fair_start(self, priority: Priority) -> int:
-        """A batch that comes later shall neither catch up what others have had, nor wait."""
+        """Returns the share with which a new batch starts, level with the least served one."""
         least = self._session.scalar(
             select(func.min(BatchRow.served)).where(
                 BatchRow.priority == priority.rank,

@@ -1,4 +1,4 @@
-"""What the store gives and takes of campaigns: plain values, never rows."""
+"""Values of campaigns that the store reads and writes, apart from its rows."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from drivora_service.shapes import Shape
 
 
 class CampaignState(StrEnum):
-    """Where a campaign is in its life."""
+    """The state of a campaign in its life cycle."""
 
     QUEUED = "queued"
     RUNNING = "running"
     PAUSED = "paused"
     FINISHED = "finished"
     FAILED = "failed"
-    """It cannot go on as it is; the message says why. It may be resumed."""
+    """It stopped at an error, which the message states; it may be resumed."""
     CANCELLED = "cancelled"
     INTERRUPTED = "interrupted"
     """The process of the command that ran it was killed; it may be resumed. Stored as running."""
 
     @property
     def is_over(self) -> bool:
-        """Whether it will not go on."""
+        """Whether it has ended for good."""
         return self in (CampaignState.FINISHED, CampaignState.CANCELLED)
 
 
 class CampaignRequest(StrEnum):
-    """What somebody wants of a campaign that runs."""
+    """A pending request to a running campaign."""
 
     NONE = ""
     PAUSE = "pause"
@@ -45,7 +45,7 @@ class CampaignRequest(StrEnum):
 
 
 class Confirmation(StrEnum):
-    """Whether a failure happened again in an identical run."""
+    """Whether an identical run repeated a failure."""
 
     OPEN = "open"
     """Not tried yet."""
@@ -81,7 +81,7 @@ class NewCampaign:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignCounts(Shape):
-    """What a campaign has evaluated so far.
+    """Counts of a campaign's evaluations so far.
 
     Attributes:
         evaluations: Candidates, simulated or not.
@@ -114,7 +114,7 @@ class CampaignCounts(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignToRun:
-    """A campaign that waits for a process of the service, or has one."""
+    """A campaign that is queued for a process of the service, or has one."""
 
     id: str
     request: CampaignRequest
@@ -134,14 +134,14 @@ class BestScore(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignSummary(Shape):
-    """A campaign in a list, and how far it is.
+    """A campaign in a list, with its progress.
 
     Attributes:
         message: Why it failed; empty otherwise.
-        request: Pending request to a campaign that runs.
+        request: Pending request to a running campaign.
         budget: Simulations that it may make.
         active_s: Seconds of work, pauses left out.
-        updated_at: When its tester was last told something, or its state changed.
+        updated_at: When its tester was last told an evaluation, or its state changed.
         batch_id: Batch of its runs; empty if no service runs it.
     """
 
@@ -200,18 +200,18 @@ class CampaignRecord(CampaignSummary):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EvaluationRecord:
-    """A candidate and what came of it.
+    """A candidate and its result.
 
     Attributes:
         number: In the order of asking, from 0.
-        proposal: Its values as repaired.
+        proposal: The proposal with its repaired values.
         status: See ``search.tester``.
         document_sha256: Hash of the canonical scenario; "" where the candidate is none.
-        report: Of its run; of an invalid candidate, what is wrong with it.
+        report: Report of its run; of an invalid candidate, its problems.
         violations: Those that count as failures, in the order of their times.
-        failure_kinds: One a violation: kinds of failure, see ``campaigns.failures``.
-        search_s: Seconds that the tester has worked since the evaluation before.
-        prepare_s: Seconds that repairing, decoding and checking took.
+        failure_kinds: One a violation: kinds of failure, see ``campaigns.failure_kinds``.
+        search_s: Seconds of the tester's work since the evaluation before.
+        prepare_s: Seconds of repairing, decoding and checking.
     """
 
     number: int
@@ -231,18 +231,18 @@ class EvaluationRecord:
 
     @property
     def accountability(self) -> Accountability | None:
-        """How far an ego is accountable for any violation; ``None`` without one."""
+        """The strongest accountability of an ego for a violation; ``None`` without a violation."""
         return strongest(self.violations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluationSummary(Shape):
-    """A candidate in a list, and what came of it.
+    """A candidate in a list, with its result.
 
     Attributes:
         number: In the order of asking, from 0.
         origin: How it was made: initial, mutation, crossover and the like.
-        parents: Evaluations that it was made from.
+        parents: Evaluations from which it was made.
         scenario_sha256: Empty if it is no valid scenario.
         violations: Number of failures.
         at_fault_violations: Those for which an ego is responsible.
@@ -273,7 +273,7 @@ class EvaluationSummary(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluationFilter:
-    """Which evaluations are wanted; ``None`` does not restrict."""
+    """A filter of evaluations; ``None`` does not restrict."""
 
     status: EvaluationStatus | None = None
     violating: bool | None = None
@@ -282,7 +282,7 @@ class EvaluationFilter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FailureFilter:
-    """Which failures are wanted; what is left out does not restrict."""
+    """A filter of failures; defaults do not restrict."""
 
     kind: str = ""
     oracle: str = ""
@@ -297,8 +297,8 @@ class FailureKind(Shape):
 
     Attributes:
         kind: Oracle, place, and how the other actor stood to the ego.
-        failures: Simulations that failed so, each once.
-        violations: How often an oracle was violated so in them.
+        failures: Simulations with a failure of this kind, each once.
+        violations: Violations of this kind in them.
         at_fault: Those with an ego at fault.
         avoidable: Those at an ego's fault that could be avoided.
         confirmed: Those that happened again in an identical run.

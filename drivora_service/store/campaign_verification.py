@@ -1,4 +1,4 @@
-"""Looking for contradictions in what is stored of campaigns."""
+"""Checks of stored campaigns for contradictions."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ class TracedFailure:
     """The trace of a failing evaluation.
 
     Attributes:
-        name: Of the file, in the campaign's folder of traces.
-        trace_sha256: Hash that it must have; "" for a failure that did not happen again, whose
-            trace may be any.
+        name: Name of the file in the campaign's folder of traces.
+        trace_sha256: Expected hash; "" for a failure that was not repeated, with any trace.
     """
 
     campaign_id: str
@@ -37,9 +36,9 @@ class TracedFailure:
 
 
 def campaign_counts(session: Session) -> Iterator[Finding]:
-    """Compares what campaigns say of their evaluations with these.
+    """Compares the counts of campaigns with their evaluations.
 
-    As numbers are unique and begin with 0, their count and the greatest of them tell of gaps.
+    As numbers are unique and start at 0, their count and the greatest of them reveal gaps.
     """
     number, status = EvaluationRow.number, EvaluationRow.status
     found = (
@@ -75,7 +74,7 @@ def campaign_counts(session: Session) -> Iterator[Finding]:
 
 
 def failure_findings(session: Session) -> Iterator[Finding]:
-    """Compares the counters of kinds of failures with a recount, and marks with violations."""
+    """Compares the counters of kinds of failures with a recount, and marks with the violations."""
     marked = (
         select(CampaignRow.id, func.count())
         .join(EvaluationRow, EvaluationRow.campaign_seq == CampaignRow.seq)
@@ -83,7 +82,7 @@ def failure_findings(session: Session) -> Iterator[Finding]:
         .group_by(CampaignRow.id)
     )
     for campaign_id, number in session.execute(marked):
-        message = f"lists say wrongly of {number} evaluations whether they violate a rule"
+        message = f"{number} evaluations are marked wrongly as with or without a violation"
         yield Finding(kind="wrong_count", subject=campaign_id, message=message)
     columns = (
         "failures",

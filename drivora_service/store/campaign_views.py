@@ -1,4 +1,4 @@
-"""Campaigns as lists show them: evaluations and failures in pages, and kinds of failures."""
+"""Campaigns for lists: pages of evaluations and failures, and kinds of failures."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import Page
 
 _PLACES = 1 << 16
-"""More violations than an evaluation can have: a page ends at one number of both together."""
+"""More than the violations of one evaluation: number and violation together order a page."""
 
 
 class CampaignViewRepository:
-    """Reads campaigns for people and pages."""
+    """Reads campaigns for display."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -48,7 +48,7 @@ class CampaignViewRepository:
         limit: int = 50,
         page_token: str = "",
     ) -> Page[EvaluationSummary]:
-        """Returns the evaluations that a filter lets through, in the order of their numbers.
+        """Returns the evaluations that pass a filter, in the order of their numbers.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -80,12 +80,12 @@ class CampaignViewRepository:
     def ancestors(
         self, campaign_id: str, number: int, *, most: int
     ) -> tuple[EvaluationSummary, ...]:
-        """Returns what an evaluation descends from, in the order of their numbers.
+        """Returns the ancestors of an evaluation, in the order of their numbers.
 
         Args:
-            campaign_id: Which campaign.
-            number: Of the evaluation.
-            most: How many at most; the nearest generations are kept.
+            campaign_id: Id of the campaign.
+            number: Number of the evaluation.
+            most: Greatest number of ancestors; the nearest generations are kept.
 
         Raises:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
@@ -108,7 +108,7 @@ class CampaignViewRepository:
         limit: int = 50,
         page_token: str = "",
     ) -> Page[Failure]:
-        """Returns the failures that a filter lets through, in the order of their evaluations.
+        """Returns the failures that pass a filter, in the order of their evaluations.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -218,7 +218,7 @@ def _conditions(wanted: FailureFilter) -> list[ColumnElement[bool]]:
 
 
 def _summary(row: EvaluationRow, kinds: tuple[str, ...]) -> EvaluationSummary:
-    # Reading the whole report into its classes would cost a page of evaluations a second.
+    # Parsing the whole reports would take a second for a page of evaluations.
     report: dict[str, Any] = from_json(row.report)
     measurement = report.get("measurement") or {}
     return combine(

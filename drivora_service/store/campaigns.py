@@ -1,4 +1,4 @@
-"""Campaigns: storing them, following their lives, and looking at them."""
+"""Campaigns: storing them, changing their states, and reading them."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ from drivora_service.store.tables import BatchRow
 _TO_RUN = (CampaignState.QUEUED, CampaignState.RUNNING)
 
 _MOST_NAMED = 5
-"""Campaigns that a refusal names, the newest first."""
+"""Number of campaigns that an error names, newest first."""
 
 
 class CampaignRepository:
-    """Reads and writes campaigns; their evaluations have a repository of their own."""
+    """Reads and writes campaigns; ``EvaluationRepository`` has their evaluations."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
 
     def create(self, campaign: NewCampaign) -> CampaignRecord:
-        """Stores a campaign that waits to be run."""
+        """Stores a queued campaign."""
         now = datetime.now(UTC)
         row = CampaignRow(
             id=new_id(),
@@ -81,8 +81,8 @@ class CampaignRepository:
 
         Args:
             states: Only those in one of these states; none: all.
-            limit: How many at most.
-            page_token: Of the page before.
+            limit: Greatest number of campaigns.
+            page_token: Token of the page.
 
         Raises:
             InvalidDocument: The token is not one of this list.
@@ -109,11 +109,11 @@ class CampaignRepository:
         return Page(items=tuple(_summary(row) for row in shown), next_page_token=more)
 
     def to_run(self) -> tuple[CampaignToRun, ...]:
-        """Returns the campaigns that the service is to run, those that ran already first."""
+        """Returns the campaigns that the service must run, those already running first."""
         query = (
             select(CampaignRow.id, CampaignRow.state, CampaignRow.request)
             .where(CampaignRow.batch_id != "", CampaignRow.state.in_(_TO_RUN))
-            # "running" comes behind "queued" in the alphabet.
+            # "running" sorts after "queued".
             .order_by(CampaignRow.state.desc(), CampaignRow.seq)
         )
         return tuple(
@@ -121,23 +121,23 @@ class CampaignRepository:
             for id_, _state, request in self._session.execute(query)
         )
 
-    def begin(self, campaign_id: str, *, if_wanted: bool = False) -> CampaignRecord:
-        """Says that a campaign runs from now on; whatever was wanted of it before is forgotten.
+    def begin(self, campaign_id: str, *, only_queued: bool = False) -> CampaignRecord:
+        """Sets a campaign to running and clears its pending request.
 
         Args:
-            campaign_id: Which.
-            if_wanted: Whether one that does not wait to be run is refused and what is wanted of it
-                is kept, since nobody asks for it at this moment.
+            campaign_id: Id of the campaign.
+            only_queued: Whether to refuse a campaign that is not queued and to keep its pending
+                request.
 
         Raises:
             UnknownName: There is none of this id.
-            Conflict: It is over, or does not wait to be run.
+            Conflict: It is over, or not queued.
         """
         row = campaign_row(self._session, campaign_id)
         _refuse_if_over(row)
-        if if_wanted and row.state not in _TO_RUN:
-            raise Conflict(f"campaign {campaign_id} is {row.state}; nobody wants it to run")
-        if not if_wanted:
+        if only_queued and row.state not in _TO_RUN:
+            raise Conflict(f"campaign {campaign_id} is {row.state}, not queued")
+        if not only_queued:
             row.request = CampaignRequest.NONE
         now = datetime.now(UTC)
         row.state, row.message = CampaignState.RUNNING, ""
@@ -149,10 +149,10 @@ class CampaignRepository:
     def end(
         self, campaign_id: str, state: CampaignState, *, message: str = "", active_s: float = 0.0
     ) -> CampaignRecord:
-        """Says how a campaign that ran has ended, or that it rests; then its runs do so as well.
+        """Sets the state of a campaign that has ended or paused, and that of its runs.
 
         Args:
-            campaign_id: Which.
+            campaign_id: Id of the campaign.
             state: Any but ``running``.
             message: Why it failed.
             active_s: Seconds of work since the last evaluation.
@@ -171,10 +171,10 @@ class CampaignRepository:
         return _record(row)
 
     def ask_for(self, campaign_id: str, request: CampaignRequest) -> CampaignRecord:
-        """Asks a campaign that runs to stop; one that does not run stops at once.
+        """Requests that a running campaign stop; one that does not run stops at once.
 
-        Asking for what has happened already changes nothing. Whether a campaign that is stored as
-        running has a process that will heed is for the caller to know.
+        A request that is already fulfilled changes nothing. The caller must know whether a campaign
+        that is stored as running has a process that will follow the request.
 
         Raises:
             UnknownName: There is none of this id.
@@ -193,7 +193,7 @@ class CampaignRepository:
         return self.end(campaign_id, CampaignState.PAUSED, message=row.message)
 
     def queue_again(self, campaign_id: str) -> CampaignRecord:
-        """Makes a campaign that rests wait to be run again.
+        """Queues a campaign that is not running.
 
         Raises:
             UnknownName: There is none of this id.
@@ -202,14 +202,14 @@ class CampaignRepository:
         row = campaign_row(self._session, campaign_id)
         _refuse_if_over(row)
         if row.state == CampaignState.RUNNING:
-            raise Conflict(f"campaign {campaign_id} is running already")
+            raise Conflict(f"campaign {campaign_id} is already running")
         row.state, row.message, row.request = CampaignState.QUEUED, "", CampaignRequest.NONE
         row.updated_at = datetime.now(UTC)
         row.ended_at = None
         return _record(row)
 
     def request_of(self, campaign_id: str) -> CampaignRequest:
-        """Returns what somebody wants of a campaign.
+        """Returns the pending request to a campaign.
 
         Raises:
             UnknownName: There is none of this id.
@@ -244,7 +244,7 @@ def campaign_row(session: Session, campaign_id: str) -> CampaignRow:
 
 
 def _unknown(session: Session, wanted: str) -> UnknownName:
-    """Returns the refusal of what is no campaign's id, with the ids that may have been meant."""
+    """Returns the error for an unknown id, with similar ids."""
     ids = select(CampaignRow.id).order_by(CampaignRow.seq.desc()).limit(_MOST_NAMED + 1)
     found = session.scalars(ids.where(CampaignRow.name == wanted)).all()
     hint = "That is a name, and here an id is needed" if found else ""
@@ -255,7 +255,7 @@ def _unknown(session: Session, wanted: str) -> UnknownName:
 
 def _refuse_if_over(row: CampaignRow) -> None:
     if CampaignState(row.state).is_over:
-        raise Conflict(f"campaign {row.id} is {row.state}; begin a new one")
+        raise Conflict(f"campaign {row.id} is {row.state}; start a new one")
 
 
 def _summary(row: CampaignRow) -> CampaignSummary:
@@ -280,7 +280,7 @@ def _record(row: CampaignRow) -> CampaignRecord:
 
 
 def best_scores(row: CampaignRow) -> dict[str, BestScore]:
-    """Returns the best scores that a row holds."""
+    """Returns the best scores of a row."""
     return {
         name: BestScore(value=value, evaluation=number)
         for name, (value, number) in json.loads(row.best).items()

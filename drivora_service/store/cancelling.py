@@ -1,4 +1,4 @@
-"""Giving up runs."""
+"""Cancelling runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drivora_service.store.tables import BatchRow, RunRow
 
 
 def cancel_runs(session: Session, rows: Iterable[RunRow]) -> None:
-    """Ends the queued ones of ``rows`` and asks for the end of the running ones."""
+    """Ends the queued runs of ``rows`` and requests the end of the running ones."""
     now = datetime.now(UTC)
     first = latest_revision(session) + 1
     left: Counter[int] = Counter()

@@ -1,4 +1,4 @@
-"""Tells cheaply whether a database has changed since the last look."""
+"""Detecting cheaply whether a database has changed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ChangeCounter:
         self._closed = False
 
     def value(self) -> int | None:
-        """Returns the number, of no meaning by itself; ``None`` where it cannot be told.
+        """Returns the number, of no meaning by itself; ``None`` if it is not available.
 
         The numbers of two counters cannot be compared.
         """
@@ -30,7 +30,7 @@ class ChangeCounter:
             return None
         try:
             if self._connection is None:
-                # Nothing is ever written by it: SQLite does not count a connection's own commits.
+                # This connection never writes: SQLite does not count a connection's own commits.
                 self._connection = sqlite3.connect(
                     f"file:{quote(str(self._file))}?mode=ro",
                     uri=True,
@@ -44,7 +44,7 @@ class ChangeCounter:
         return int(number)
 
     def close(self) -> None:
-        """Closes its connection; from then on nothing can be told."""
+        """Closes its connection; from then on the value is ``None``."""
         self._closed = True
         if self._connection is not None:
             self._connection.close()

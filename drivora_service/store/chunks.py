@@ -1,4 +1,4 @@
-"""Cutting long lists of parameters, of which databases take a limited number."""
+"""Cutting long lists of parameters, whose number databases limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which commands work on a data folder: each holds a file for as long as it lives."""
+"""The commands that work on a data folder: each locks a file for as long as it lives."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from drivora_service.store.file_lock import FileLock, is_locked
 
 
 class CommandLocks:
-    """The files of the commands of a data folder, by their ids as owners of leases."""
+    """The lock files of the commands of a data folder, by their ids as owners of leases."""
 
     def __init__(self, data_dir: Path) -> None:
         self._folder = data_dir / "commands"
 
     def hold(self, owner_id: str) -> FileLock:
-        """Takes the file of this command, before it is an owner.
+        """Locks the file of this command; must be called before it becomes an owner.
 
         Raises:
-            Conflict: Another process has it, which no two ids make possible.
+            Conflict: Another process has it, which unique ids exclude.
         """
         return FileLock(
             self._path(owner_id), refusal=lambda holder: f"process {holder} is command {owner_id}"

@@ -34,11 +34,11 @@ from drivora_service.store.queue import QueueRepository
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
-"""Seconds to wait for other writers unless another time is asked for."""
+"""Default of the seconds to wait for other writers."""
 
 _GLANCE_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 6
-"""A thread that waits to write looks so often whether a write takes longer than usual; then only so
-many threads wait for its end, and the others are left to those who read."""
+"""Seconds after which a thread that waits to write checks whether the current write takes too long;
+then only this many threads wait for its end, and the others are left for reading."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Transaction:
 
     @property
     def evaluations(self) -> EvaluationRepository:
-        """What campaigns have evaluated."""
+        """Evaluations of campaigns."""
         return EvaluationRepository(self.session)
 
     @property
@@ -74,12 +74,12 @@ class Transaction:
 
     @property
     def campaign_views(self) -> CampaignViewRepository:
-        """Campaigns as lists show them."""
+        """Campaigns for lists."""
         return CampaignViewRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:
-        """Handing out runs and taking their ends."""
+        """The queue of runs."""
         return QueueRepository(self.session)
 
     @property
@@ -104,16 +104,16 @@ class Transaction:
 
 
 class Database:
-    """A migrated database. Safe to share between threads; one transaction a thread.
+    """A migrated database. Thread-safe; one transaction a thread.
 
     Attributes:
-        changes: Tells whether something was committed since the last look.
+        changes: Counter that changes with every commit.
     """
 
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
         self.changes = ChangeCounter(engine)
-        # SQLite has one writer. Waiting for a lock of ours is fair and prompt, where SQLite's own
+        # SQLite has one writer. Waiting for this lock is fair and prompt, while SQLite's own
         # waiting sleeps and tries again.
         self._writing = threading.Lock() if engine.dialect.name == "sqlite" else None
         self._patience_s = patience_s
@@ -128,7 +128,7 @@ class Database:
 
     @contextmanager
     def read(self) -> Iterator[Transaction]:
-        """A consistent view; nothing is written.
+        """Opens a read-only transaction with a consistent view.
 
         Raises:
             StoreError: The database cannot be used.
@@ -138,7 +138,7 @@ class Database:
 
     @contextmanager
     def write(self) -> Iterator[Transaction]:
-        """Reads and writes that are committed together at the end, or not at all.
+        """Opens a transaction that is committed at the end, or rolled back.
 
         Raises:
             StoreUnavailable: Another writer is not done in time, or the disk is full or gone.
@@ -153,7 +153,7 @@ class Database:
             yield Transaction(session)
 
     def probe(self) -> None:
-        """Writes, and changes nothing.
+        """Makes a write that changes nothing.
 
         Raises:
             StoreUnavailable: Nothing can be written now.
@@ -166,10 +166,10 @@ class Database:
 
     @contextmanager
     def _turn_to_write(self) -> Iterator[None]:
-        """Waits for the other threads that write, but not for longer than is patient.
+        """Waits for the other writing threads, for a limited time.
 
-        Else every thread of the service would end up waiting here while another process has locked
-        the database, and none would be left for those who only read.
+        Else every thread of the service could end up waiting here while another process has locked
+        the database, and none would be left for reading.
         """
         if self._writing is None:
             yield
@@ -183,7 +183,7 @@ class Database:
             self._writing.release()
 
     def _acquired(self, writing: threading.Lock) -> bool:
-        """Waits for the lock; gives up early where many wait for a writer that is stuck."""
+        """Waits for the lock; gives up early if many threads wait for a stuck writer."""
         until = time.monotonic() + self._patience_s
         with self._counting:
             self._waiting += 1
@@ -210,7 +210,7 @@ def open_database(url: str, *, patience_s: float = PATIENCE_S) -> Database:
 
     Args:
         url: SQLAlchemy address, such as ``sqlite:////var/lib/drivora/drivora.sqlite3``.
-        patience_s: Seconds to wait for the other threads that write, and as long again for other
+        patience_s: Seconds to wait for other writing threads, and as long again for other
             processes.
 
     Raises:
@@ -238,12 +238,12 @@ def open_database(url: str, *, patience_s: float = PATIENCE_S) -> Database:
 
 
 def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record: object) -> None:
-    # sqlite3 would begin transactions by itself, and too late for consistent reads.
+    # sqlite3 itself would begin transactions too late for consistent reads.
     connection.isolation_level = None
     cursor = connection.cursor()
     try:
-        # Before anything is written, else only a rewritten file could ever become shorter; later
-        # it is a write, which a reader must not wait for.
+        # Before the first write, else only a rewritten file could shrink; later it is a write, for
+        # which a reader must not wait.
         if cursor.execute("PRAGMA page_count").fetchone() == (0,):
             cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
         cursor.execute("PRAGMA journal_mode = WAL")
@@ -253,7 +253,7 @@ def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record
         cursor.execute(f"PRAGMA busy_timeout = {round(1000 * patience_s)}")
         cursor.execute("PRAGMA cache_size = -65536")
     except sqlite3.Error:
-        # The pool has not taken it yet, so that nothing else would close it.
+        # The pool does not own the connection yet, so nothing else would close it.
         connection.close()
         raise
     cursor.close()
@@ -276,7 +276,7 @@ def _store_errors() -> Iterator[None]:
 
 
 def _passes(error: SQLAlchemyError) -> bool:
-    """Whether an error is due to what the database lies on, or to others who use it."""
+    """Returns whether an error is due to the storage or to concurrent users of the database."""
     if not isinstance(error, OperationalError):
         return isinstance(error, PoolTimeoutError)
     # SQLite reports a wrong statement by the same class, as plain SQLITE_ERROR.
@@ -284,5 +284,5 @@ def _passes(error: SQLAlchemyError) -> bool:
 
 
 def _reason(error: SQLAlchemyError) -> str:
-    """Returns what the driver said, without the statement and its values."""
+    """Returns the driver's message, without the statement and its values."""
     return str(error.orig) if isinstance(error, OperationalError) else str(error)

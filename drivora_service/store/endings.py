@@ -1,4 +1,4 @@
-"""Writing the end of a run: the row, the report and the broken rules, exactly once."""
+"""Writing the end of a run: the row, the report and the verdicts, exactly once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
 
 def run_state(row: RunRow) -> RunState:
-    """Returns a row's place in the life cycle."""
+    """Returns a row's state in the life cycle."""
     return RunState(
         status=RunStatus(row.status),
         infrastructure_failures=row.infrastructure_failures,
@@ -28,7 +28,7 @@ def run_state(row: RunRow) -> RunState:
 
 
 def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
-    """Writes a row's place in the life cycle."""
+    """Writes a row's state in the life cycle."""
     row.status = state.status
     row.infrastructure_failures = state.infrastructure_failures
     row.crashes = state.crashes
@@ -38,7 +38,7 @@ def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
 
 
 def forget_report(session: Session, row: RunRow) -> None:
-    """Makes a run that has ended as if it had never been begun; its attempts stay on record."""
+    """Resets an ended run to its state before the first attempt; its attempts stay on record."""
     session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
     session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))
     row.cause = row.trace_sha256 = ""
@@ -51,7 +51,7 @@ def forget_report(session: Session, row: RunRow) -> None:
 
 
 def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:
-    """Writes the report of a run that has just become final."""
+    """Writes the report of a run that has just ended."""
     row.ended_at = ended
     row.cause = report.failure.cause if report.failure is not None else ""
     row.trace_sha256 = report.trace_sha256 if row.keeps_trace else ""

@@ -31,7 +31,7 @@ from drivora_service.store.tables import DocumentRow
 
 
 class EvaluationRepository:
-    """Reads and writes what campaigns have evaluated."""
+    """Reads and writes the evaluations of campaigns."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -47,10 +47,10 @@ class EvaluationRepository:
         """Writes the next evaluation of a campaign, its failures, and the campaign's counts.
 
         Args:
-            campaign_id: Which campaign.
-            record: Its number follows that of the evaluation before.
-            document: Canonical JSON text of its scenario; "" where there is none.
-            active_s: Seconds that the campaign has worked since the evaluation before.
+            campaign_id: Id of the campaign.
+            record: The evaluation; its number follows that of the evaluation before.
+            document: Canonical JSON text of its scenario; "" if there is none.
+            active_s: Seconds of the campaign's work since the evaluation before.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -95,10 +95,10 @@ class EvaluationRepository:
         """Returns evaluations in order.
 
         Args:
-            campaign_id: Which campaign.
+            campaign_id: Id of the campaign.
             after: Only those of greater numbers.
-            limit: How many at most.
-            violating: Only those that violate a rule.
+            limit: Greatest number of evaluations.
+            violating: Only those with a failure.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -125,7 +125,7 @@ class EvaluationRepository:
         return self._records(campaign.seq, [row])[0]
 
     def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Returns an evaluation and all that it descends from, in the order of their numbers.
+        """Returns an evaluation and its ancestors, in the order of their numbers.
 
         Raises:
             UnknownName: There is no such campaign, or it has no evaluation of this number.
@@ -180,9 +180,9 @@ class EvaluationRepository:
         """Returns the numbers and scenarios (canonical JSON) of valid evaluations, in order.
 
         Args:
-            campaign_id: Which campaign.
+            campaign_id: Id of the campaign.
             after: Only those of greater numbers.
-            limit: How many at most.
+            limit: Greatest number of evaluations.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -214,7 +214,7 @@ class EvaluationRepository:
     def confirm(
         self, campaign_id: str, number: int, confirmation: Confirmation, *, trace: str
     ) -> None:
-        """Says whether the failures of an evaluation happened again.
+        """Writes whether an identical run repeated the failures of an evaluation.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -309,7 +309,7 @@ def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
     campaign.violating += bool(record.violations)
     campaign.at_fault += record.at_fault
     match record.accountability:
-        # A campaign of before this was judged has no such counts, and never gets partial ones.
+        # A campaign from before this was recorded has no such counts, and never gets partial ones.
         case Accountability.AVOIDABLE if campaign.avoidable is not None:
             campaign.avoidable += 1
         case Accountability.UNAVOIDABLE if campaign.unavoidable is not None:

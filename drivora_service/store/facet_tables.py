@@ -1,4 +1,4 @@
-"""The tables of facets: how many runs, and how many failures, share what lists filter by."""
+"""The tables of facets: numbers of runs by the attributes that lists filter by."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivora_service.store.tables import Base
 
 
 class FacetRow(Base):
-    """What lists of runs filter by, and how many runs have it; see ``store.facets``."""
+    """A facet and its number of runs; see ``store.facets``."""
 
     __tablename__ = "facets"
 
@@ -23,7 +23,7 @@ class FacetRow(Base):
 
 
 class BatchFacetRow(Base):
-    """How many runs of a batch have a facet."""
+    """The number of runs of a batch with a facet."""
 
     __tablename__ = "batch_facets"
 

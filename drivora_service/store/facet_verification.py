@@ -1,4 +1,4 @@
-"""Looking for contradictions between the facets of runs, their counters, and the runs."""
+"""Checks of the facets of runs and their counters against the runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivora_service.store.tables import BatchRow, RunRow, VerdictRow
 
 
 def facet_findings(session: Session) -> Iterator[Finding]:
-    """Compares the facets of runs with the runs, and the counters with a recount."""
+    """Compares the facets with the runs, and the counters with a recount."""
     yield from _facets_of_runs(session)
     yield from _facets_of_verdicts(session)
     yield from _counts_of_facets(session)

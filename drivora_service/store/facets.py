@@ -1,13 +1,12 @@
-"""Facets: what lists of runs filter by, as one number a run, and counters of it.
+"""Facets: the attributes that lists of runs filter by, as one number a run, with counters.
 
-The facet of a run is its agent, its town, its status, whether it broke a rule, and how far an ego
-is accountable for that. A few hundred facets share a million runs. An index on the facet and the
+The facet of a run is its agent, its town, its status, whether it violated an oracle, and how far an
+ego is accountable for that. A million runs have a few hundred facets. An index on the facet and the
 order of submission therefore serves every combination of these filters, and the counters of the
 facets are the counts of the batches and of the service.
 
-The counters change with the flush that writes the runs, in the same transaction, whatever path
-changed them. Only statements that change many runs at once, which no flush sees, call
-:func:`add_counts` themselves.
+The counters change with the flush that writes the runs, in the same transaction. Only statements
+that change many runs at once, which no flush sees, call :func:`add_counts` themselves.
 """
 
 from __future__ import annotations
@@ -30,15 +29,15 @@ from drivora_service.store.tables import RunRow
 _RUN_FIELDS = ("agent", "town", "status", "violations", "accountability")
 
 FacetChanges = Counter[tuple[int, "Facet"]]
-"""How many runs more, or less, by the ``seq`` of their batch and their facet."""
+"""Changes of the numbers of runs, by the ``seq`` of their batch and their facet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facet:
-    """What lists of runs filter by.
+    """The attributes that lists of runs filter by.
 
     Attributes:
-        violated: Whether a rule was broken; ``None`` unless finished.
+        violated: Whether an oracle was violated; ``None`` unless finished.
         accountability: The strongest of the violations, or ``None``.
     """
 
@@ -51,19 +50,19 @@ class Facet:
 
 @lru_cache(maxsize=4096)
 def facet_key(facet: Facet) -> int:
-    """Returns the number of a facet: a hash of 63 bits, so that none has to be looked up."""
+    """Returns the number of a facet: a hash of 63 bits, so that no lookup is needed."""
     parts = (facet.agent, facet.town, facet.status, facet.violated, facet.accountability)
     digest = hashlib.blake2b(json.dumps(parts).encode(), digest_size=8).digest()
     return int.from_bytes(digest) >> 1
 
 
 def facet_of(row: RunRow) -> Facet:
-    """Returns the facet of a run as its row is now."""
+    """Returns the facet of a row's current values."""
     return _facet(*(getattr(row, name) for name in _RUN_FIELDS))
 
 
 def count_changes(session: Session, *_: object) -> None:
-    """Counts the changes that a flush is about to write; listens to ``before_flush``."""
+    """Counts the changes of a flush; a listener of ``before_flush``."""
     changes: FacetChanges = Counter()
     for row in session.new:
         if isinstance(row, RunRow):
@@ -83,7 +82,7 @@ def count_changes(session: Session, *_: object) -> None:
 
 
 def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> None:
-    """Adds to the counters of facets and of batches, and makes those that there are not yet."""
+    """Adds to the counters of facets and of batches; makes those that are missing."""
     totals: Counter[Facet] = Counter()
     for (_, facet), number in changes.items():
         totals[facet] += number
@@ -117,11 +116,11 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
 
 
 def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> None:
-    """Takes runs that were deleted off the counters.
+    """Subtracts deleted runs from the counters.
 
     Args:
-        session: Of the transaction that deletes them.
-        numbers: How many, by the ``seq`` of their batch and the key of their facet.
+        session: Session of the transaction that deletes them.
+        numbers: Numbers of runs, by the ``seq`` of their batch and the number of their facet.
     """
     for (batch_seq, key), number in sorted(numbers.items()):
         session.execute(
@@ -135,7 +134,7 @@ def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> N
 
 
 def _adding(dialect: str, table: Any, keys: list[str]) -> Any:
-    # Both databases spell it alike, SQLAlchemy has a class for each.
+    # Both databases have the same syntax; SQLAlchemy has a class for each.
     insert: Any = (postgresql if dialect == "postgresql" else sqlite).insert(table)
     return insert.on_conflict_do_update(
         index_elements=keys, set_={"runs": table.c.runs + insert.excluded.runs}
@@ -143,12 +142,12 @@ def _adding(dialect: str, table: Any, keys: list[str]) -> Any:
 
 
 def _facet_before(session: Session, row: RunRow) -> Facet:
-    """Returns the facet that a row was last written with."""
+    """Returns the facet with which a row was last written."""
     old = inspect(row).committed_state
     facet = _facet(*(old.get(name, getattr(row, name)) for name in _RUN_FIELDS))
     if facet_key(facet) == row.facet:
         return facet
-    # An attribute was set before its old value was read: the key alone tells.
+    # An attribute was set before its old value was read: only the stored number tells.
     stored = session.get_one(FacetRow, row.facet)
     return Facet(
         agent=stored.agent,

@@ -29,7 +29,7 @@ def _of_campaign(campaign_seq: int) -> Select[FailureKindRow]:
 
 
 def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
-    """Counts the failures of one evaluation, which have just been stored."""
+    """Counts the newly stored failures of one evaluation."""
     by_kind: dict[str, list[FailureRow]] = {}
     for failure in failures:
         by_kind.setdefault(failure.kind, []).append(failure)
@@ -60,7 +60,7 @@ def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
 def count_confirmation(
     session: Session, failures: Iterable[FailureRow], confirmation: Confirmation
 ) -> None:
-    """Counts what the failures of one evaluation are about to be called."""
+    """Counts the new confirmation of the failures of one evaluation."""
     for campaign_seq, kind, before in {
         (failure.campaign_seq, failure.kind, failure.confirmation) for failure in failures
     }:
@@ -72,7 +72,7 @@ def count_confirmation(
 
 
 def count_groups(session: Session, campaign_seq: int, groups: Mapping[str, set[int]]) -> None:
-    """Writes how many groups the failures of each kind lie in."""
+    """Writes the number of groups of each kind of failure."""
     rows = session.scalars(
         select(FailureKindRow).where(FailureKindRow.campaign_seq == campaign_seq)
     )

@@ -1,4 +1,4 @@
-"""What an operator watches: counts and sizes of the whole store."""
+"""Counts and sizes of the whole store, for operators."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _WITH_CAUSE = tuple(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoreFigures:
-    """The store at one moment.
+    """Figures of the store at one moment.
 
     Attributes:
         failures: Runs that did not finish, by status and cause.
-        oldest_queued_at: When the run was submitted that has waited longest and may be begun; of
-            paused batches none counts. ``None`` if none waits.
+        oldest_queued_at: Submission time of the oldest queued run that may start; runs of paused
+            batches are left out. ``None`` if there is none.
         quarantined: Scenarios in quarantine.
-        database_bytes: Size of the database, its log of changes included.
+        database_bytes: Size of the database with its write-ahead log.
     """
 
     failures: Mapping[tuple[RunStatus, str], int]
@@ -41,13 +41,13 @@ class StoreFigures:
 
 
 class FigureRepository:
-    """Reads figures; each costs what failed or waits, not what is stored."""
+    """Reads figures; their cost grows with failed and queued runs, not with all runs."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
 
     def figures(self) -> StoreFigures:
-        """Returns the figures as they are now."""
+        """Returns the current figures."""
         facets = select(FacetRow.key).where(FacetRow.status.in_(_WITH_CAUSE), FacetRow.runs > 0)
         failures = self._session.execute(
             select(RunRow.status, RunRow.cause, func.count())
@@ -78,7 +78,7 @@ class FigureRepository:
         file = self._session.connection().engine.url.database or ""
         size = 0
         for suffix in ("", "-wal"):
-            # The log of changes comes and goes.
+            # The write-ahead log may be missing.
             with contextlib.suppress(OSError):
                 size += Path(file + suffix).stat().st_size
         return size

@@ -1,4 +1,4 @@
-"""Locks that die with their process."""
+"""Locks that are released when their process dies."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from filelock import Timeout, UnixFileLock
 from drivora_service.errors import Conflict
 
 _WAIT_S, _PAUSE_S = 0.2, 0.01
-"""Seconds for which a lock is waited for, and between two attempts."""
+"""Seconds to wait for a lock, and seconds between two attempts."""
 
 
 class FileLock:
-    """Holds a file for this process.
+    """A lock on a file, held by this process.
 
-    The operating system lets go of it when the process dies, however it dies. The file stays, with
-    the id of the process that had it last.
+    The operating system releases it when the process dies, however it dies. The file stays, with
+    the id of the last process that held it.
     """
 
     def __init__(self, path: Path, *, refusal: Callable[[str], str]) -> None:
-        """Takes the lock; processes that only look have let go of it a moment later.
+        """Takes the lock; waits a moment for processes that only check it.
 
         Args:
-            path: Of the file, which is made, with its folder, if it does not exist.
-            refusal: Returns the message of the error, from the id of the process that has it.
+            path: Path of the file, which is made, with its folder, if it does not exist.
+            refusal: Returns the message of the error, given the id of the process that holds it.
 
         Raises:
             Conflict: Another process has it.
@@ -37,9 +37,9 @@ class FileLock:
             timeout=_WAIT_S,
             poll_interval=_PAUSE_S,
             mode=0o600,
-            # It may be released by another thread than the one that took it.
+            # Another thread than the one that took it may release it.
             thread_local=False,
-            # A file that exists, instead of a lock on it, would outlive a process that is killed.
+            # A lock by the mere existence of a file would outlive a killed process.
             fallback_to_soft=False,
             preserve_lock_file=True,
             on_acquired=_write_process_id,
@@ -51,15 +51,15 @@ class FileLock:
             raise Conflict(refusal(holder or "(unknown)")) from None
 
     def release(self) -> None:
-        """Lets go of the file."""
+        """Releases the lock."""
         self._lock.release()
 
 
 def is_locked(path: Path) -> bool:
-    """Whether a process holds a file, which exists. Looking leaves the file as it is."""
+    """Returns whether a process holds the lock of an existing file; does not change the file."""
     file = os.open(path, os.O_RDONLY)
     try:
-        # Shared, so that several may look; for this moment the file cannot be taken.
+        # Shared, so that several processes may check; meanwhile the lock cannot be taken.
         fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True

@@ -1,4 +1,4 @@
-"""What is wrong with what is stored."""
+"""Contradictions found in the store."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ class Finding:
     Attributes:
         kind: ``damaged_database``, ``missing_report``, ``early_report``, ``wrong_count``,
             ``wrong_facet``, ``missing_trace``, ``damaged_trace`` or ``trace_without_run``.
-        subject: The id of the run, batch or campaign, what the runs of a counter have in common,
-            or the path of the file; of the trace of a failure, the campaign's id and the file's
-            name.
+        subject: The id of the run, batch or campaign, the common attributes of the runs of a
+            counter, or the path of the file; of the trace of a failure, the campaign's id and the
+            file's name.
     """
 
     kind: str

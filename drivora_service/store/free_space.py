@@ -1,4 +1,4 @@
-"""Giving the pages of a SQLite file that hold nothing any more back to the file system."""
+"""Returning free pages of a SQLite file to the file system."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _INCREMENTAL = 2
 
 
 def return_free_space(database: Database) -> int:
-    """Shortens the file of a database step by step, in transactions that are over in a moment.
+    """Shrinks the file of a database in steps, in short transactions.
 
     Only databases that were made by this version or later, or rewritten by
-    :func:`rewrite_database`, can be shortened so; others keep free pages for new rows.
+    :func:`rewrite_database`, can shrink so; others keep free pages for new rows.
 
     Returns:
-        The bytes that the file became shorter, once everything is written into it.
+        The bytes by which the file shrank, after a checkpoint.
     """
     if database.engine.dialect.name != "sqlite":
         return 0
@@ -40,14 +40,15 @@ def return_free_space(database: Database) -> int:
 
 
 def rewrite_database(database: Database) -> None:
-    """Writes a SQLite file anew without free pages, so that it can be shortened from now on.
+    """Rewrites a SQLite file without free pages, so that it can shrink from now on.
 
-    Needs as much free space again as the database takes; others can read and not write meanwhile.
+    Needs as much free space as the database takes; other processes can read and not write
+    meanwhile.
     """
     if database.engine.dialect.name != "sqlite":
         return
     with closing(database.engine.raw_connection()) as connection:
-        # Not through the toolkit, which would begin a transaction.
+        # Not through SQLAlchemy, which would begin a transaction.
         cursor = connection.cursor()
         cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
         cursor.execute("VACUUM")

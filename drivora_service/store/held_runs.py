@@ -1,4 +1,4 @@
-"""Runs that were going on when the server died several times: they wait, and go last."""
+"""Runs that were interrupted by several deaths of the server: they wait and are started last."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class HeldRuns:
         self._session = session
 
     def none_of(self) -> ColumnElement[bool]:
-        """The condition on a run that it is not held."""
+        """Returns the condition that a run is not held."""
         return RunRow.not_before.is_(None)
 
     def numbers(self) -> Mapping[int, int]:
-        """Counts them by the ``seq`` of their batch."""
-        # Counted here: for a grouping, SQLite would walk all queued runs in the order of batches.
+        """Returns their numbers by the ``seq`` of their batch."""
+        # Counted here: for a GROUP BY, SQLite would scan all queued runs in the order of batches.
         return Counter(
             self._session.scalars(
                 select(RunRow.batch_seq).where(
@@ -37,17 +37,18 @@ class HeldRuns:
         )
 
     def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
-        """The condition on a batch that it has queued runs that are not held."""
+        """Returns the condition that a batch has queued runs that are not held."""
         full = self._session.execute(
             select(BatchRow.seq, BatchRow.queued).where(BatchRow.seq.in_(numbers))
         )
         return BatchRow.seq.not_in([row.seq for row in full if row.queued <= numbers[row.seq]])
 
     def due(self, now: datetime, reserved_to: str) -> tuple[int, BatchRow] | None:
-        """Returns the one to be handed out next, with its batch.
+        """Returns the held run to start next, with its batch.
 
-        None is while another one runs, so that the one which ends the server has no company. A
-        wait that is longer than any can be is of a clock that has gone back since, and is over.
+        Returns ``None`` while another one runs, so that the one that kills the server runs alone. A
+        wait beyond the longest possible one is due to a clock that was set back, and counts as
+        over.
         """
         running = select(RunRow.seq).where(
             RunRow.not_before.is_not(None), RunRow.status == RunStatus.RUNNING

@@ -12,7 +12,7 @@ from drivora_service.store.tables import IdempotencyRow
 
 
 class IdempotencyRepository:
-    """Keys that clients give their requests.
+    """Idempotency keys of clients' requests.
 
     The caller reserves a key in a transaction of its own, does the work, and completes the key in
     the transaction that stores the work, so that both are kept or neither.
@@ -22,7 +22,7 @@ class IdempotencyRepository:
         self._session = session
 
     def reserve(self, key: str, fingerprint: str) -> Reservation:
-        """Takes a key, or tells who has it."""
+        """Reserves a key, or returns its existing reservation."""
         row = self._session.get(IdempotencyRow, key)
         if row is not None:
             return Reservation(fresh=False, fingerprint=row.fingerprint, reference=row.reference)
@@ -34,12 +34,12 @@ class IdempotencyRepository:
         return Reservation(fresh=True, fingerprint=fingerprint, reference=None)
 
     def complete(self, key: str, reference: str) -> None:
-        """Stores what the request was answered with; the key was reserved before."""
+        """Stores the answer to the request of a reserved key."""
         row = self._session.get_one(IdempotencyRow, key)
         row.reference = reference
 
     def give_up(self, key: str) -> None:
-        """Frees a key whose request could not be done."""
+        """Releases the key of a request that could not be done."""
         self._session.execute(
             delete(IdempotencyRow).where(
                 IdempotencyRow.key == key, IdempotencyRow.reference.is_(None)
@@ -47,11 +47,11 @@ class IdempotencyRepository:
         )
 
     def clean(self, *, unfinished: bool, older_than: timedelta = timedelta(days=1)) -> None:
-        """Forgets old keys and, at the start of the only server, requests that died with the last.
+        """Removes old keys and, at the start of the only server, those of interrupted requests.
 
         Args:
-            unfinished: Whether keys without an answer are forgotten whatever their age.
-            older_than: Age from which a key is forgotten.
+            unfinished: Whether keys without an answer are removed at any age.
+            older_than: Age from which a key is removed.
         """
         old = IdempotencyRow.created_at < datetime.now(UTC) - older_than
         which = old | IdempotencyRow.reference.is_(None) if unfinished else old

@@ -1,4 +1,4 @@
-"""Names for runs and batches: unique, and in the order of their making."""
+"""Ids of runs and batches: unique, and ordered by time of creation."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ import time
 
 
 def new_id() -> str:
-    """Makes an id of 24 hexadecimal digits: milliseconds since 1970, then 48 random bits."""
+    """Returns an id of 24 hexadecimal digits: milliseconds since 1970, then 48 random bits."""
     return f"{time.time_ns() // 1_000_000:012x}{secrets.token_hex(6)}"

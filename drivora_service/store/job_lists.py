@@ -1,4 +1,4 @@
-"""Which runs a page of a list shows: found by the facets that a filter lets through."""
+"""The runs on a page of a list, found by the facets that pass a filter."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Conditions = tuple[ColumnElement[bool], ...]
 def listed_runs(
     session: Session, wanted: JobFilter, *, limit: int, after: int | None, newest_first: bool
 ) -> list[int]:
-    """Returns the ``seq`` of the first runs that a filter lets through, in their order.
+    """Returns the ``seq`` of the first runs that pass a filter, in their order.
 
     Args:
-        session: Where to look.
+        session: Session of the transaction.
         wanted: The filter.
-        limit: How many at most.
+        limit: Greatest number of runs.
         after: Only those behind this ``seq``, in the order; ``None``: from the beginning.
         newest_first: Whether the greatest come first.
     """
@@ -42,8 +42,8 @@ def listed_runs(
     sources = _sources(wanted, batch_seq)
     for source in sources:
         heads += _heads(session, source, wanted, batch_seq, after, newest_first=newest_first)
-    # Of more facets than rows are wanted, those with the first heads hold all of these rows. A run
-    # may be the head of its facet in every source.
+    # If there are more facets than wanted rows, the facets with the first heads hold all of these
+    # rows. A run may be the head of its facet in every source.
     choose = heapq.nlargest if newest_first else heapq.nsmallest
     keys: dict[_Source, list[int]] = {}
     for _, source, key in choose(limit * len(sources), heads, key=lambda head: head[0]):
@@ -60,7 +60,7 @@ def listed_runs(
 
 
 class _Source:
-    """An index in which the runs of each facet lie side by side."""
+    """An index in which the runs of each facet are adjacent."""
 
     def __init__(
         self,
@@ -73,16 +73,16 @@ class _Source:
         self.conditions = conditions
 
     def head(self, after: int | None, *, newest_first: bool) -> Select[int]:
-        """Selects the first run of the facet of the query around."""
+        """Selects the first run of the facet of the enclosing query."""
         return self._of_facet(1, after, newest_first=newest_first)
 
     def first(
         self, keys: Sequence[int], take: int, after: int | None, *, newest_first: bool
     ) -> Select[int, int]:
-        """Selects the first so many runs of each facet, with its key, in any order.
+        """Selects the first ``limit`` runs of each facet, with its number, in any order.
 
-        One statement of the same text for all facets: a union of one part for each takes longer to
-        be written than to be answered.
+        One statement of the same text for all facets: compiling a union of one part for each takes
+        longer than executing it.
         """
         of_facet = self._of_facet(take, after, newest_first=newest_first)
         return (
@@ -102,7 +102,7 @@ class _Source:
 
 def _sources(wanted: JobFilter, batch_seq: int | None) -> Sequence[_Source]:
     if wanted.scenario_sha256:
-        # A scenario has few runs: what else is wanted of them is looked up one by one.
+        # A scenario has few runs: their other attributes are looked up one by one.
         conditions: list[ColumnElement[bool]] = [RunRow.document_sha256 == wanted.scenario_sha256]
         if batch_seq is not None:
             conditions.append(RunRow.batch_seq == batch_seq)
@@ -134,7 +134,7 @@ def _heads(
     *,
     newest_first: bool,
 ) -> list[tuple[int, _Source, int]]:
-    """Returns the facets that a filter lets through, each behind its first run and its index."""
+    """Returns the facets that pass a filter, each after its first run and its index."""
     head = source.head(after, newest_first=newest_first).scalar_subquery()
     query = select(FacetRow.key, head).where(*_conditions(wanted))
     if batch_seq is None:

@@ -1,4 +1,4 @@
-"""Jobs: submitting them, looking at them, cancelling them."""
+"""Jobs: submitting, reading and cancelling them."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class JobRepository:
     def submit(
         self, runs: Sequence[NewRun], *, batch_id: str = "", queue_limit: int | None = None
     ) -> tuple[str, ...]:
-        """Queues runs and gives their ids, in order.
+        """Queues runs; returns their ids, in order.
 
         A run whose scenario is quarantined ends at once with the cause ``quarantined``.
 
         Args:
-            runs: What to run.
-            batch_id: The batch they belong to; "": posted alone, at interactive priority.
-            queue_limit: Runs that may wait in all; ``None``: any number.
+            runs: The runs.
+            batch_id: Their batch; "": posted singly, at interactive priority.
+            queue_limit: Greatest number of queued runs; ``None``: any number.
 
         Raises:
             UnknownName: There is no such batch.
@@ -60,7 +60,7 @@ class JobRepository:
         return found[0]
 
     def detail(self, job_id: str) -> RunRecord:
-        """Returns a job with what was found out about its run.
+        """Returns a job with the results of its run.
 
         Raises:
             UnknownName: There is none of this id.
@@ -82,7 +82,7 @@ class JobRepository:
         page_token: str = "",
         newest_first: bool = True,
     ) -> Page[RunSummary]:
-        """Returns the jobs that a filter lets through, in the order of their submission.
+        """Returns the jobs that pass a filter, in the order of their submission.
 
         Raises:
             InvalidDocument: The token is not one of this query.
@@ -103,7 +103,7 @@ class JobRepository:
         return summaries(self._session.execute(query))
 
     def latest_revision(self) -> int:
-        """Returns the revision of the newest change, 0 if nothing has ever happened."""
+        """Returns the revision of the newest change, 0 if there was none."""
         query = select(RunRow.revision).order_by(RunRow.revision.desc()).limit(1)
         return self._session.scalar(query) or 0
 
@@ -151,7 +151,7 @@ class JobRepository:
         return reports
 
     def attempts(self, job_id: str) -> tuple[Attempt, ...]:
-        """Returns every try at a job's run, first to last."""
+        """Returns every attempt at a job's run, first to last."""
         query = (
             select(*(getattr(AttemptRow, name) for name in field_names(Attempt)))
             .join(RunRow, RunRow.seq == AttemptRow.run_seq)
@@ -161,7 +161,7 @@ class JobRepository:
         return read_all(Attempt, (row._asdict() for row in self._session.execute(query)))
 
     def cancel(self, job_id: str) -> RunSummary:
-        """Returns a job up; one that has ended stays as it is.
+        """Cancels a job; one that has ended is unchanged.
 
         Raises:
             UnknownName: There is no such job.
@@ -173,7 +173,7 @@ class JobRepository:
         return self.get(job_id)
 
     def counts(self) -> dict[RunStatus, int]:
-        """Counts all runs by status; statuses that no run has are 0."""
+        """Returns the numbers of runs by status; 0 for statuses without runs."""
         found = self._session.execute(
             select(FacetRow.status, func.sum(FacetRow.runs)).group_by(FacetRow.status)
         )
@@ -181,7 +181,7 @@ class JobRepository:
         return {status: numbers.get(status, 0) for status in RunStatus}
 
     def queued(self) -> int:
-        """Counts the runs that wait."""
+        """Returns the number of queued runs."""
         return queued_runs(self._session)
 
 

@@ -1,7 +1,7 @@
-"""The first rows of several ordered queries together, without reading more of any than needed.
+"""The first rows of several ordered queries together, reading no more of each than needed.
 
-A database that is asked for rows of any of several kinds in the order of their numbers either sorts
-all of them or walks through all others. Each kind alone is a range of an index.
+A database queried for rows of several kinds in the order of their numbers either sorts all of them
+or scans all others. Each kind alone is a range of an index.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from sqlalchemy.orm import InstrumentedAttribute, Session
 _B = TypeVar("_B", bound=Hashable)
 
 _BRANCHES = 60
-"""Ranges that one statement reads; SQLite takes 500."""
+"""Number of ranges that one statement reads; SQLite allows 500."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Branch:
-    """Rows that lie side by side in an index, in the order of ``number``."""
+    """Adjacent rows of an index, in the order of ``number``."""
 
     number: InstrumentedAttribute[int]
     conditions: tuple[ColumnElement[bool], ...]
@@ -39,9 +39,9 @@ def first_numbers(
     """Returns the first numbers of all branches together, each once, in their order.
 
     Args:
-        session: Where to look.
-        branches: At most a few hundred; further ones cost a statement each sixty.
-        limit: How many at most.
+        session: Session of the transaction.
+        branches: At most a few hundred; each sixty more cost a statement.
+        limit: Greatest count of numbers.
         after: Only those behind this number, in the order; ``None``: from the beginning.
         descending: Whether the greatest come first.
     """
@@ -68,10 +68,10 @@ def merged(
     """Returns the first numbers of all branches together, each once, in their order.
 
     Args:
-        fetch: Returns the first so many numbers of every branch, each with its branch, in any
-            order.
-        branches: How many there are.
-        limit: How many numbers at most.
+        fetch: Returns the given count of first numbers of every branch, each with its branch, in
+            any order.
+        branches: Number of branches.
+        limit: Greatest count of numbers.
         descending: Whether the greatest come first.
     """
     take = limit if branches <= 2 else max(16, 2 * limit // branches)
@@ -80,7 +80,7 @@ def merged(
         for branch, number in fetch(take):
             numbers.setdefault(branch, []).append(number)
         known = sorted(set(chain.from_iterable(numbers.values())), reverse=descending)
-        # Behind the end of a branch that was cut off something may be missing.
+        # After the end of a truncated branch, numbers may be missing.
         last = min if descending else max
         ends = [last(rows) for rows in numbers.values() if len(rows) == take]
         if ends:

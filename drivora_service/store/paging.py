@@ -13,7 +13,7 @@ _LARGEST = 2**63 - 1
 
 
 def make_token(scope: str, last: int) -> str:
-    """Makes the token of the page after ``last``; ``scope`` names the query it belongs to."""
+    """Returns the token of the page after ``last``; ``scope`` names its query."""
     content = json.dumps([_digest(scope), last]).encode()
     return base64.urlsafe_b64encode(content).decode().rstrip("=")
 
@@ -22,7 +22,7 @@ def read_token(scope: str, token: str) -> int:
     """Reads a token that :func:`make_token` made for the same query.
 
     Raises:
-        InvalidDocument: It was not, or is no token at all.
+        InvalidDocument: It is a token of another query, or no token.
     """
     try:
         padded = token + "=" * (-len(token) % 4)
@@ -31,7 +31,7 @@ def read_token(scope: str, token: str) -> int:
         found = None
     match found:
         case [str(found_scope), int(last)] if found_scope == _digest(scope):
-            # A forged one may hold what no database can compare with.
+            # A forged token may hold a value that no database can compare with.
             if last is not True and last is not False and -_LARGEST <= last <= _LARGEST:
                 return last
     raise InvalidDocument(

@@ -1,8 +1,8 @@
-"""Removing runs that ended long ago, and traces, in transactions that are over in a moment.
+"""Removing old runs and traces, in short transactions.
 
-Rows go before files, so that a run never claims a trace that is gone. What a kill leaves behind
-are files without a run; the next pass removes them. What is old enough is looked for in reads,
-which keep no writer waiting.
+Rows are removed before files, so that a run never refers to a missing trace. A kill leaves files
+without a run; the next pass removes them. Candidates are searched in read transactions, which do
+not block writers.
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ _READ_AT_ONCE = 2000
 _MOST_AT_ONCE = 400
 _LEAST_AT_ONCE = 10
 _AIM_S = 0.03
-"""Seconds that a transaction shall take; others wait meanwhile."""
+"""Seconds that a transaction shall take at most; other writers wait meanwhile."""
 
 
 class Chosen(StrEnum):
-    """Which runs are removed when they are old enough."""
+    """The kinds of runs with retention times of their own."""
 
     ALL = "all"
     NOT_VIOLATED = "not violated"
     PASSED = "passed"
-    """Judged, and no rule broken; or ended without saying anything of the ADS."""
+    """Judged without a violation, or ended without a result about the ADS."""
     FAILING = "failing"
     """All others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pruned:
-    """What was removed.
+    """Counts of removed things.
 
     Attributes:
         runs: Runs, with their reports, verdicts and attempts.
@@ -65,7 +65,7 @@ class Pruned:
     freed_bytes: int
 
     def __add__(self, other: Pruned) -> Pruned:
-        """Returns both together."""
+        """Returns the sum of both."""
         return Pruned(
             runs=self.runs + other.runs,
             traces=self.traces + other.traces,
@@ -81,16 +81,16 @@ def prune(
     keep_violated: bool = False,
     only_traces: bool = False,
 ) -> Pruned:
-    """Removes runs that ended before a moment, their traces, and what is left without an owner.
+    """Removes runs that ended before a time, their traces, and orphaned rows and files.
 
-    A server may go on meanwhile. Runs of campaigns that are not over stay.
+    A server may run meanwhile. Runs of campaigns that are not over are kept.
 
     Args:
-        database: Where the runs are.
-        traces: Where their traces are.
-        ended_before: Runs that ended later stay.
-        keep_violated: Whether runs with a broken rule stay, whatever their age.
-        only_traces: Whether runs stay and lose only their traces.
+        database: Holds the runs.
+        traces: Folder of their traces.
+        ended_before: Runs that ended later are kept.
+        keep_violated: Whether runs with a violated oracle are kept at any age.
+        only_traces: Whether to remove only the traces of runs.
     """
     chosen = Chosen.NOT_VIOLATED if keep_violated else Chosen.ALL
     pruned = prune_chosen(
@@ -110,9 +110,9 @@ def prune_chosen(
     only_traces: bool = False,
     stopping: Callable[[], bool] = lambda: False,
 ) -> Pruned:
-    """Does what :func:`prune` says with the runs of one kind; looks for nothing else.
+    """Removes runs of one kind as :func:`prune` does, and no orphans.
 
-    ``stopping`` is asked between two transactions whether the rest is to be left for another time.
+    ``stopping`` is called between two transactions and returns whether to stop early.
     """
     runs = 0
     files = Pruned(runs=0, traces=0, freed_bytes=0)
@@ -134,7 +134,7 @@ def prune_chosen(
             at_once = min(max(at_once, _LEAST_AT_ONCE), _MOST_AT_ONCE)
             runs += len(removed)
             files += _remove_files(traces, removed)
-            # Threads and processes that wait shall have their turn before the next chunk.
+            # Waiting threads and processes shall have their turn before the next chunk.
             time.sleep(min(took, 0.1))
     if not only_traces:
         with database.write() as transaction:
@@ -143,7 +143,7 @@ def prune_chosen(
 
 
 def remove_strays(database: Database, traces: TraceFolder, *, written_before: datetime) -> Pruned:
-    """Removes trace files of runs that do not have them, such as a kill leaves behind."""
+    """Removes trace files without a run, such as a kill leaves behind."""
     removed = Pruned(runs=0, traces=0, freed_bytes=0)
     for run_ids in traces.run_ids_by_folder():
         wanted: set[str] = set()
@@ -157,7 +157,7 @@ def remove_strays(database: Database, traces: TraceFolder, *, written_before: da
                         )
                     )
                 )
-        # A file that is newer may be of a run that was queued after this was asked.
+        # A newer file may belong to a run that was queued after this query.
         strays = [
             run_id
             for run_id in run_ids
@@ -171,7 +171,7 @@ def remove_strays(database: Database, traces: TraceFolder, *, written_before: da
 def _candidates(
     database: Database, chosen: Chosen, ended_before: datetime, *, only_traces: bool
 ) -> Iterator[Sequence[int]]:
-    """Looks for runs that are old enough, oldest first within a facet."""
+    """Yields runs that are old enough, oldest first within a facet."""
     with database.read() as transaction:
         keys = transaction.session.scalars(select(FacetRow.key).where(*_facets(chosen))).all()
         kept = set(
@@ -227,7 +227,7 @@ def _facets(chosen: Chosen) -> list[ColumnElement[bool]]:
 
 
 def _drop_runs(session: Session, seqs: Sequence[int], ended_before: datetime) -> list[str]:
-    """Deletes runs that are still as they were found, and returns their ids."""
+    """Deletes runs that have not changed since the search; returns their ids."""
     found = session.execute(
         select(RunRow.seq, RunRow.id, RunRow.batch_seq, RunRow.facet, RunRow.document_sha256).where(
             *_still(seqs, ended_before)

@@ -15,7 +15,7 @@ from drivora_service.store.tables import QuarantineRow
 
 
 def quarantine_key(scenario_sha256: str, agent_override: str, seed_override: int | None) -> str:
-    """Names what is run: a scenario, with the agent and the seed that override its own."""
+    """Returns the key of a scenario with the agent and the seed that override its own."""
     if not agent_override and seed_override is None:
         return scenario_sha256
     return hashlib.sha256(
@@ -24,7 +24,7 @@ def quarantine_key(scenario_sha256: str, agent_override: str, seed_override: int
 
 
 def quarantined_report(run_id: str, record: QuarantineRecord) -> RunReport:
-    """The report of a run that is not tried because its scenario is quarantined."""
+    """Returns the report of a run that is not started because its scenario is quarantined."""
     return RunReport(
         run_id=run_id,
         status=RunStatus.SIMULATOR_CRASHED,
@@ -61,7 +61,7 @@ class QuarantineRepository:
     def add(
         self, key: str, *, scenario_sha256: str, run_id: str, signal: str, failure: RunFailure
     ) -> None:
-        """Quarantines a scenario; an older entry stays."""
+        """Quarantines a scenario; an existing entry is kept."""
         if self._session.get(QuarantineRow, key) is None:
             self._session.add(
                 QuarantineRow(
@@ -77,7 +77,7 @@ class QuarantineRepository:
             )
 
     def release(self, scenario_sha256: str) -> int:
-        """Lets a scenario run again, with whatever agent and seed; gives the entries removed.
+        """Releases a scenario with every agent and seed; returns the number of removed entries.
 
         Raises:
             UnknownName: It is not quarantined.

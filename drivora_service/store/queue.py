@@ -1,4 +1,4 @@
-"""The queue: handing out runs, and taking back what became of them."""
+"""The queue: leasing runs to owners and writing their ends."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, RunR
 
 
 class QueueRepository:
-    """Hands out queued runs as leases and takes their ends.
+    """Leases queued runs to owners and writes their ends.
 
-    Only an owner's own open lease can be ended, and only once; so a report that comes twice, or
-    from a process that was given up, changes nothing.
+    An owner can end only its own open lease, and only once; so a repeated report, or one of a
+    process that was taken for dead, changes nothing.
     """
 
     def __init__(self, session: Session) -> None:
@@ -41,17 +41,17 @@ class QueueRepository:
         trace_path: Callable[[str], str],
         reserved_to: str = "",
     ) -> tuple[RunSpec, ...]:
-        """Takes up to ``limit`` queued runs.
+        """Leases up to ``limit`` queued runs.
 
         Lower priorities wait for higher ones; within a priority the batches take turns. Runs that
-        were going on at several deaths of the server come after all others, once their wait is
+        were interrupted by several deaths of the server come after all others, once their wait is
         over, and one at a time.
 
         Args:
-            owner_id: Who answers for the runs from now on.
-            limit: Runs wanted.
+            owner_id: Process that owns the leases.
+            limit: Greatest number of runs.
             trace_path: Returns the trace file of a run id.
-            reserved_to: Process whose own runs are handed out; "": those that are for any server.
+            reserved_to: Process for which the runs are reserved; "": runs of any server.
         """
         specs: list[RunSpec] = []
         now = datetime.now(UTC)
@@ -98,7 +98,7 @@ class QueueRepository:
     def finish(
         self, owner_id: str, ends: Sequence[AttemptEnd], policy: RetryPolicy
     ) -> tuple[RunReport, ...]:
-        """Writes how attempts ended and gives the reports of the runs that are over now."""
+        """Writes the ends of attempts; returns the reports of the runs that ended with them."""
         final: list[RunReport] = []
         changes = self._changes()
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
@@ -126,7 +126,7 @@ class QueueRepository:
         return tuple(final)
 
     def release(self, owner_id: str, run_ids: Sequence[str]) -> None:
-        """Returns runs back to the queue because their owner stops."""
+        """Puts runs back into the queue because their owner stops."""
         now = datetime.now(UTC)
         changes = self._changes()
         for row, attempt in self._leases(owner_id, run_ids).values():
@@ -135,7 +135,7 @@ class QueueRepository:
             self._follow(row, transition, now, revision=next(changes))
 
     def reclaim(self, dead_owner_id: str, policy: RetryPolicy) -> int:
-        """Returns the runs of an owner that died back to the queue, and counts them."""
+        """Puts the runs of a dead owner back into the queue; returns their number."""
         now = datetime.now(UTC)
         changes = self._changes()
         leases = self._leases(dead_owner_id, None)
@@ -146,7 +146,7 @@ class QueueRepository:
         return len(leases)
 
     def has_work(self, reserved_to: str = "") -> bool:
-        """Says whether a claim would find anything."""
+        """Returns whether a claim would find a run."""
         held = HeldRuns(self._session)
         numbers = held.numbers()
         query = select(BatchRow.seq).where(
@@ -160,7 +160,7 @@ class QueueRepository:
         return bool(numbers) and held.due(datetime.now(UTC), reserved_to) is not None
 
     def to_cancel(self) -> tuple[str, ...]:
-        """Returns the running runs that somebody wants to end."""
+        """Returns the running runs that have a request to cancel."""
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
         return tuple(self._session.scalars(query))
 
@@ -170,8 +170,8 @@ class QueueRepository:
         """Divides ``limit`` runs among the batches: one each in turn, least served first.
 
         Args:
-            limit: Runs wanted.
-            held: Queued runs that are not to be handed out, by the ``seq`` of their batch.
+            limit: Greatest number of runs.
+            held: Numbers of held queued runs, by the ``seq`` of their batch.
             reserved_to: See :meth:`claim`.
         """
         if limit <= 0:
@@ -218,7 +218,7 @@ class QueueRepository:
         return {row.id: (row, attempt) for row, attempt in self._session.execute(query)}
 
     def _changes(self) -> Iterator[int]:
-        """Returns revisions for the changes of this transaction."""
+        """Yields revisions for the changes of this transaction."""
         return itertools.count(latest_revision(self._session) + 1)
 
     def _follow(

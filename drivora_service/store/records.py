@@ -1,4 +1,4 @@
-"""What the store gives and takes: plain values, never rows."""
+"""Values that the store reads and writes, apart from its rows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Item = TypeVar("Item")
 
 
 class Priority(StrEnum):
-    """Which runs go first: interactive ones, then those of CI, then those of campaigns."""
+    """The priority of runs: interactive first, then CI, then campaigns."""
 
     INTERACTIVE = "interactive"
     CI = "ci"
@@ -30,12 +30,12 @@ class Priority(StrEnum):
 
     @property
     def rank(self) -> int:
-        """Its place in the queue; the lower, the sooner."""
+        """Its rank in the queue; the lower, the sooner."""
         return _RANKED.index(self)
 
     @classmethod
     def of_rank(cls, rank: int) -> Priority:
-        """Returns the priority of a place in the queue."""
+        """Returns the priority of a rank."""
         return _RANKED[rank]
 
 
@@ -43,7 +43,7 @@ _RANKED = tuple(Priority)
 
 
 class BatchState(StrEnum):
-    """Whether a batch's queued runs are handed out."""
+    """Whether a batch's queued runs may start."""
 
     OPEN = "open"
     PAUSED = "paused"
@@ -52,22 +52,22 @@ class BatchState(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewRun:
-    """A run to be queued, or one that is over before it began.
+    """A run to be queued, or one that has ended without being started.
 
     Attributes:
-        document: Canonical JSON text; for a document that cannot be used, the text as it came.
+        document: Canonical JSON text; for an invalid document, the text as received.
         scenario_sha256: Hash of the document.
         town: Name of the network, for filters.
-        agent: Name of the ADS that drives, for filters; several are joined by a comma.
+        agent: Name of the ADS, for filters; several are joined by a comma.
         agent_override: Agent name that overrides the document's, or "".
         seed_override: Seed that overrides the document's.
-        label: Name for people, such as the file it came from.
+        label: Display name, such as the name of its file.
         item: Place in the batch; -1: the place in the call.
-        report: The end of a run that is not to be run, such as ``invalid``; its ``run_id`` is
+        report: Report of a run that is not started, such as ``invalid``; its ``run_id`` is
             replaced by the new one.
-        feedback: What is to be measured besides, for a tester.
+        feedback: Feedback that measures the run for a tester.
         keeps_trace: Whether the worker writes a trace.
-        run_id: Names the run; "": an id is made.
+        run_id: Id of the run; "": an id is made.
     """
 
     document: str
@@ -86,15 +86,15 @@ class NewRun:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSummary(Shape):
-    """A job in a list, and where its run is in its life. Both have the same id.
+    """A job in a list, with the state of its run. Both have the same id.
 
     Attributes:
         cause: Why the run was not judged, as in `error`; empty otherwise.
         label: Display name.
-        batch_id: Empty for a job that was posted alone.
+        batch_id: Empty for a job that was posted singly.
         item: Place in the batch.
         seed: Seed that overrides the document's.
-        attempts: How often a worker took the run.
+        attempts: Number of attempts.
         violations: Violated oracles, observations left out; null unless finished.
         at_fault_violations: Those for which an ego is responsible.
         observations: Violated oracles that count only where a campaign or gate names them.
@@ -135,11 +135,11 @@ class RunSummary(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attempt(Shape):
-    """One try of a worker at a run.
+    """One attempt of a worker at a run.
 
     Attributes:
-        ended_at: null while it goes on.
-        outcome: Empty while it goes on.
+        ended_at: null until it has ended.
+        outcome: Empty until it has ended.
         signal: Signal that ended the worker process, such as SIGSEGV.
         log: Last lines of the worker's log.
     """
@@ -157,7 +157,7 @@ class Attempt(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRecord(RunSummary):
-    """A run and, once it has ended, everything that was found out about it.
+    """A run and, once it has ended, its results.
 
     Attributes:
         error: Why the run was not judged.
@@ -168,8 +168,8 @@ class RunRecord(RunSummary):
             simulation's. Egos that SUMO drives are left out.
         agents: Agent of each ego with the values of all its parameters; empty for runs of versions
             that did not record it.
-        privileged: Ids of the egos that saw more than the perception model lets through.
-        versions: Versions of what took part, by name.
+        privileged: Ids of the egos that got more than the perception model lets through.
+        versions: Versions of the software that took part, by name.
         tries: Every attempt at the run, first to last.
     """
 
@@ -187,11 +187,11 @@ class RunRecord(RunSummary):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch(Shape):
-    """Runs that were asked for together, and how far they are.
+    """Runs that were submitted together, and their progress.
 
     Attributes:
         size: Number of its runs.
-        counts: Runs by status; statuses that no run has are left out.
+        counts: Numbers of runs by status; statuses without runs are left out.
         violated_runs: Finished runs with at least one violated oracle.
     """
 
@@ -213,19 +213,19 @@ class Batch(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobFilter:
-    """Which jobs are wanted; what is left out does not restrict.
+    """A filter of jobs; defaults do not restrict.
 
     Attributes:
-        batch_id: Of this batch.
-        statuses: In any of these states.
-        agent: Driven by this agent.
-        town: On this network.
-        oracle: About which this oracle said ``outcome``.
+        batch_id: Batch of the job.
+        statuses: Any of these statuses.
+        agent: Agent of an ego.
+        town: Name of the network.
+        oracle: Oracle with a verdict of ``outcome``.
         outcome: See ``oracle``.
         at_fault: See ``oracle``; ``None`` for either.
-        accountability: Of which it is the strongest of the run's violations.
-        violated: With, or without, any broken rule.
-        scenario_sha256: Of this scenario.
+        accountability: The strongest of the run's violations.
+        violated: Whether any oracle was violated.
+        scenario_sha256: Hash of the scenario.
     """
 
     batch_id: str = ""
@@ -242,10 +242,10 @@ class JobFilter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Page(Shape, Generic[Item]):
-    """Some items of a list, and the token that asks for the next ones.
+    """One page of a list, and the token of the next.
 
     Attributes:
-        next_page_token: Pass as `page_token` to go on; empty at the end.
+        next_page_token: Value of `page_token` for the next page; empty at the end.
     """
 
     items: tuple[Item, ...]
@@ -280,12 +280,12 @@ class OwnerRecord:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reservation:
-    """Answer to an idempotency key.
+    """The reservation of an idempotency key.
 
     Attributes:
-        fresh: Whether the caller is the first and shall do the work.
-        fingerprint: Of the body of the first request.
-        reference: What the first request was answered with; ``None`` while it is being done.
+        fresh: Whether the caller is the first and must do the work.
+        fingerprint: Fingerprint of the body of the first request.
+        reference: Answer to the first request; ``None`` while it is being done.
     """
 
     fresh: bool

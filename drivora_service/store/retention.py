@@ -1,4 +1,4 @@
-"""Keeping what is of interest for longer than what is not, by itself."""
+"""Removing runs and traces after retention times by kind."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Retention:
-    """For how long after its end something is kept; ``None``: for ever.
+    """Retention times after the end of a run or campaign; ``None``: for ever.
 
     Attributes:
-        passed_traces: Traces of runs that broke no rule, were cancelled, invalid, or lost.
+        passed_traces: Traces of runs that violated no oracle, were cancelled, invalid, or lost.
         passed_runs: Those runs themselves.
         failing_traces: Traces of all other runs.
         failing_runs: Those runs themselves.
         campaign_traces: Traces of the failures of campaigns that are over, but the first of each
-            kind and of each group, which stay.
+            kind and of each group, which are kept.
     """
 
     passed_traces: timedelta | None = None
@@ -58,15 +58,15 @@ def retain(
     now: datetime,
     stopping: Callable[[], bool] = lambda: False,
 ) -> Pruned:
-    """Removes what is older than it is kept; a server may go on meanwhile.
+    """Removes expired runs and traces; a server may run meanwhile.
 
     Args:
-        database: Where the runs and campaigns are.
-        traces: Where the traces of runs are.
-        campaign_traces: Where the traces of failures are.
-        retention: What is kept for how long.
-        now: From when ages count.
-        stopping: Asked between two transactions whether the rest is left for another time.
+        database: Holds the runs and campaigns.
+        traces: Folder of the traces of runs.
+        campaign_traces: Folder of the traces of failures.
+        retention: Retention times.
+        now: Time at which ages are measured.
+        stopping: Called between two transactions; returns whether to stop early.
     """
     if retention.keeps_everything:
         return _NOTHING
@@ -124,7 +124,7 @@ def _prune_campaigns(
 
 
 def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
-    """Forgets the traces that are not kept, and returns the names of those that are."""
+    """Clears the traces that are not kept; returns the names of those that are."""
     with database.read() as transaction:
         failures = transaction.session.execute(
             select(FailureRow.number, FailureRow.kind, FailureRow.group, FailureRow.trace)

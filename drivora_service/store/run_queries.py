@@ -1,4 +1,4 @@
-"""Queries of runs as they are listed."""
+"""Queries of runs for lists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One server a data folder."""
+"""The lock that allows one server a data folder."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from drivora_service.store.file_lock import FileLock
 
 
 class ServerLock:
-    """Holds a data folder for this process.
+    """A lock on a data folder, held by this process.
 
-    So a server that has it knows that every other owner of leases in its database is dead.
+    A server that holds it knows that every other owner of leases in its database is dead.
     """
 
     def __init__(self, data_dir: Path) -> None:
@@ -28,5 +28,5 @@ class ServerLock:
         )
 
     def release(self) -> None:
-        """Lets go of the folder."""
+        """Releases the lock."""
         self._lock.release()

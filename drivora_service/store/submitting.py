@@ -29,13 +29,13 @@ from drivora_service.store.revisions import latest_revision
 from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 
 _RUNS_A_SECOND = 5
-"""A cautious guess of how fast a full queue empties, for the advice when to come back."""
+"""A cautious estimate of how fast a full queue empties, for ``Retry-After``."""
 
 
 def submit_runs(
     session: Session, runs: Sequence[NewRun], *, batch_id: str, queue_limit: int | None
 ) -> tuple[str, ...]:
-    """Does what :meth:`JobRepository.submit` says."""
+    """Implements :meth:`JobRepository.submit`."""
     batch = _batch(session, batch_id or SINGLE_JOBS)
     if batch.state == BatchState.CANCELLED:
         raise Conflict(f"batch {batch.id} was cancelled; post its scenarios to a new one")
@@ -80,7 +80,7 @@ def _batch(session: Session, batch_id: str) -> BatchRow:
 def _already_over(
     session: Session, runs: Sequence[NewRun], ids: Sequence[str]
 ) -> dict[str, RunReport]:
-    """Returns the reports of the runs that are not to be run, by run id."""
+    """Returns the reports of the runs that are not started, by run id."""
     keys = [
         quarantine_key(run.scenario_sha256, run.agent_override, run.seed_override) for run in runs
     ]
@@ -102,13 +102,13 @@ def _check_room(session: Session, more: int, limit: int) -> None:
 
 
 def queued_runs(session: Session) -> int:
-    """Counts the runs that wait."""
+    """Returns the number of queued runs."""
     waiting = select(func.sum(FacetRow.runs)).where(FacetRow.status == RunStatus.QUEUED)
     return session.scalar(waiting) or 0
 
 
 def store_documents(session: Session, runs: Sequence[NewRun]) -> None:
-    """Writes the scenarios of runs that are not known yet."""
+    """Writes the scenarios of runs that are not stored yet."""
     documents = {run.scenario_sha256: run.document for run in runs}
     hashes = list(documents)
     for start in range(0, len(hashes), 500):

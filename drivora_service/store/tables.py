@@ -1,9 +1,9 @@
 """The tables.
 
 ``runs`` is the status resource and the queue in one, and is kept narrow so that a million of them
-stay fast to list; documents, reports and verdicts lie apart. A job and its run share one row and
-one id. Leases are the attempts that have not ended; they live as long as their owner (one server
-process) gives heartbeats.
+stay fast to list; documents, reports and verdicts have tables of their own. A job and its run share
+one row and one id. Leases are the attempts that have not ended; they last as long as their owner
+(one server process) writes heartbeats.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
 
 class UtcDateTime(TypeDecorator[datetime]):
-    """Aware datetimes in UTC, also in databases that keep no time zone."""
+    """Aware datetimes in UTC, also in databases without time zones."""
 
     impl = DateTime(timezone=True)
     cache_ok = True
 
     def process_bind_param(self, value: datetime | None, _dialect: Dialect) -> datetime | None:
-        """Turns to UTC."""
+        """Converts to UTC."""
         return None if value is None else value.astimezone(UTC)
 
     def process_result_value(self, value: datetime | None, _dialect: Dialect) -> datetime | None:
-        """Marks as UTC what came back naive."""
+        """Adds the time zone UTC to naive values."""
         if value is None:
             return None
         return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
 
 
 class Base(DeclarativeBase):
-    """All tables, with constraints that have names and so can be migrated."""
+    """The base of all tables, with named constraints, which can be migrated."""
 
     metadata = MetaData(
         naming_convention={
@@ -60,7 +60,7 @@ class Base(DeclarativeBase):
 
 
 class DocumentRow(Base):
-    """A scenario in canonical JSON, once, however many runs use it."""
+    """A scenario in canonical JSON, stored once for all its runs."""
 
     __tablename__ = "documents"
 
@@ -69,10 +69,10 @@ class DocumentRow(Base):
 
 
 class BatchRow(Base):
-    """Runs that were asked for together; the unit of fairness and of pausing.
+    """Runs that were submitted together; the unit of fairness and of pausing.
 
-    ``queued`` counts its runs that wait, ``served`` how much of the workers it has had. The runs of
-    a command are for its own process alone, which ``owner_id`` names; "" is for any server.
+    ``queued`` counts its queued runs, ``served`` its share of the workers so far. The runs of a
+    command are reserved for its own process, ``owner_id``; "" is for any server.
     """
 
     __tablename__ = "batches"
@@ -108,8 +108,8 @@ class BatchRow(Base):
 class RunRow(Base):
     """One job and its run.
 
-    ``revision`` grows with every change of any run, so that "what is new" is a range. ``facet``
-    names what lists filter by, see ``store.facets``.
+    ``revision`` grows with every change of any run, so that changes since a revision are a range.
+    ``facet`` is the number of its filter attributes, see ``store.facets``.
     """
 
     __tablename__ = "runs"
@@ -177,7 +177,7 @@ class RunRow(Base):
 
 
 class ReportRow(Base):
-    """The whole report of a run as JSON; its key makes a second one of a run impossible."""
+    """The whole report of a run as JSON; its primary key excludes a second one."""
 
     __tablename__ = "reports"
 
@@ -188,9 +188,9 @@ class ReportRow(Base):
 
 
 class VerdictRow(Base):
-    """A rule that was broken, or could not be measured; rules that were kept are in the report.
+    """A verdict that is violated or not measurable; those that passed are in the report only.
 
-    The batch and the facet are those of its run, which has ended and so keeps them.
+    The batch and the facet are those of its run, which has ended, so they do not change.
     """
 
     __tablename__ = "verdicts"
@@ -223,7 +223,7 @@ class VerdictRow(Base):
 
 
 class OwnerRow(Base):
-    """A server process that owns leases while its heart beats."""
+    """A server process that owns leases while it writes heartbeats."""
 
     __tablename__ = "owners"
 
@@ -236,7 +236,7 @@ class OwnerRow(Base):
 
 
 class AttemptRow(Base):
-    """A try at a run; a lease until it has ended."""
+    """An attempt at a run; a lease until it has ended."""
 
     __tablename__ = "attempts"
     __table_args__ = (
@@ -264,7 +264,7 @@ class AttemptRow(Base):
 
 
 class SlotRow(Base):
-    """What a worker slot is doing, as of the last heartbeat of its owner."""
+    """The state of a worker slot at the last heartbeat of its owner."""
 
     __tablename__ = "slots"
 
@@ -299,7 +299,7 @@ class QuarantineRow(Base):
 
 
 class IdempotencyRow(Base):
-    """A request that must not be done twice; without a reference it is still being done."""
+    """A request that must not be done twice; without a reference, it has not been answered."""
 
     __tablename__ = "idempotency_keys"
 

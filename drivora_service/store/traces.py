@@ -1,7 +1,7 @@
-"""Where trace files lie.
+"""The locations of trace files.
 
 Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id; those of the failures
-that a campaign has found are ``campaigns/<campaign id>/traces/<name>``.
+of a campaign are ``campaigns/<campaign id>/traces/<name>``.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ class TraceFolder:
         self.root = root
 
     def path(self, run_id: str) -> Path:
-        """Returns where the trace of a run lies, if it has one."""
+        """Returns the path of the trace of a run, which may not exist."""
         return self.root / run_id[-2:] / f"{run_id}.parquet"
 
     def prepare(self, run_id: str) -> str:
-        """Makes the folder of a run's trace and gives the trace's path.
+        """Makes the folder of a run's trace; returns the trace's path.
 
-        The trace of an earlier attempt is removed: it is not that of the attempt that comes.
+        Removes the trace of an earlier attempt, which is not that of the next one.
         """
         path = self.path(run_id)
         path.unlink(missing_ok=True)
@@ -31,12 +31,12 @@ class TraceFolder:
         return str(path)
 
     def run_ids(self) -> Iterator[str]:
-        """Returns the ids of all runs that have a trace file."""
+        """Yields the ids of all runs that have a trace file."""
         for path in sorted(self.root.glob("??/*.parquet")):
             yield path.stem
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
-        """Returns the same ids, those of one folder at a time."""
+        """Yields the same ids, one folder at a time."""
         for folder in sorted(self.root.glob("??")):
             yield tuple(sorted(path.stem for path in folder.glob("*.parquet")))
 
@@ -53,5 +53,5 @@ class CampaignTraces:
         return self.root / campaign_id / "traces"
 
     def path(self, campaign_id: str, name: str) -> Path:
-        """Returns where the trace of a failure lies, whose record names it."""
+        """Returns the path of the trace ``name`` of a failure."""
         return self.folder(campaign_id) / name

@@ -1,4 +1,4 @@
-"""Looking for contradictions in what is stored."""
+"""Checks of the store for contradictions."""
 
 from __future__ import annotations
 
@@ -31,16 +31,14 @@ def verify(
     campaign_traces: CampaignTraces | None = None,
     hash_trace: Callable[[Path], str] | None = None,
 ) -> Iterator[Finding]:
-    """Checks the database, and that every trace has its run and every run its trace.
-
-    So do the failures that campaigns have found.
+    """Checks the database, and that every trace has its run or failure and every one its trace.
 
     Args:
-        database: Read in one transaction, so a server may go on meanwhile.
-        traces: The traces beside it.
-        campaign_traces: Those of the failures of campaigns; ``None``: they are not looked at.
-        hash_trace: Reads a trace file and gives its hash, to compare with the run's; ``None``: it
-            is only checked that the files are there.
+        database: Read in one transaction, so a server may run meanwhile.
+        traces: Folder of the traces of runs.
+        campaign_traces: Folder of the traces of failures; ``None``: not checked.
+        hash_trace: Returns the hash of a trace file, to compare with the run's; ``None``: only the
+            existence of the files is checked.
     """
     with database.read() as transaction:
         session = transaction.session
@@ -53,7 +51,7 @@ def verify(
         expected_failures = traced_failures(session)
         traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
         expected = {row[0]: row[1] for row in session.execute(traced)}
-        # Runs that go on may have a trace already.
+        # Running runs may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(_UNFINISHED))))
     for run_id, sha256 in expected.items():
         yield from _trace(run_id, traces.path(run_id), sha256, hash_trace)
@@ -79,7 +77,7 @@ def _damage(session: Session) -> Iterator[Finding]:
         if message != "ok":
             yield Finding(kind="damaged_database", subject="", message=message)
     for table, rowid, parent, _ in session.execute(text("PRAGMA foreign_key_check")):
-        message = f"row {rowid} of {table} points to a row of {parent} that is not there"
+        message = f"row {rowid} of {table} refers to a missing row of {parent}"
         yield Finding(kind="damaged_database", subject=table, message=message)
 
 
@@ -116,7 +114,7 @@ def _trace(
     subject: str, path: Path, sha256: str, hash_trace: Callable[[Path], str] | None
 ) -> Iterator[Finding]:
     if not path.is_file():
-        yield Finding(kind="missing_trace", subject=subject, message=f"{path} is not there")
+        yield Finding(kind="missing_trace", subject=subject, message=f"{path} does not exist")
         return
     if hash_trace is None:
         return

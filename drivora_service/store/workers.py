@@ -1,4 +1,4 @@
-"""Server processes that hold leases, and what their worker slots do."""
+"""Server processes that hold leases, and the states of their worker slots."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class WorkerRepository:
         """Registers this process as an owner of leases and returns its id.
 
         Args:
-            owner_id: The id, if it has one already; "": one is made.
+            owner_id: Its id; "": one is made.
         """
         now = datetime.now(UTC)
         owner = OwnerRow(
@@ -41,8 +41,8 @@ class WorkerRepository:
         return owner.id
 
     def beat(self, owner_id: str, slots: Sequence[SlotState]) -> None:
-        """Says that an owner lives and what its slots do."""
-        # An owner that was taken for dead and lives has leases of its own from now on.
+        """Writes the heartbeat of an owner and the states of its slots."""
+        # An owner that was taken for dead but lives gets new leases from now on.
         self._session.execute(
             update(OwnerRow)
             .where(OwnerRow.id == owner_id)
@@ -67,7 +67,7 @@ class WorkerRepository:
         )
 
     def leave(self, owner_id: str) -> None:
-        """Ends an owner that holds no lease any more."""
+        """Removes an owner without leases."""
         self._session.execute(
             update(OwnerRow).where(OwnerRow.id == owner_id).values(ended_at=datetime.now(UTC))
         )
@@ -76,7 +76,7 @@ class WorkerRepository:
     def heartbeats(self, *, me: str) -> dict[str, datetime]:
         """Returns the last heartbeats of the owners other than ``me`` that have not left.
 
-        They are times of the owners' own clocks: fit to see that one is new, not how old it is.
+        They are times of the owners' own clocks: changes can be seen, ages cannot.
         """
         query = select(OwnerRow.id, OwnerRow.heartbeat_at).where(
             OwnerRow.id != me, OwnerRow.ended_at.is_(None)

@@ -1,1 +1,1 @@
-"""Studies: what campaigns come to, alone and compared with others."""
+"""Studies: figures and reports of campaigns, alone and compared."""

@@ -1,4 +1,4 @@
-"""What there is to tell of one campaign."""
+"""The report of one campaign."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class FailureGroup:
     """Similar failures of one kind.
 
     Attributes:
-        kind: Oracle, place, and how the other actor stood to the ego.
-        number: Of the group within the oracle; ``None`` until failures are grouped.
-        failures: In the order of their evaluations.
+        kind: Oracle, place, and relation of the other actor to the ego.
+        number: Number of the group within the oracle; ``None`` until failures are grouped.
+        failures: Failures in the order of their evaluations.
     """
 
     kind: str
@@ -44,24 +44,24 @@ class FailureGroup:
 
     @property
     def example(self) -> Failure:
-        """The first that was confirmed and has a trace; else the first of all."""
+        """The first confirmed failure with a trace, else the first failure."""
         for failure in self.failures:
             if failure.confirmation is Confirmation.CONFIRMED and failure.trace:
                 return failure
         return self.failures[0]
 
     def count(self, confirmation: Confirmation) -> int:
-        """Counts failures of which that is known."""
+        """Returns the number of failures with this confirmation."""
         return sum(failure.confirmation is confirmation for failure in self.failures)
 
     @property
     def at_fault(self) -> int:
-        """Counts failures for which the ego is known to be responsible."""
+        """Number of failures for which the ego is known to be responsible."""
         return sum(bool(failure.verdict.at_fault) for failure in self.failures)
 
     @property
     def avoidable(self) -> int:
-        """Counts those of them that a careful and competent driver avoids."""
+        """Number of those that a careful and competent driver avoids."""
         return sum(
             accountability(failure.verdict) is Accountability.AVOIDABLE for failure in self.failures
         )
@@ -69,12 +69,12 @@ class FailureGroup:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CampaignReport:
-    """A campaign and what it came to.
+    """A campaign and its results.
 
     Attributes:
-        figures: ``None`` where what it searched is not here any more; ``note`` says why.
-        groups: Of failures, in the order in which they were found.
-        privileged: Egos that saw everything, not only what the perception model lets through.
+        figures: ``None`` if its gene space is no longer known; ``note`` says why.
+        groups: Groups of failures, in the order in which they were found.
+        privileged: Egos with full observations, not limited by the perception model.
     """
 
     record: CampaignRecord
@@ -86,7 +86,7 @@ class CampaignReport:
 
 
 def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
-    """Reads what the store knows of a campaign, finished or not.
+    """Reads the report of a stored campaign, finished or not.
 
     Raises:
         UnknownName: There is no such campaign.
@@ -116,7 +116,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
 
 
 def group(failures: Sequence[Failure]) -> tuple[FailureGroup, ...]:
-    """Puts failures of the same kind and group together."""
+    """Returns the failures by kind and group."""
     found: dict[tuple[str, int | None], list[Failure]] = defaultdict(list)
     for failure in failures:
         found[failure.kind, failure.group].append(failure)

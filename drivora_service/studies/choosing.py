@@ -14,15 +14,15 @@ _MOST_NAMED = 20
 
 
 def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[CampaignRecord, ...]:
-    """Returns the campaigns that are wanted, oldest first, each once.
+    """Returns the chosen campaigns, oldest first, each once.
 
     Args:
-        database: Where to look.
+        database: Holds the campaigns.
         wanted: Ids, names, or patterns of names (``study-*``); a name stands for all campaigns
-            that are called so.
+            of that name.
 
     Raises:
-        UnknownName: One of them fits no campaign.
+        UnknownName: One of them matches no campaign.
     """
     known = _all(database)
     chosen: set[str] = set()

@@ -1,4 +1,4 @@
-"""Comparing campaigns that are in the store."""
+"""Comparing stored campaigns."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ _PAGE = 500
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison(Shape):
-    """What came of comparing campaigns.
+    """The comparison of campaigns.
 
     Attributes:
         baseline: The method that the others are compared with.
-        budgets: Simulations that each campaign could make, by scenario.
+        budgets: Simulations that each campaign may make, by scenario.
         time_limits_s: Seconds of one worker within which evaluations count, by scenario; empty
             unless campaigns are compared at equal time.
-        notes: What a reader should know besides.
+        notes: Remarks for the reader.
         differences: One for each measure, scenario and method but the baseline.
         campaigns: Figures of each campaign, in the order of the campaigns.
     """
@@ -73,23 +73,23 @@ def compare_stored(
     measures: Sequence[Measure] = MEASURES,
     equal_time: bool = False,
 ) -> Comparison:
-    """Compares campaigns by what the store holds of them.
+    """Compares stored campaigns.
 
-    Failures that did not happen again in an identical run are left out. Groups of similar failures
-    are made of the failures of all campaigns on a scenario at once.
+    Failures that an identical run did not repeat are left out. Groups of similar failures are made
+    of the failures of all campaigns on a scenario at once.
 
     Args:
         database: Holds the campaigns.
         records: The campaigns; see :func:`choosing.choose_campaigns`.
-        catalogues: Where their names are looked up.
+        catalogues: Catalogues for their names.
         baseline: Name of the method that the others are compared with.
-        measures: By what.
-        equal_time: Leave out what each campaign evaluated after the seconds (of one worker, the
+        measures: Measures to compare by.
+        equal_time: Leave out the evaluations of each campaign after the seconds (of one worker, the
             method's own time included) that the shortest campaign on the same scenario took.
 
     Raises:
         CampaignError: They cannot be compared; says why.
-        InvalidDocument: What a campaign names is not there any more.
+        InvalidDocument: A name in a campaign is no longer available.
     """
     campaigns = compared_campaigns(records, catalogues.testers)
     check_comparable([campaign.subject for campaign in campaigns], baseline)
@@ -117,10 +117,10 @@ def compare_stored(
 
 
 def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
-    """Returns the evaluations of a campaign, without failures that did not happen again.
+    """Returns the evaluations of a campaign, without failures that were not repeated.
 
-    Of the runs' reports little is kept, such as how long they took: hundreds of campaigns must fit
-    in memory.
+    Little of the runs' reports is kept, such as their durations: hundreds of campaigns must fit in
+    memory.
     """
     journal = StoreJournal(database, campaign_id)
     flaky = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
@@ -147,11 +147,11 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
 def network_coverage(
     database: Database, campaign_id: str, network: RoadNetwork, *, until: int | None = None
 ) -> float:
-    """Returns the share of the network that a campaign's simulations took place on.
+    """Returns the share of the network that a campaign's simulations used.
 
     Args:
         database: Holds their scenarios.
-        campaign_id: Which campaign.
+        campaign_id: Id of the campaign.
         network: Its road network.
         until: Number of the last evaluation that counts; ``None``: all count.
     """
@@ -204,7 +204,7 @@ def _figures(
 def check_genes(
     records: Sequence[EvaluationRecord], ground: Ground, campaign: CampaignRecord
 ) -> Sequence[EvaluationRecord]:
-    """Returns evaluations whose genes are those of the space as it is now.
+    """Returns the evaluations, after a check that their genes are those of the current space.
 
     Raises:
         CampaignError: They are not.

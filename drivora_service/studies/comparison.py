@@ -17,15 +17,15 @@ NOTICEABLE = 0.71
 """A12 from which an effect is called large (Vargha and Delaney 2000)."""
 SIGNIFICANT = 0.05
 _SIZES = ((NOTICEABLE, "large"), (0.64, "medium"), (0.56, "small"))
-"""A12, or 1 minus A12, from which an effect is called so (Vargha and Delaney 2000)."""
+"""A12, or 1 minus A12, from which an effect has the name (Vargha and Delaney 2000)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measure:
-    """Something that campaigns are compared by.
+    """A measure of campaigns.
 
     Attributes:
-        value: Returns it; ``None`` where a campaign does not have it.
+        value: Returns its value for a campaign; ``None`` if the campaign has none.
     """
 
     name: str
@@ -35,11 +35,11 @@ class Measure:
 
 
 def _until_first(figures: CampaignFigures) -> float | None:
-    """Returns the simulations up to the first failure; one more than allowed where there was none.
+    """Returns the simulations up to the first failure; the budget plus one if there was none.
 
-    A tester may have ended before its budget: with one more than it made, who gave up soonest would
-    seem to have found soonest. At equal time campaigns have made different numbers of simulations
-    as well, and none was allowed: then it is not known.
+    A tester may have ended before its budget: with one more than it made, the tester that gave up
+    first would seem to have found a failure first. At equal time the numbers of simulations differ
+    as well, and there is no budget: then the result is ``None``.
     """
     if figures.time_limit_s is not None:
         return None
@@ -140,7 +140,7 @@ def measure(name: str) -> Measure:
     """Returns a measure by its name.
 
     Raises:
-        UnknownName: If there is none of that name.
+        UnknownName: There is no measure of that name.
     """
     for known in MEASURES:
         if known.name == name:
@@ -153,17 +153,17 @@ class Difference(Shape):
     """One method against the baseline, by one measure on one seed scenario.
 
     Attributes:
-        measure: Its name.
+        measure: Name of the measure.
         title: Display name of the measure.
         method: The method: campaigns of one method are repetitions.
-        repetitions: Of the method.
-        baseline_repetitions: Of the baseline.
-        median: Of the method's repetitions.
-        baseline_median: Of the baseline's.
+        repetitions: Number of repetitions of the method.
+        baseline_repetitions: Number of repetitions of the baseline.
+        median: Median of the method's repetitions.
+        baseline_median: Median of the baseline's repetitions.
         a12: Probability that a repetition of the method is *better* than one of the baseline.
         low: Lower end of its 95 % confidence interval.
         high: Upper end.
-        p: Of the two-sided Mann-Whitney test.
+        p: p-value of the two-sided Mann-Whitney test.
         p_holm: p corrected for all differences by the same measure.
     """
 
@@ -185,17 +185,17 @@ class Difference(Shape):
 
     @property
     def is_better(self) -> bool:
-        """Whether the method is better by a large effect that is hardly chance."""
+        """Whether the method is better by a large and significant effect."""
         return self.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def judgement(self) -> str:
-        """In words: better or worse and by how much, or undecided where that may be chance."""
+        """In words: better or worse and by how much, or undecided if not significant."""
         if self.p_holm >= SIGNIFICANT:
             return "undecided"
         larger = max(self.a12, 1.0 - self.a12)
-        # The words for its size are those of Vargha and Delaney 2000.
+        # The words for the size are those of Vargha and Delaney 2000.
         size = next((word for least, word in _SIZES if larger >= least), "negligible")
         return f"{'better' if self.a12 > 0.5 else 'worse'}, {size}"
 
@@ -203,19 +203,19 @@ class Difference(Shape):
 def compare_campaigns(
     figures: Sequence[CampaignFigures], baseline: str, measures: Sequence[Measure] = MEASURES
 ) -> tuple[Difference, ...]:
-    """Compares every method with one of them.
+    """Compares every method with a baseline.
 
     Args:
-        figures: Of campaigns with the same budget on each seed scenario.
+        figures: Figures of campaigns with the same budget on each seed scenario.
         baseline: Name of the method that the others are compared with.
-        measures: By what.
+        measures: Measures to compare by.
 
     Returns:
-        By measure, then scenario, then method. For a measure that a campaign of either method does
-        not have there is none.
+        Differences by measure, then scenario, then method; none for a measure without a value in a
+        campaign of either method.
 
     Raises:
-        CampaignError: If the campaigns cannot be compared; says why.
+        CampaignError: The campaigns cannot be compared; the message says why.
     """
     check_comparable(figures, baseline)
     rows = []
@@ -236,11 +236,11 @@ def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str
     """Checks that every method has repetitions, and a baseline to be compared with.
 
     Args:
-        figures: The campaigns, counted or not yet.
+        figures: The campaigns, with or without figures.
         baseline: Name of the method that the others are compared with.
 
     Raises:
-        CampaignError: If the campaigns cannot be compared; says why.
+        CampaignError: The campaigns cannot be compared; the message says why.
     """
     methods = _unique(f.method for f in figures)
     if baseline not in methods:
@@ -256,9 +256,9 @@ def check_comparable(figures: Sequence[CampaignFigures | Subject], baseline: str
         for method in _unique(f.method for f in here):
             if sum(f.method == method for f in here) < 2:
                 raise CampaignError(
-                    f"on {scenario!r} there is one campaign of {method!r} only; chance can be told "
-                    "from difference with repetitions alone: run it with other seeds, 20 in all "
-                    "for a result that can be relied on"
+                    f"on {scenario!r} there is one campaign of {method!r} only; a difference can "
+                    "be told from chance only with repetitions: run it with other seeds, 20 in all "
+                    "for a reliable result"
                 )
         seen: dict[tuple[str, int], str] = {}
         for f in here:

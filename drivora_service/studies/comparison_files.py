@@ -33,7 +33,7 @@ _ROW_COLUMNS = (
 
 
 def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
-    """Writes a comparison into a folder, which is made if need be.
+    """Writes a comparison into a folder, which is made if it does not exist.
 
     Returns:
         The files: ``comparison.md``, ``comparison.csv``, ``figures.csv`` and charts.

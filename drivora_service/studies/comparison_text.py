@@ -1,4 +1,4 @@
-"""A comparison in words: what was compared, how to read it, and all of it as Markdown."""
+"""A comparison as text: its setting, how to read it, and the whole as Markdown."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
     """Writes a comparison as Markdown.
 
     Args:
-        comparison: What to write.
-        charts: Pictures to show, which lie beside the text.
+        comparison: The comparison.
+        charts: Pictures to show, in the folder of the text.
     """
     lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
     lines += [f"- {line}" for line in setting(comparison)]
@@ -46,7 +46,7 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
 
 
 def how_to_read(comparison: Comparison) -> str:
-    """Says in three sentences what the columns mean."""
+    """Explains the columns in three sentences."""
     return (
         f"A12 is the probability that a repetition of the method is better than one of "
         f"{comparison.baseline}: 0.5 is no difference, from 0.71 on (or below 0.29) it is called "
@@ -56,7 +56,7 @@ def how_to_read(comparison: Comparison) -> str:
 
 
 def setting(comparison: Comparison) -> tuple[str, ...]:
-    """Says what was compared on which scenario."""
+    """Describes the compared campaigns, by scenario."""
     lines = []
     for scenario, budget in comparison.budgets.items():
         here = [f for f in comparison.campaigns if f.scenario == scenario]

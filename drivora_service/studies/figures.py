@@ -1,4 +1,4 @@
-"""What a campaign came to, in figures that campaigns can be compared by."""
+"""Figures of a campaign, by which campaigns are compared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import EvaluationRecord
 
 _LEVELS = 4
-"""Parts into which the range of a gene is cut to count which combinations were tried."""
+"""Number of levels of a gene's range for counting tried combinations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,31 +26,31 @@ class CampaignFigures(Shape):
     """One campaign in figures.
 
     Attributes:
-        campaign: Its id.
+        campaign: Id of the campaign.
         method: What is compared: campaigns of one method are repetitions of one another.
         scenario: Name of the seed scenario; only campaigns of the same one are compared.
-        seed: Of the search.
-        simulations: Candidates that were simulated.
-        invalid_share: Of all candidates, those that were no valid scenario.
-        failed_share: Of the simulations, those without a result.
+        seed: Seed of the search.
+        simulations: Number of simulated candidates.
+        invalid_share: Share of invalid candidates among all.
+        failed_share: Share of simulations without a result.
         failing: Simulations with at least one failure.
         at_fault: Simulations in which an ego is known to be responsible for one.
         avoidable: Those of them with one that a careful and competent driver avoids.
         unavoidable: Those of them in which that driver avoids none.
-        undetermined: Simulations in which fault cannot be told of any failure.
+        undetermined: Simulations in which the fault of no failure can be determined.
         kinds: Kinds of failures (``campaigns.failure_kinds``).
-        oracles: Different oracles violated, collisions apart by what the other was: an ego, an NPC
+        oracles: Different oracles violated; collisions count by the other actor: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
         groups: Groups of similar failures; ``None`` if they were not grouped.
-        situations: Situations that failures occurred in (``campaigns.situations``); ``None`` if
+        situations: Situations in which failures occurred (``studies.situations``); ``None`` if
             they were not counted.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
         found: For each different failure, simulations up to it, ascending.
         gene_coverage: Share of all combinations of two genes' levels that were tried.
-        simulation_s: Seconds that the runs took in their workers, all together.
-        own_s: Seconds that the method itself took: asking, telling, repairing, decoding, checking.
-        network_coverage: Share of the network's drivable lanes, by length, that actors were put on
-            or had their ways over; ``None``: not known (see ``campaigns.road_coverage``).
+        simulation_s: Seconds of all runs in their workers.
+        own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
+        network_coverage: Share of the network's drivable lanes, by length, on which actors were
+            placed or planned; ``None``: not known (see ``studies.road_coverage``).
         first_failure_s: Seconds of one worker up to the first failure, the method's own included;
             ``None``: none found.
         time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
@@ -93,7 +93,7 @@ class CampaignFigures(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """Whose figures they are; see :class:`CampaignFigures`."""
+    """The campaign of some figures; see :class:`CampaignFigures`."""
 
     campaign: str
     method: str
@@ -112,18 +112,18 @@ def figures_of(
     time_limit_s: float | None = None,
     budget: int | None = None,
 ) -> CampaignFigures:
-    """Counts what a campaign came to.
+    """Computes the figures of a campaign.
 
     Args:
         subject: The campaign.
         records: Its evaluations in order.
         space: Its genes.
-        groups: Groups of similar failures, where they are known.
-        situations: Situations that they occurred in, where those are known.
+        groups: Groups of similar failures, if known.
+        situations: Situations in which they occurred, if known.
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
             ``None``: all count.
-        budget: Simulations that it could make.
+        budget: Simulations that it may make.
     """
     if time_limit_s is not None:
         records = within_time(records, time_limit_s)
@@ -181,18 +181,18 @@ def figures_of(
 
 
 def cost_s(record: EvaluationRecord) -> float:
-    """Returns the seconds of one worker that an evaluation took, the method's own included."""
+    """Returns the seconds of one worker for an evaluation, the method's own included."""
     return record.report.wall_time_s + record.search_s + record.prepare_s
 
 
 def duration_s(records: Sequence[EvaluationRecord]) -> float:
     """Returns the seconds that one worker would have taken for all evaluations."""
-    # Added up as `within_time` does: a limit that comes from here leaves nothing out.
+    # Summed as in `within_time`: a limit from here leaves nothing out.
     return max(itertools.accumulate(map(cost_s, records)), default=0.0)
 
 
 def within_time(records: Sequence[EvaluationRecord], seconds: float) -> list[EvaluationRecord]:
-    """Returns the evaluations that one worker ends within some seconds of wall time.
+    """Returns the evaluations that one worker completes within some seconds of wall time.
 
     The method's own time counts, so that methods can be compared at equal time.
     """

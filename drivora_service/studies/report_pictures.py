@@ -13,19 +13,19 @@ from drivora_service.studies.campaign_report import CampaignReport
 def draw_examples(
     report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
 ) -> dict[int, Path]:
-    """Draws the example of each group whose trace is there, once an evaluation.
+    """Draws the example of each group, if its trace exists, once an evaluation.
 
     Args:
         report: The campaign.
         traces: Folder of its traces.
-        catalogues: Knows the road network.
-        folder: Where the pictures go; made if need be.
+        catalogues: Catalogues with the road network.
+        folder: Folder of the pictures; made if it does not exist.
 
     Returns:
         Pictures by number of the evaluation.
 
     Raises:
-        UnknownName: The road network is not here any more.
+        UnknownName: The road network is no longer available.
         StoreError: A trace cannot be read.
     """
     pictures: dict[int, Path] = {}

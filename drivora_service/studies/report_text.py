@@ -21,14 +21,14 @@ def report_markdown(
 
     Args:
         report: The campaign.
-        pictures: Address of a picture by number of the evaluation that it shows.
-        options: What the commands in the text need besides, such as ``--data-dir DIR``.
+        pictures: Addresses of pictures by number of the evaluation.
+        options: Additional options of the commands in the text, such as ``--data-dir DIR``.
     """
     record = report.record
     lines = [f"# Campaign {record.name}", ""]
     lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
-    lines += ["", "## What was searched", "", *_table(("", ""), _searched(report))]
-    lines += ["", "## What came of it", "", *_table(("", ""), _outcome(report))]
+    lines += ["", "## Search", "", *_table(("", ""), _searched(report))]
+    lines += ["", "## Results", "", *_table(("", ""), _outcome(report))]
     if report.note:
         lines += ["", f"Coverage and times are not known: {report.note}"]
     lines += ["", "## Failures", "", *_failures(report)]
@@ -48,11 +48,11 @@ def _searched(report: CampaignReport) -> list[tuple[str, str]]:
     if tester.selection:
         rows.append(("selection in place of its own", tester.selection))
     if tester.feedback is FeedbackMode.SHUFFLED:
-        rows.append(("feedback", "shuffled: it was told the results of others"))
+        rows.append(("feedback", "shuffled: it was told the results of other candidates"))
     space = {k: v for k, v in document.space.model_dump(mode="json").items() if v is not False}
     rows.append(("ADS", record.agent))
     if report.privileged:
-        rows.append(("egos that see everything", ", ".join(report.privileged)))
+        rows.append(("egos with full observations", ", ".join(report.privileged)))
     rows += [
         ("road network", f"{record.town} ({record.network_sha256[:8]})"),
         ("seed scenario", f"{len(scenario.ego_vehicles)} ego(s), seed {scenario.seed}"),
@@ -80,8 +80,8 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
         ("of these with an ego at fault", str(counts.at_fault)),
         ("of these avoidable", _count(counts.avoidable)),
         ("of these not avoidable", _count(counts.unavoidable)),
-        ("simulations whose fault cannot be told", _count(counts.undetermined)),
-        ("time of work", f"{report.record.active_s:.1f} s"),
+        ("simulations with undetermined fault", _count(counts.undetermined)),
+        ("work time", f"{report.record.active_s:.1f} s"),
     ]
     return rows if figures is None else rows + _measured(figures)
 
@@ -115,7 +115,7 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
 
 def _failures(report: CampaignReport) -> list[str]:
     if not report.groups:
-        return ["None were found."]
+        return ["No failures were found."]
     return _table(
         (
             "kind",

@@ -1,13 +1,14 @@
-"""Which share of a road network the scenarios of a campaign took place on.
+"""The share of a road network that the scenarios of a campaign use.
 
 The drivable lanes, those inside junctions included, are cut into cells of at most five metres. A
-cell is covered once any scenario has an actor put there (its start, a place to pass, its end, where
-it stands), a vehicle's way leads over it, or a walker crosses it. The share is of the length of all
-cells. Coverage is of what was asked for: it does not matter how far an actor came in the run.
+cell is covered once any scenario places an actor there (its start, a waypoint, its end, where it
+stands), a vehicle's planned path leads over it, or a walker's path crosses it. The share is of the
+length of all cells. Coverage is of the documents: it does not matter how far an actor came in the
+run.
 
-The way between two places of a vehicle is the planner's between the two lanes. It is planned once
+The path between two places of a vehicle is the planner's between the two lanes. It is planned once
 for each pair of lanes, not from place to place, because a study has hundreds of thousands of pairs.
-Where it changes lanes on a road, each of them counts for its part of that road.
+Where it changes lanes on a road, each lane counts for its part of that road.
 """
 
 from __future__ import annotations
@@ -28,12 +29,12 @@ from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.scenario.model import NpcBehavior, Scenario, Waypoint
 
 CELL = 5.0
-"""Metres of lane that are covered or not, at most."""
+"""Greatest length of a cell, metres."""
 _STEP = 1.0
-"""Metres between places on a straight way."""
+"""Metres between places on a straight path."""
 
 Road = tuple[int, ...]
-"""Lanes of one road, or one lane in a junction, in the order in which a way uses them."""
+"""Lanes of one road, or one lane in a junction, in the order of a path."""
 
 
 class RoadCoverage:
@@ -47,11 +48,11 @@ class RoadCoverage:
         self._counts = np.ceil(self._lengths / CELL).astype(np.int64)
         self._firsts = np.concatenate(([0], np.cumsum(self._counts)))
         self._begun = np.zeros(int(self._firsts[-1]) + 1, dtype=np.int64)
-        """How many ranges begin at each cell, less those that ended before it."""
+        """Number of ranges that begin at each cell, minus those that ended before it."""
 
     @property
     def share(self) -> float:
-        """The covered share of the drivable lanes' length; 0 where there are none."""
+        """The covered share of the drivable lanes' length; 0 if there are none."""
         sizes = np.repeat(self._lengths / np.maximum(self._counts, 1), self._counts)
         whole = float(sizes.sum())
         return float(sizes[self.covered].sum()) / whole if whole else 0.0
@@ -63,7 +64,7 @@ class RoadCoverage:
         return covered
 
     def add(self, scenarios: Sequence[Scenario]) -> None:
-        """Covers what scenarios on this network use."""
+        """Covers the lanes that scenarios on this network use."""
         joined = [way for scenario in scenarios for way in _joined_ways(scenario)]
         single = [way for scenario in scenarios for way in _straight_ways(scenario)]
         if joined:
@@ -74,7 +75,7 @@ class RoadCoverage:
             self._cover(places.lane[on].astype(np.int64), places.s[on], places.s[on])
 
     def _add_joined(self, ways: Sequence[FloatArray]) -> None:
-        """Covers (n, 3) places x, y, yaw (NaN where unknown) and the ways between them."""
+        """Covers (n, 3) places x, y, yaw (NaN if unknown) and the paths between them."""
         points = np.concatenate(ways)
         places = project_points(self._network, points[:, :2], points[:, 2])
         lanes = places.lane.astype(np.int64)
@@ -89,7 +90,7 @@ class RoadCoverage:
             self._cover_ways(_roads_between(self._network, *map(int, pair)), places, chosen)
 
     def _cover_ways(self, roads: tuple[Road, ...], places: LaneProjections, ends: IntArray) -> None:
-        """Covers ways along the same roads that end at places ``ends`` and begin one before."""
+        """Covers paths along the same roads that end at places ``ends`` and begin one before."""
         for number, road in enumerate(roads):
             for turn, lane in enumerate(road):
                 length = self._lengths[lane]
@@ -111,7 +112,7 @@ class RoadCoverage:
 
 
 def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
-    """Returns (n, 3) places of each vehicle that follows lanes between them."""
+    """Yields (n, 3) places of each vehicle that follows lanes between them."""
     for ego in scenario.ego_vehicles:
         yield _places(ego.route)
     for npc in scenario.npc_vehicles:
@@ -120,7 +121,7 @@ def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
 
 
 def _straight_ways(scenario: Scenario) -> Iterator[FloatArray]:
-    """Returns (n, 2) places of each actor that moves in straight lines, or not at all."""
+    """Yields (n, 2) places of each actor that moves in straight lines, or not at all."""
     for npc in scenario.npc_vehicles:
         if npc.behavior is NpcBehavior.REPLAY:
             yield _walked(npc.route)
@@ -146,7 +147,7 @@ def _walked(route: Sequence[Waypoint]) -> FloatArray:
 
 @lru_cache(maxsize=65536)
 def _roads_between(network: RoadNetwork, start: int, end: int) -> tuple[Road, ...]:
-    """Returns the roads from one lane to another; none where no way leads there."""
+    """Returns the roads from one lane to another; none if there is no path."""
     lanes = network.lanes
     if start == end:
         return ((start,),)

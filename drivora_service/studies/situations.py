@@ -1,8 +1,8 @@
-"""Counting the situations that violations occurred in, also where they fill a scenario evenly.
+"""Counting the situations of violations, also where these fill a scenario evenly.
 
-Chains of neighbours (``campaigns.grouping``) grow together as more violations are found, and
-thousands of one rule can end as one group. Here a situation reaches no farther than a radius around
-the violation that it is named after: more violations never make fewer situations.
+Chains of neighbours (``campaigns.grouping``) merge as more violations are found, and thousands of
+violations of one oracle can become one group. Here a situation extends no farther than a radius
+around its central violation: more violations never make fewer situations.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Verdict
 
 RADIUS = 0.15
-"""As far as neighbours of a group are from one another: see ``campaigns.grouping``."""
+"""The distance of neighbours in a group: see ``campaigns.grouping``."""
 
 
 def count_situations(samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
-    """Counts the situations that each of several samples of violations is in.
+    """Returns the number of situations in each of several samples of violations.
 
     All violations are taken together, as their least and greatest values are the scale. Those of
-    one oracle are walked through in the order of their features: one that is farther than the
-    radius from every situation so far begins the next. Each then is in the situation nearest to it.
+    one oracle are processed in the order of their features: one that is farther than the radius
+    from every situation so far starts the next. Each then belongs to the nearest situation.
 
     Args:
         samples: Violations, campaign by campaign.
@@ -52,7 +52,7 @@ def nearest_centres(points: FloatArray) -> tuple[int, ...]:
 
     Centres are points; no two of them are nearer than the radius, and no point is farther from one.
     """
-    # In an order of their own: who was found by which campaign must not matter.
+    # In an order of their own: the result must not depend on the order of the campaigns.
     ordered = np.unique(points, axis=0)
     centres: list[FloatArray] = []
     left = np.full(len(ordered), math.inf)

@@ -20,12 +20,12 @@ Sample = Sequence[float] | NDArray[np.float64]
 
 CONFIDENCE = 0.95
 _END = 1e-9
-"""From 0 and 1, where the standard error is 0 and would end the search at once."""
+"""Distance from 0 and 1, where the standard error is 0 and would end the search at once."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effect:
-    """How a sample lies against another.
+    """The effect of a sample against another.
 
     Attributes:
         a12: Probability that a value of the first is larger than one of the second.
@@ -44,18 +44,18 @@ def compare_samples(first: Sample, second: Sample) -> Effect:
     """Compares two samples of at least two finite values each.
 
     Raises:
-        CampaignError: If a sample is too small, or a value is not finite.
+        CampaignError: A sample is too small, or a value is not finite.
     """
     x, y = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     for name, sample in (("first", x), ("second", y)):
         if len(sample) < 2:
             raise CampaignError(
                 f"the {name} sample has {len(sample)} repetitions; at least 2 are needed, and 20 "
-                "for a result that can be relied on"
+                "for a reliable result"
             )
         if not np.isfinite(sample).all():
             raise CampaignError(f"the {name} sample holds a value that is not finite")
-    # Here, as below, not above: a service need not start with what takes half a second to load.
+    # Imported here and below: importing it takes half a second, which the service's start skips.
     from scipy import stats
 
     test = stats.mannwhitneyu(x, y, alternative="two-sided", method="asymptotic")

@@ -1,4 +1,4 @@
-"""Which stored campaigns are repetitions of one another, and which may be compared at all."""
+"""The subjects of a comparison: which campaigns are repetitions, and which may be compared."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SHORT = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compared:
-    """A campaign that takes part in a comparison.
+    """A campaign in a comparison.
 
     Attributes:
         subject: Its names in the comparison.
@@ -39,20 +39,20 @@ class Compared:
 def compared_campaigns(
     records: Sequence[CampaignRecord], testers: TesterCatalogue
 ) -> tuple[Compared, ...]:
-    """Names campaigns for a comparison.
+    """Names the methods and scenarios of campaigns for a comparison.
 
-    A method is called like its tester, with "without feedback" where it was told the results of
-    others, and with those of its parameters, components and lookahead in which the campaigns of
-    this tester differ. A scenario is called like its town, with the beginning of a hash where there
-    are several of one town.
+    A method is named after its tester, with "without feedback" if it was told shuffled results, and
+    with those of its parameters, components and lookahead in which the campaigns of this tester
+    differ. A scenario is named after its town, with the beginning of a hash if there are several of
+    one town.
 
     Args:
         records: The campaigns.
-        testers: Knows the defaults of parameters that a campaign does not give.
+        testers: Catalogue with the defaults of parameters that a campaign does not give.
 
     Raises:
-        CampaignError: One has not finished, or campaigns on the same scenario differ in what has to
-            be the same; says in what.
+        CampaignError: One has not finished, or campaigns on the same scenario differ in conditions
+            that must be equal; the message names them.
     """
     for record in records:
         _refuse_unfinished(record)
@@ -107,7 +107,7 @@ def _refuse_differences(first: Compared, other: Compared) -> None:
 
 
 def _conditions(campaign: Compared) -> dict[str, Any]:
-    """Returns what must be the same for all campaigns on a scenario, by name."""
+    """Returns the conditions that must be equal for all campaigns on a scenario, by name."""
     document = campaign.document
     return {
         "budget": document.budget.simulations,
@@ -120,7 +120,7 @@ def _conditions(campaign: Compared) -> dict[str, Any]:
 
 
 def _agent_parameters(document: CampaignDocument) -> list[Mapping[str, Any]]:
-    """Returns the different parameters that egos are driven with."""
+    """Returns the different parameters of the egos' agents."""
     egos = document.scenario.ego_vehicles
     agents = [ego.agent if document.agent is None else document.agent for ego in egos]
     different: list[Mapping[str, Any]] = []
@@ -144,7 +144,7 @@ def _scenario_names(documents: Sequence[CampaignDocument]) -> list[str]:
 
 
 def _scenario_hash(document: CampaignDocument) -> str:
-    """Returns the identity of a seed scenario, whoever drives in it."""
+    """Returns the identity of a seed scenario, regardless of its agents."""
     drivers = {"agent": True, "config_path": True}
     content = document.scenario.model_dump(
         mode="json", exclude={"ego_vehicles": {"__all__": drivers}}
@@ -178,7 +178,7 @@ def _group_name(document: CampaignDocument, traits: Mapping[str, str]) -> str:
 
 
 def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, str]:
-    """Returns what may set campaigns of one tester apart, as text by name."""
+    """Returns the traits in which campaigns of one tester may differ, as text by name."""
     tester = document.tester
     return {
         **{name: _said(value) for name, value in _parameters(tester, testers).items()},
@@ -189,7 +189,7 @@ def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, s
 
 
 def _parameters(tester: TesterDocument, testers: TesterCatalogue) -> Mapping[str, Any]:
-    """Returns all parameters; only those that are written down where the tester is not here."""
+    """Returns all parameters; only the given ones if the tester is not installed."""
     try:
         plugin = testers.plugin(tester.name)
         known = read_parameters(plugin.parameters, tester.parameters, of=f"tester {tester.name!r}")

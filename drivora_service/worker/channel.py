@@ -2,7 +2,7 @@
 
 A worker runs code under test, which may write anything to its end of the channel, or stop in the
 middle of a message. So the slot's end never blocks, holds no more than one message of bounded
-length, and gives up on a message that does not end.
+length, and drops a message that does not end in time.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 LONGEST_BODY = 16 << 20
-"""Bytes of the longest message that a slot accepts; as objects they take some twenty times that."""
+"""Largest message that a slot accepts, in bytes; parsed, it takes some twenty times that."""
 
 _MAGIC = b"drvr"
 _HEADER = struct.Struct("!4sII")
 _CHUNK = 1 << 20
 _WHOLE_WITHIN_S = 10.0
-"""Seconds within which a message must be there as a whole once it was begun."""
+"""Seconds within which a message must be complete after its first byte."""
 
 
 class Kind(IntEnum):
-    """What a message says."""
+    """The kind of a message."""
 
     READY = 1
     NOT_READY = 2
@@ -37,11 +37,11 @@ class Kind(IntEnum):
     ENDED = 6
     END = 7
     LOOK = 8
-    STRANGERS = 9
+    LEFTOVERS = 9
 
 
 class ProtocolError(Exception):
-    """The other side sent something that is no message of this protocol."""
+    """The other side sent bytes that are no message of this protocol."""
 
 
 class ChannelClosedError(Exception):
@@ -60,7 +60,7 @@ class Channel:
     """A slot's end of a channel."""
 
     def __init__(self, end: socket.socket) -> None:
-        """Takes over one end of a pair of stream sockets."""
+        """Takes ownership of one end of a pair of stream sockets."""
         end.setblocking(False)
         self._socket = end
         self._coming = bytearray()
@@ -73,38 +73,38 @@ class Channel:
 
     @property
     def has_more_to_send(self) -> bool:
-        """Whether a part of a message waits for the other side to read."""
+        """Whether a part of a message is still to be sent."""
         return bool(self._going)
 
     @property
     def is_within_message(self) -> bool:
-        """Whether a message has been begun and is not there as a whole."""
+        """Whether a message has been received in part."""
         return bool(self._coming)
 
     @property
     def has_message(self) -> bool:
-        """Whether a whole message has come and was not read."""
+        """Whether a whole message has been received and not read."""
         return len(self._coming) >= _HEADER.size and (
             len(self._coming) >= _HEADER.size + _HEADER.unpack_from(self._coming)[2]
         )
 
     def put(self, frame: Frame) -> None:
-        """Sends a message, as far as the other side takes it now; :meth:`flush` sends the rest."""
+        """Sends as much of a message as fits without blocking; :meth:`flush` sends the rest."""
         self._going += _HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body
         self.flush()
 
     def flush(self) -> None:
-        """Sends what waits, as far as the other side takes it now."""
-        # An end that was closed is found by the next read.
+        """Sends as much of the pending bytes as fits without blocking."""
+        # The next read finds a closed end.
         with contextlib.suppress(BrokenPipeError, ConnectionResetError, BlockingIOError):
             while self._going:
                 del self._going[: self._socket.send(bytes(self._going[:_CHUNK]))]
 
     def read(self) -> Frame | None:
-        """Returns the next message, ``None`` if there is none as a whole.
+        """Returns the next whole message, ``None`` if there is none.
 
         Raises:
-            ProtocolError: What has come is no message, or one that was begun does not end.
+            ProtocolError: The bytes are no message, or a message is not complete in time.
             ChannelClosedError: The other side has closed its end; no message is left.
         """
         while (frame := self._next()) is None:
@@ -126,7 +126,7 @@ class Channel:
         return frame
 
     def _next(self) -> Frame | None:
-        """Takes a whole message out of what has come."""
+        """Takes a whole message out of the received bytes."""
         if len(self._coming) < _HEADER.size:
             return None
         kind, length = _checked_header(self._coming)
@@ -146,11 +146,11 @@ class Channel:
 
 
 def wait_for(channels: Sequence[Channel], timeout: float) -> None:
-    """Waits until one of some channels has something to read or room to send; sends what waits.
+    """Waits until a channel has bytes to read or room to send; sends pending bytes.
 
     Args:
         channels: The channels.
-        timeout: Seconds after which to return in any case.
+        timeout: Seconds after which it returns in any case.
     """
     poll = select.poll()
     for channel in channels:
@@ -161,16 +161,16 @@ def wait_for(channels: Sequence[Channel], timeout: float) -> None:
 
 
 def send(end: socket.socket, frame: Frame) -> None:
-    """Sends a message from the side of the process that a slot owns; waits until it is sent."""
+    """Sends a message from the process that a slot owns; blocks until it is sent."""
     end.sendall(_HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body)
 
 
 def receive(end: socket.socket) -> Frame:
-    """Waits for a message on the side of the process that a slot owns.
+    """Waits for a message in the process that a slot owns.
 
     Raises:
         ChannelClosedError: The slot has closed its end.
-        ProtocolError: It is no message.
+        ProtocolError: The bytes are no message.
     """
     kind, length = _checked_header(_exactly(end, _HEADER.size))
     return Frame(kind, bytes(_exactly(end, length)))

@@ -1,7 +1,7 @@
-"""Whether the code that simulates and judges is still what it was when the process began.
+"""Detection of changes to the code that simulates and judges since the process started.
 
-An agent in process can reach all of it. What it changes, by design or through a library that it
-loads, must not decide a verdict of its own run or of a later one without being noticed.
+An agent in process can reach all of it. A change, deliberate or by a library that it loads, must
+not affect a verdict of its own run or of a later one without being detected.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 from drivora_service.worker.watched import Kernel, Names, Uses, Watched, collect
 
 _NAMED = 5
-"""Changes that a message names; the others are counted."""
+"""Number of changes that a message names; the others are counted."""
 
 _ADDED_LATER = frozenset(
     {
@@ -32,7 +32,7 @@ _ADDED_LATER = frozenset(
         "__non_callable_proto_members__", "__protocol_attrs__", "__signature__",
     }
 )  # fmt: skip
-"""Names that the interpreter puts into classes when they are first used for something."""
+"""Names that the interpreter adds to classes on first use."""
 
 _CODE = attrgetter("__code__")
 _DEFAULTS = attrgetter("__defaults__")
@@ -45,7 +45,7 @@ _MISSING = object()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _State:
-    """What the interpreter and the processor compute by, besides code."""
+    """Settings of the interpreter and the processor that affect results."""
 
     numpy_errors: tuple[object, ...]
     recursion_limit: int
@@ -68,7 +68,7 @@ _STATE_NAMES = {
 
 
 class Snapshot:
-    """What was loaded when it was taken, to compare with."""
+    """The loaded code at one moment, to compare with."""
 
     def __init__(self) -> None:
         self._builtins = tuple(vars(builtins).items())
@@ -78,23 +78,23 @@ class Snapshot:
 
     def _take(self, watched: Watched) -> None:
         self._watched = watched
-        # Views show what a mapping holds when they are read.
+        # Views show the contents of a mapping at the time of reading.
         self._views = tuple(names.space.values() for names in watched.names)
         self._lengths = tuple(map(len, self._views))
         self._values = tuple(chain.from_iterable(names.values for names in watched.names))
         self._getters: tuple[tuple[Uses, Callable[[Any], Any]], ...] = tuple(
-            # With one key it would return the value itself: twice the same makes it a tuple.
+            # With one key it would return the value itself: the key twice makes it a tuple.
             (uses, itemgetter(*uses.keys, uses.keys[0]))
             for uses in watched.uses
         )
 
     def changes(self) -> tuple[str, ...]:
-        """Returns what has been changed since, in words; empty if nothing was.
+        """Returns descriptions of the changes since; empty if there are none.
 
-        What is only new and changes nothing, such as modules that were loaded later, is compared
-        from the next time on.
+        New names that change nothing, such as modules that were loaded later, are compared from the
+        next call on.
         """
-        # By statements of the language, since everything below is built of these functions.
+        # In plain statements, since everything below depends on these functions.
         space = vars(builtins)
         for name, value in self._builtins:
             if space.get(name, _MISSING) is not value:
@@ -148,11 +148,11 @@ def judging_code() -> Snapshot:
 
 
 def sentence(changes: tuple[str, ...], by: str) -> str:
-    """Returns the message of a run whose agent or plug-in has changed what judges it.
+    """Returns the message for a run in which an agent or plug-in changed the judging code.
 
     Args:
-        changes: Never empty.
-        by: What took part in the run that did it.
+        changes: Descriptions of the changes; never empty.
+        by: The agent or plug-in that made them.
     """
     named = ", ".join(changes[:_NAMED])
     more = f" and {len(changes) - _NAMED} more" if len(changes) > _NAMED else ""
@@ -181,12 +181,12 @@ def _changed_names(names: Names) -> Iterator[str]:
 
 
 def _counts(names: Names, key: object) -> bool:
-    """Whether a new name may change what the others do."""
+    """Returns whether a new name may change the effect of the others."""
     if not isinstance(key, str) or isinstance(names.space[key], ModuleType):
         return not isinstance(names.space[key], ModuleType)
     if names.is_closed:
         return key not in _ADDED_LATER and not key.startswith(("__pydantic_", "_abc_"))
-    # Code that is loaded finds a new name only where it looked for a built-in one.
+    # Loaded code uses a new name only where it hides a built-in one.
     return names.owner != "builtins" and hasattr(builtins, key) and not key.startswith("__")
 
 
@@ -224,7 +224,7 @@ def _changed_functions(watched: Watched) -> Iterator[str]:
 
 
 def _is_as_compiled(kernel: Kernel) -> bool:
-    # Looking up machine code by signature costs more than all else together.
+    # Looking up machine code by signature costs more than all other checks together.
     dispatcher = kernel.kernel
     return dispatcher.py_func is kernel.source and len(dispatcher.overloads) >= kernel.signatures
 
@@ -239,11 +239,11 @@ def _state() -> _State:
     return _State(
         numpy_errors=tuple(np.geterr().items()),
         recursion_limit=sys.getrecursionlimit(),
-        # Others decide what is printed, and packages set them while they are loaded.
+        # The other settings affect printing, and packages set them during import.
         fatal_warnings=tuple(item for item in warnings.filters if item[0] == "error"),
         decimal_context=(context.prec, context.rounding),
         numeric_locale=locale.setlocale(locale.LC_NUMERIC),
-        # Compared as a normal number: as a denormal one it may count as zero in comparisons too.
+        # Compared as a normal number: a denormal one may count as zero in comparisons too.
         denormals=denormal + denormal == _SMALLEST_NORMAL,
         rounding=(_sum(1.0, 1e-17), _sum(-1.0, -1e-17), _sum(1.0, 1.7e-16)),
     )
@@ -254,5 +254,5 @@ def _half(number: float) -> float:
 
 
 def _sum(one: float, other: float) -> float:
-    """Adds while the program runs; the compiler would add constants."""
+    """Adds at run time; the compiler would fold constants."""
     return one + other

@@ -1,9 +1,9 @@
-"""The process between the fork server and a worker: it starts the worker, and tidies up after it.
+"""The process between the fork server and a worker: it starts the worker and cleans up after it.
 
-The keeper runs no code under test. It is the parent of the worker and adopts whatever the worker's
-processes leave behind (Linux), so it can tell how the worker ended, reaps everything, and kills all
-that is left, also what has gone into a session of its own. It ends when its worker has ended, when
-its slot says so, and when its slot is gone.
+The keeper runs no code under test. It is the parent of the worker and adopts the orphans of the
+worker's processes (Linux), so it reports how the worker ended, reaps every process, and kills all
+that are left, also those in sessions of their own. It ends when its worker has ended, when its
+slot says so, and when its slot is gone.
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ from drivora_service.worker.channel import (
     send,
 )
 from drivora_service.worker.loop import WorkerTask, serve
-from drivora_service.worker.messages import Ended, Started, Strangers, frame_of
+from drivora_service.worker.messages import Ended, Leftovers, Started, frame_of
 from drivora_service.worker.parent_death import die_with_keeper
 from drivora_service.worker.processes import children_of, read_process
 
 _PR_SET_CHILD_SUBREAPER = 36
 _GRACE_S = 3.0
-"""Seconds in which the guards of ADSs, which have been told, end them and remove their files."""
+"""Seconds in which the notified guards of ADSs end them and remove their files."""
 _KILL_S = 3.0
-"""Seconds after which a process that was killed and is still there is given up."""
+"""Seconds after which the keeper stops waiting for the end of a killed process."""
 _PAUSE_S = 0.002
 _MOST_NAMES = 20
 
 
 class HandedFile:
-    """A descriptor that goes to another process when that is started."""
+    """A descriptor that is handed to another process at its start."""
 
     def __init__(self, file: int) -> None:
-        """Takes the descriptor; closing it is for its owner."""
+        """Takes the descriptor; its owner closes it."""
         self._file = file
 
     def detach(self) -> int:
-        """Returns the descriptor, in the process in which it has arrived its own."""
+        """Returns the descriptor; in the receiving process, its own copy."""
         return self._file
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -72,17 +72,17 @@ def keep(
     board: HandedFile,
     task: WorkerTask,
 ) -> None:
-    """Keeps one worker until it has ended and nothing of it is left.
+    """Starts a worker and returns after it has ended and nothing of it is left.
 
     Args:
         control: The connection of the keeper with the slot.
         channel: The connection of the worker with the slot.
-        log: Takes what the keeper and the worker print.
-        board: Where the worker shows its progress.
-        task: What the worker does.
+        log: Receives the output of the keeper and the worker.
+        board: Memory in which the worker shows its progress.
+        task: Task of the worker.
     """
     _print_to(log.detach())
-    # An interrupt typed at a terminal is the server's to handle.
+    # The server handles an interrupt typed at a terminal.
     os.setsid()
     _adopt_orphans()
     woken, waker = os.pipe()
@@ -105,7 +105,7 @@ def keep(
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         send(control, frame_of(Ended(exit_code=exit_code)))
     _end_all(worker)
-    # Nothing is left to do, and nothing that was inherited from the fork server to be ended.
+    # Nothing is left to do, and exit handlers inherited from the fork server must not run.
     os._exit(0)
 
 
@@ -124,7 +124,7 @@ def _be_worker(
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         die_with_keeper(keeper, lifeline)
-        # A session of its own: what an agent sends to its group of processes is not the keeper's.
+        # A session of its own: the keeper must not get signals that an agent sends to its group.
         os.setsid()
         serve(channel, board, task)
         code = 0
@@ -138,7 +138,7 @@ def _be_worker(
 
 
 class _Keeper:
-    """Waits for the end of the worker and does what the slot says meanwhile."""
+    """Waits for the end of the worker and executes the slot's commands meanwhile."""
 
     def __init__(self, control: socket.socket, woken: int, worker: int) -> None:
         self._control, self._woken, self._worker = control, woken, worker
@@ -173,18 +173,18 @@ class _Keeper:
                     self._exit_code = os.waitstatus_to_exitcode(status)
 
     def _obey(self) -> bool:
-        """Does what the slot says; false where the worker is to end."""
+        """Executes a command of the slot; false if the worker must end."""
         try:
             frame = receive(self._control)
             if frame.kind is not Kind.LOOK:
                 return False
-            send(self._control, frame_of(Strangers(names=tuple(self._strangers()))))
+            send(self._control, frame_of(Leftovers(names=tuple(self._leftovers()))))
         except (ChannelClosedError, ProtocolError, OSError):
             return False
         return True
 
-    def _strangers(self) -> list[str]:
-        """Names what lives beside the worker and the ADSs that stay for its next runs."""
+    def _leftovers(self) -> list[str]:
+        """Returns the names of live processes, without the worker and the ADSs kept for later."""
         found: list[str] = []
         coming = [*children_of(self._worker), *children_of(os.getpid())]
         while coming and len(found) < _MOST_NAMES:
@@ -210,9 +210,9 @@ def is_guard(pid: int) -> bool:
 
 
 def _end_all(worker: int) -> None:
-    """Kills and reaps what the worker has left; guards may end their ADSs themselves first."""
+    """Kills and reaps the worker's processes; guards may end their ADSs themselves first."""
     if sys.platform != "linux":
-        # What has left the worker's group of processes is not known here.
+        # Processes that have left the worker's process group are not known here.
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(worker, signal.SIGKILL)
         return

@@ -1,7 +1,7 @@
-"""The inside of a worker process: set up once, then one run after another.
+"""The main loop of a worker process: set-up, then one run after another.
 
-This module is also imported by the process that owns the workers; what only a worker needs, above
-all the simulator, is imported where it is used.
+The process that owns the workers imports this module, too; imports that only a worker needs, above
+all the simulator, are made where they are used.
 """
 
 from __future__ import annotations
@@ -24,27 +24,27 @@ from drivora_service.worker.messages import NotReady, frame_of, frame_of_report
 from drivora_service.worker.progress import ProgressBoard
 
 Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
-"""What does a run: given the spec, the worker's set-up and the board on which to show progress."""
+"""Performs a run, given the spec, the worker's set-up and the board for its progress."""
 
 PERFORM = "drivora_service.worker.performing:perform"
-"""Where the real one is."""
+"""The function that performs runs in production."""
 
 WARM_UP = "drivora_service.worker.warm_up:warm_up"
-"""What gets a worker ready for it: called once with the worker's set-up."""
+"""The function that prepares a worker for it; called once with the worker's set-up."""
 
 
 _NICENESS = 5
-"""Workers use all cores there are; requests to the service shall not wait for that."""
+"""Workers use all cores; requests to the service shall not wait for them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerTask:
-    """What a worker does.
+    """The task of a worker.
 
     Attributes:
         perform: The :data:`Perform` to use, as ``module:function``.
-        warm_up: What to call first, or "" for nothing.
-        setup: What it gets with every run; must be picklable.
+        warm_up: Function to call first, or "" for none.
+        setup: Argument of every call; must be picklable.
     """
 
     perform: str
@@ -53,15 +53,15 @@ class WorkerTask:
 
 
 def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
-    """Is the worker: does the runs that come through the channel until that is closed.
+    """Performs the runs that arrive on the channel until it is closed.
 
-    Sends that it is ready, at first and after the report of each run; or why it is not, and
-    returns.
+    Sends a ready message at first and after the report of each run. If the worker cannot work,
+    sends the reason instead and returns.
 
     Args:
         channel: The worker's end of the connection with its slot.
         board_file: Descriptor of the memory in which to show progress.
-        task: What to do.
+        task: Task of the worker.
     """
     faulthandler.enable()
     os.nice(_NICENESS)
@@ -85,20 +85,20 @@ def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
             return
         spec: RunSpec = pickle.loads(frame.body)
         report = _work(do, spec, task.setup, board)
-        # A report that comes while an agent is called is not the worker's own.
+        # A report that arrives during a call of an agent is not the worker's own.
         board.cells[0] = RunPhase.IDLE
         send(channel, frame_of_report(report))
         send(channel, Frame(Kind.READY))
 
 
 def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
-    """Does one run; whatever it raises becomes its report."""
+    """Performs one run; an exception becomes its report."""
     try:
         return perform(spec, setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)
     except SystemExit as error:
-        # Nothing of ours ends the process, so it was the code under test.
+        # Nothing in this package exits the process, so it was the code under test.
         return _raised(spec, RunStatus.AGENT_FAILED, "agent_raised", error)
     except Exception as error:
         return _raised(spec, RunStatus.INFRASTRUCTURE_FAILED, "worker_error", error)

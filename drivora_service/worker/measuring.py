@@ -1,4 +1,4 @@
-"""Measuring a run for a tester, by a feedback that may be a package's."""
+"""Measuring a run for a tester, by a feedback that may come from a plug-in."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measu
 from drivora_service.observations.run_view import RunView
 
 _LOG = 4000
-"""Characters of a traceback that are kept."""
+"""Number of characters of a traceback that are kept."""
 
 
 @lru_cache(maxsize=1)
@@ -26,9 +26,9 @@ def make_feedback(choice: FeedbackChoice) -> Feedback:
     """Makes the feedback of a choice.
 
     Raises:
-        UnknownName: If there is none of that name.
-        SearchError: If it does not take these parameters.
-        PluginError: If a package's cannot be loaded, or raises anything else.
+        UnknownName: There is no feedback of that name.
+        SearchError: It does not accept these parameters.
+        PluginError: The plug-in cannot be loaded, or raises anything else.
     """
     try:
         plugin = _catalogue().plugin(choice.name)
@@ -46,8 +46,8 @@ def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
     """Measures a run.
 
     Args:
-        name: The feedback's in its catalogue.
-        feedback: What measures.
+        name: Name of the feedback in its catalogue.
+        feedback: The feedback.
         run: The run.
 
     Raises:
@@ -68,7 +68,7 @@ def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
 
 
 def _problems(answer: Any, expected: tuple[str, ...]) -> Iterator[str]:
-    """Finds what is wrong with an answer, as ends of a sentence that begins with "answered"."""
+    """Yields what is wrong with an answer, as ends of a sentence that begins with "answered"."""
     if not isinstance(answer, Measurement):
         yield f"a {type(answer).__name__}; allowed: a Measurement"
         return

@@ -1,4 +1,4 @@
-"""What the messages between a slot, its keeper and its worker hold, as JSON that is checked."""
+"""The contents of messages between a slot, its keeper and its worker, as validated JSON."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _SAID_BY_WORKERS = frozenset(
 _CAUSE = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _SHA256 = re.compile(r"([0-9a-f]{64})?")
 _MOST_STEPS = 2**31 - 1
-"""As many as an INTEGER column of the database holds."""
+"""Largest value of an INTEGER column of the database."""
 _QUOTED = 300
-"""Characters of an error that are quoted."""
+"""Number of characters of an error that are quoted."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class NotReady:
     """A worker cannot be set up and ends.
 
     Attributes:
-        reason: What was found and, where it is known, what to do.
+        reason: What was found and, if known, what to do.
     """
 
     reason: str
@@ -64,8 +64,8 @@ class Ended:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Strangers:
-    """Processes that were started in the worker and still live, those of ADSs left out.
+class Leftovers:
+    """Live processes that were started in the worker, those of ADSs left out.
 
     Attributes:
         names: Their names, each with its process id.
@@ -74,26 +74,26 @@ class Strangers:
     names: tuple[str, ...]
 
 
-_TYPES: dict[Kind, type[NotReady | Started | Ended | Strangers]] = {
+_TYPES: dict[Kind, type[NotReady | Started | Ended | Leftovers]] = {
     Kind.NOT_READY: NotReady,
     Kind.STARTED: Started,
     Kind.ENDED: Ended,
-    Kind.STRANGERS: Strangers,
+    Kind.LEFTOVERS: Leftovers,
 }
 
 
-def frame_of(message: NotReady | Started | Ended | Strangers) -> Frame:
+def frame_of(message: NotReady | Started | Ended | Leftovers) -> Frame:
     """Writes a message."""
     kind = next(kind for kind, type_ in _TYPES.items() if isinstance(message, type_))
     fields = {name: getattr(message, name) for name in type(message).__slots__}
     return Frame(kind, json.dumps(fields).encode())
 
 
-def message_of(frame: Frame) -> NotReady | Started | Ended | Strangers:
+def message_of(frame: Frame) -> NotReady | Started | Ended | Leftovers:
     """Reads a message.
 
     Raises:
-        ProtocolError: It is none of these.
+        ProtocolError: It is no message of these kinds.
     """
     if frame.kind not in _TYPES:
         raise ProtocolError(f"the message {frame.kind.name} was not expected")
@@ -104,12 +104,12 @@ def message_of(frame: Frame) -> NotReady | Started | Ended | Strangers:
 
 
 @cache
-def _adapter(kind: Kind) -> TypeAdapter[NotReady | Started | Ended | Strangers]:
+def _adapter(kind: Kind) -> TypeAdapter[NotReady | Started | Ended | Leftovers]:
     return TypeAdapter(_TYPES[kind])
 
 
 def frame_of_report(report: RunReport) -> Frame:
-    """Writes a report; one that cannot be sent as it is becomes a failure that says why."""
+    """Writes a report; one that cannot be sent becomes a failure with the reason."""
     try:
         body = report_to_json(report).encode()
         problem = f"it takes {len(body)} bytes; allowed: {LONGEST_BODY}"
@@ -117,7 +117,7 @@ def frame_of_report(report: RunReport) -> Frame:
             return Frame(Kind.REPORT, body)
     except (PydanticSerializationError, ValueError, TypeError, RecursionError) as error:
         if report.failure is not None:
-            # Such as a name of a file that is no text, in the message of an agent's error.
+            # Such as an undecodable file name in the message of an agent's error.
             plain = _failure_report(report.run_id, report.status, _as_text(report.failure))
             return Frame(Kind.REPORT, report_to_json(plain).encode())
         problem = f"{type(error).__name__}: {error}"
@@ -151,7 +151,7 @@ def report_of(frame: Frame, run_id: str) -> RunReport:
     """Reads the report of a run.
 
     Args:
-        frame: What the worker has sent.
+        frame: The worker's message.
         run_id: The run that it was given.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A worker must not outlive the process that owns it, however that one dies."""
+"""Ending a worker with the process that owns it, however that process dies."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ _PR_SET_PDEATHSIG = 1
 
 
 def die_with_parent() -> None:
-    """Arranges that this process is killed when the one that owns it dies, also by ``SIGKILL``.
+    """Arranges that this process is killed when its owner dies, also by ``SIGKILL``.
 
     The owner holds the other end of a pipe. On Linux the kernel sends the signal when that is
-    closed (``F_SETSIG`` in ``fcntl(2)``), even if native code here never lets go of the
-    interpreter. Elsewhere a thread waits for it.
+    closed (``F_SETSIG`` in ``fcntl(2)``), even if native code here never releases the interpreter
+    lock. Elsewhere a thread waits for it.
     """
     parent = multiprocessing.parent_process()
     if parent is None:
         return
     if platform.system() == "Linux":
-        # Not the kernel's death signal of parents: a fork server lies between, which lives as long
-        # as any of its children do.
+        # Not the kernel's parent-death signal: the parent is a fork server, which lives as long as
+        # any of its children.
         fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
         fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, int(signal.SIGKILL))
         flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
@@ -43,7 +43,7 @@ def die_with_keeper(keeper: int, lifeline: int) -> None:
 
     Args:
         keeper: Process id of the keeper, which has forked this process.
-        lifeline: The reading end of a pipe of which only the keeper holds the other.
+        lifeline: Reading end of a pipe; only the keeper holds the other end.
     """
     if platform.system() == "Linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)

@@ -1,6 +1,6 @@
 """Performing a run in the worker process: simulate, judge, measure, report.
 
-Whatever an agent or a document does, the answer is a report.
+Whatever an agent or a document does, the result is a report.
 """
 
 from __future__ import annotations
@@ -47,18 +47,18 @@ from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 
 _LOG_LINES = 12
-"""Entries of a traceback that are kept."""
+"""Number of traceback entries that are kept."""
 
 
 @lru_cache(maxsize=4)
 def _networks(setup: WorkerSetup) -> NetworkCatalogue:
-    """Returns the catalogue, one a process, so that its networks are parsed once."""
+    """Returns the catalogue of the process, so that each network is parsed once."""
     return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
 
 
 @lru_cache(maxsize=1)
 def _agents(setup: WorkerSetup) -> AgentCatalogue:
-    """Returns the catalogue of the process; ADSs that it starts stay for later runs."""
+    """Returns the catalogue of the process; ADSs that it starts are kept for later runs."""
     return AgentCatalogue(
         folder=setup.agents,
         longest_call_s=setup.agent_deadline_s,
@@ -78,12 +78,12 @@ def _versions() -> dict[str, str]:
 
 @dataclass(slots=True)
 class _Course:
-    """What is known of a run before its report.
+    """Data on a run before its report.
 
     Attributes:
-        started: Wall time at its begin, seconds.
-        stepping: Wall time that its steps took, seconds.
-        versions: Of what takes part, by name.
+        started: Wall time at its start, seconds.
+        stepping: Wall time of its steps, seconds.
+        versions: Versions of the software that takes part, by name.
         agents: As in the report.
     """
 
@@ -97,15 +97,15 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     """Performs one run.
 
     Args:
-        spec: What to run; its document is the canonical JSON of a validated scenario.
-        setup: Where the networks are.
-        board: Where to show progress.
+        spec: The run; its document is the canonical JSON of a validated scenario.
+        setup: Set-up of the worker.
+        board: Board for its progress.
 
     Returns:
         The report: finished, agent failed, plug-in failed, or invalid.
 
     Raises:
-        SimulatorError: If SUMO itself fails; the slot records it as a crash.
+        SimulatorError: SUMO itself fails; the slot records it as a crash.
     """
     cells = np.zeros(BOARD_CELLS, dtype=np.int64) if board is None else board.cells
     cells[3] += 1
@@ -116,7 +116,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         return _perform(spec, setup, cells, course)
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
-        # The ADS has done nothing wrong that is known, and may drive well when it is tried again.
+        # No error of the ADS is known; another attempt may succeed.
         killed = error.cause == "agent_killed"
         status = RunStatus.INFRASTRUCTURE_FAILED if killed else RunStatus.AGENT_FAILED
         return _failed(spec, status, failure, course)
@@ -128,7 +128,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         failure = RunFailure(cause="invalid_document", message=str(error))
         return _failed(spec, RunStatus.INVALID, failure, course)
     except Exception as error:
-        # Of our own code, which an agent may have made fail.
+        # An error of this package's code, which an agent may have caused.
         if not (changes := judging_code().changes()):
             raise
         log = "".join(traceback.format_exception(error)[-_LOG_LINES:])
@@ -146,7 +146,7 @@ def _perform(
     course: _Course,
 ) -> RunReport:
     code = judging_code()
-    # An oracle that cannot be loaded is known before a simulation is spent on it.
+    # An oracle that cannot be loaded is found before a simulation is spent on it.
     installed = _oracles().installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
     network = _networks(setup).get(scenario.map_region.town)
@@ -216,7 +216,7 @@ def _perform(
     if feedback is None and not installed:
         return report
     try:
-        # Last, so that code of packages cannot change what the others have seen.
+        # Last, so that code of plug-ins cannot change the input of the others.
         if feedback is not None and spec.feedback is not None:
             measured = measure_run(spec.feedback.name, feedback, view)
             report = replace(report, measurement=measured)
@@ -261,7 +261,7 @@ def _changed_by_agent(changes: tuple[str, ...], course: _Course, log: str = "") 
 
 
 def _not_judged(report: RunReport, error: PluginError) -> RunReport:
-    """Takes the judgement out of a report; what was recorded stays, to be looked into."""
+    """Returns a report without the judgement; the recording stays for inspection."""
     return replace(
         report,
         status=RunStatus.PLUGIN_FAILED,

@@ -1,8 +1,8 @@
-"""What every worker needs, imported once: the fork server imports this module, workers inherit it.
+"""Imports that every worker needs, made once by the fork server and inherited by workers.
 
-A worker is then ready in a fraction of the seconds that this takes, which counts where code under
-test keeps crashing, and on machines with many slots. Nothing of a user's run lies in here, and no
-agent and no oracle but our own.
+A worker is then ready in a fraction of the seconds that they take, which matters where code under
+test keeps crashing, and on machines with many slots. Nothing of a user's run is loaded here, and no
+agent or oracle from outside this package.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from __future__ import annotations
 import contextlib
 import os
 
-# The fork server may still be importing when its owner has ended; who reads the owner's output must
-# not have to wait for that. Workers write to logs of their own.
+# The fork server may still be importing when its owner has ended; a reader of the owner's output
+# must not wait for it. Workers write to logs of their own.
 _nowhere = os.open(os.devnull, os.O_WRONLY)
 os.dup2(_nowhere, 1)
 os.dup2(_nowhere, 2)
 os.close(_nowhere)
 
-# What fails here fails again in the worker, where it is reported.
+# An import that fails here fails again in the worker, where it is reported.
 with contextlib.suppress(Exception):
     from drivora_service.networks.catalogue import shipped_networks
     from drivora_service.runs.report import RunReport, RunStatus

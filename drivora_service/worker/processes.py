@@ -1,6 +1,6 @@
-"""What the system tells of processes: state, processor time, memory, descendants.
+"""The system's data on processes: state, processor time, memory, descendants.
 
-On Linux a look reads two small files. Elsewhere psutil is asked, which is slower.
+On Linux a reading takes two small files. Elsewhere psutil is used, which is slower.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class ProcessReading:
     Attributes:
         state: As in ``proc(5)``: R runs or could, S sleeps, D waits for a disk, T was stopped, Z
             has ended.
-        cpu_s: Seconds of processor time that it has had, of all its threads.
+        cpu_s: Processor time of all its threads, seconds.
         memory_bytes: Resident memory.
-        started: When it was started, in a unit of the system: with the process id, this names a
-            process for good.
-        name: Of its program.
+        started: Start time in a unit of the system: with the process id, a unique identity of the
+            process.
+        name: Name of its program.
     """
 
     state: str
@@ -43,14 +43,14 @@ class ProcessReading:
 
 
 def read_process(pid: int) -> ProcessReading | None:
-    """Reads what a process is at; ``None`` if there is none."""
+    """Reads the state of a process; ``None`` if there is none."""
     if not _LINUX:
         return _ask_psutil(pid)
     try:
         text = Path(f"/proc/{pid}/stat").read_bytes().decode(errors="replace")
     except OSError:
         return None
-    # The name may hold anything, brackets and spaces too.
+    # The name may contain any characters, brackets and spaces too.
     name, _, rest = text.partition("(")[2].rpartition(")")
     fields = rest.split()
     return ProcessReading(
@@ -79,7 +79,7 @@ def _ask_psutil(pid: int) -> ProcessReading | None:
 
 
 def children_of(pid: int) -> list[int]:
-    """Returns the children of a process, without a look at all processes where that is possible."""
+    """Returns the children of a process, without listing all processes where possible."""
     found: list[int] = []
     try:
         if _LINUX:
@@ -98,7 +98,7 @@ def descendants_of(pid: int, *, spare: Callable[[int], bool]) -> list[int]:
 
     Args:
         pid: The process.
-        spare: Tells which are left out, with their own descendants.
+        spare: Whether to leave a process out, with its own descendants.
     """
     found: dict[int, None] = {}
     coming = children_of(pid)
@@ -113,7 +113,7 @@ def descendants_of(pid: int, *, spare: Callable[[int], bool]) -> list[int]:
 def proportional_memory(pids: Iterable[int]) -> int:
     """Returns the bytes of memory of some processes, pages that several share counted once.
 
-    It takes milliseconds for each; where the system does not tell, what is resident counts.
+    It takes milliseconds for each; where the system does not tell, resident memory counts.
     """
     total = 0
     for pid in pids:
@@ -129,10 +129,10 @@ def proportional_memory(pids: Iterable[int]) -> int:
 
 
 class ProcessHandle:
-    """A process that may be signalled without meeting another that has its id now."""
+    """A process that can be signalled without reaching another that has reused its id."""
 
     def __init__(self, pid: int) -> None:
-        """Takes hold of a process that lives, or has not been reaped."""
+        """Opens a process that lives, or has not been reaped."""
         self.pid = pid
         self._file = -1
         with contextlib.suppress(OSError):
@@ -154,7 +154,7 @@ class ProcessHandle:
         return reading is not None and reading.state in "Tt" and reading.started == self._started
 
     def kill(self) -> None:
-        """Kills the process, if it is still there."""
+        """Kills the process, if it still exists."""
         with contextlib.suppress(OSError):
             if self._file >= 0:
                 signal.pidfd_send_signal(self._file, signal.SIGKILL)
@@ -162,7 +162,7 @@ class ProcessHandle:
                 os.kill(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Lets go of the process."""
+        """Closes the handle."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1

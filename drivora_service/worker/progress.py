@@ -1,12 +1,11 @@
-"""Where a worker is in its run, readable from outside while the worker is busy or hung.
+"""The progress of a worker in its run, readable from outside while the worker is busy or hung.
 
 The worker writes a few integers into memory that it shares with its slot's supervisor, which reads
-them. So a worker that spins in an ADS, even in C code that never lets go of the interpreter, can be
-told from one that hangs elsewhere.
+them. So a worker that spins in an ADS, even in C code that never releases the interpreter lock, can
+be told from one that hangs elsewhere.
 
-Code under test can write there too, and worse. So the supervisor reads the memory as a file and
-does not map it: whatever becomes of its size, a read is short at most. It has no name in any
-folder.
+Code under test can write to the memory, too, and resize it. So the supervisor reads it as a file
+and does not map it: at any size, a read is short at most. It has no name in any folder.
 """
 
 from __future__ import annotations
@@ -37,10 +36,10 @@ class Progress:
     """A reading.
 
     Attributes:
-        phase: What the worker is doing.
+        phase: Phase of the worker.
         step: Row of the trace.
         ego: Index of the ego whose agent is called.
-        run_counter: Runs that the worker has begun.
+        run_counter: Number of runs that the worker has started.
         in_process: Whether an agent of the run lives in the worker process.
     """
 
@@ -52,16 +51,16 @@ class Progress:
 
     @property
     def call(self) -> str:
-        """Names the call of an agent that goes on, in the phase ``IN_AGENT``."""
+        """The name of the current call of an agent, in the phase ``IN_AGENT``."""
         return "setup_env" if self.step == SETTING_UP else f"step {self.step}"
 
 
 NO_PROGRESS = Progress(phase=RunPhase.IDLE, step=0, ego=0, run_counter=0)
-"""The reading of a board on which nothing stands."""
+"""The reading of an empty board."""
 
 
 BOARD_CELLS = 5
-"""Integers on a board."""
+"""Number of integers on a board."""
 
 
 class ProgressBoard:
@@ -84,10 +83,10 @@ class ProgressBoard:
 
 
 class BoardReader:
-    """The supervisor's side. Safe to use from several threads."""
+    """The supervisor's side of the shared integers. Thread-safe."""
 
     def __init__(self) -> None:
-        """Makes the shared memory, in which nothing stands."""
+        """Makes the shared memory, empty."""
         self._file = _shared_file()
         self._lock = threading.Lock()
 
@@ -111,7 +110,7 @@ class BoardReader:
         )
 
     def close(self) -> None:
-        """Lets go of the memory; from now on nothing stands on the board."""
+        """Closes the memory; from now on readings are empty."""
         with self._lock:
             file, self._file = self._file, -1
         if file >= 0:
@@ -131,7 +130,7 @@ def _shared_file() -> int:
     memory = os.memfd_create("drivora-board", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     try:
         os.ftruncate(memory, _CELLS.size)
-        # Not needed by the reader, but a worker that cuts its own board would die of it.
+        # The reader does not need it, but a worker that truncates its own board would crash.
         with contextlib.suppress(OSError):
             seals = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
             fcntl.fcntl(memory, fcntl.F_ADD_SEALS, seals)

@@ -1,4 +1,4 @@
-"""What every worker is told once, when it starts."""
+"""The configuration of every worker, passed at its start."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from drivora_service.agents.remote.confinement import Confinement
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerSetup:
-    """Where a worker finds what documents only name, and what its slot expects of it.
+    """Locations of the things that documents name, and the limits of a worker.
 
-    It lies apart from the performing of runs so that the process that owns the workers can make one
+    Its module is apart from ``performing`` so that the process that owns the workers can make one
     without loading the simulator.
 
     Attributes:
         agents: Folder of installed agents and of the operator's manifests.
-        agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; an
-            ADS in a process of its own must be found to hang before.
-        installed_oracles: Whether oracles of installed packages judge as well.
+        agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; a
+            hang of an ADS in a process of its own must be detected before.
+        installed_oracles: Whether oracles of installed packages judge, too.
         confinement: User account and limits of ADSs in processes of their own.
     """
 

@@ -1,7 +1,7 @@
-"""Getting a worker process ready before its first run.
+"""Preparing a worker process before its first run.
 
-The first run of a fresh installation would else compile the kernels within the first call of an
-agent, which then looks as if it hung.
+Otherwise the first run of a fresh installation would compile the kernels during the first call of
+an agent, which would look like a hang.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _OBSTACLE = "static.prop.container"
 
 
 def warm_up(setup: WorkerSetup) -> None:
-    """Performs runs of a second of simulation on a shipped network and forgets them."""
+    """Performs runs of one simulated second on a shipped network and discards them."""
     scenario = warm_up_checks(NetworkCatalogue(setup.shipped_networks))
     short = replace(scenario, max_sim_time=_SIM_TIME_S)
     for agent in _COMPILED:
@@ -38,9 +38,9 @@ def warm_up(setup: WorkerSetup) -> None:
 
 
 def _into_an_obstacle(scenario: Scenario) -> Scenario:
-    """Returns the scenario with an obstacle that its first ego cannot but run into.
+    """Returns the scenario with an obstacle that its first ego must hit.
 
-    Judging a collision takes kernels of its own.
+    Judging a collision uses kernels of its own.
     """
     ego, *others = scenario.ego_vehicles
     start = ego.route[0]

@@ -1,9 +1,9 @@
-"""What decides how runs are simulated and judged, collected so that changes of it can be found.
+"""The code that simulates and judges runs, collected so that changes to it can be detected.
 
 By identity, and shallow: the names of every loaded module of the rooms that simulate and judge and
-of the classes there, the code and defaults of their functions, compiled kernels, tables, and what
-those rooms use of other packages (``np.hypot``, ``math.atan2``, ``json.dumps`` …) with the
-functions behind it.
+of the classes there, the code and defaults of their functions, compiled kernels, tables, and the
+functions of other packages that those rooms use (``np.hypot``, ``math.atan2``, ``json.dumps`` …)
+with the functions behind them.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ _ROOMS = frozenset(
     }
 )  # fmt: skip
 _CHANGING = frozenset({"sys", "threading", "warnings", "numba.core.config"})
-"""Modules that the interpreter, or their own package, keeps changing."""
+"""Modules that the interpreter, or their own package, changes during normal work."""
 
 _FOREIGN_DEPTH = 2
-"""How far names of other packages are followed: ``np.clip`` is a function of another module of
-NumPy, which uses helpers of a third."""
+"""Depth to which names of other packages are followed: ``np.clip`` is a function of another module
+of NumPy, which uses helpers of a third."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Names:
-    """The names of a module, a class or a table, and what they stood for.
+    """The names of a module, a class or a table, and their values when collected.
 
     Attributes:
-        owner: For messages.
+        owner: Name for messages.
         space: The live mapping.
-        keys: In their order then.
-        values: Of these.
+        keys: Its keys, in their order when collected.
+        values: Values of the keys.
         is_closed: Whether a new name counts as a change, as one may hide an inherited one.
     """
 
@@ -56,13 +56,13 @@ class Names:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Uses:
-    """Names of a module of another package that code here uses.
+    """Names of a module of another package that the watched code uses.
 
     Attributes:
         owner: The module's name.
         space: Its live mapping.
-        keys: Those that are used; never empty.
-        values: What they stood for.
+        keys: The used names; never empty.
+        values: Their values when collected.
     """
 
     owner: str
@@ -77,8 +77,8 @@ class Kernel:
 
     Attributes:
         kernel: Its dispatcher.
-        source: What it is compiled from.
-        signatures: For how many it was compiled; more may follow.
+        source: Python function from which it is compiled.
+        signatures: Number of compiled signatures; more may follow.
     """
 
     kernel: Any
@@ -88,17 +88,17 @@ class Kernel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Watched:
-    """What is compared, by kind; tuples that belong together have the same order.
+    """The compared objects, by kind; corresponding tuples have the same order.
 
     Attributes:
-        modules: How many modules were loaded when it was collected.
-        codes: Of ``functions``.
-        with_defaults: The functions that have any; calls of the others pass every argument.
+        modules: Number of loaded modules when it was collected.
+        codes: Code objects of ``functions``.
+        with_defaults: The functions with defaults; calls of the others pass every argument.
         with_keyword_defaults: The same for arguments by keyword.
         cells: Variables of closures.
-        contents: What they held.
+        contents: Their contents when collected.
         cell_owners: The functions that they belong to.
-        lists: Tables that are lists, and what they held.
+        lists: Tables that are lists, and their contents when collected.
     """
 
     modules: int
@@ -118,7 +118,7 @@ class Watched:
 
 
 def collect() -> Watched:
-    """Collects what is loaded now; takes some fifty milliseconds."""
+    """Collects the loaded code; takes some fifty milliseconds."""
     own = [module for name, module in sorted(sys.modules.items()) if _is_watched(name)]
     names = [_names("builtins", vars(builtins))]
     found = _Found()
@@ -204,7 +204,7 @@ class _Found:
 
 
 def _uses(own: Iterable[ModuleType], found: _Found) -> Iterator[Uses]:
-    """Yields what is used of other packages; the functions behind it are added to ``found``."""
+    """Yields the used names of other packages; adds the functions behind them to ``found``."""
     used = {name for function in found.functions.values() for name in _names_in(function.__code__)}
     known = {id(module) for module in own}
     level = [value for m in own for value in vars(m).values() if isinstance(value, ModuleType)]
@@ -261,7 +261,7 @@ def _names(owner: str, space: Mapping[Any, object], *, is_closed: bool = False) 
 
 def _is_filled(cell: CellType) -> bool:
     try:
-        cell.cell_contents  # noqa: B018 # whether it can be read is the question
+        cell.cell_contents  # noqa: B018 # raises if the cell is empty
     except ValueError:
         return False
     return True

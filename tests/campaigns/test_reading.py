@@ -75,7 +75,7 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     "unknown oracle": (
         put("oracles", value=["collision", "crash"]),
         "/oracles/1",
-        "'crash', which there is not; known: collision",
+        "unknown oracle 'crash'; known: collision",
     ),
     "misspelt oracle": (put("oracles", value=["red_lihgt"]), "/oracles/0", "mean 'red_light'"),
     "oracle as number": (put("oracles", value=["collision", 3]), "/oracles/1", "text"),

@@ -215,7 +215,7 @@ def test_a_campaign_begun_with_other_versions_does_not_go_on(
     before = campaigns.record(campaign_id).counts
     with pytest.raises(CampaignError, match=r"libsumo was 1\.2\.3 and is") as refusal:
         campaigns.run(campaign_id, 1)
-    assert "What it found stays" in str(refusal.value)
+    assert "Its results are kept" in str(refusal.value)
     assert campaigns.record(campaign_id).counts == before
 
 

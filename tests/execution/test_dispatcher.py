@@ -22,7 +22,7 @@ from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor, Limits
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.supervised import Patience
+from drivora_service.execution.supervised import Backoff
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import JobFilter, NewRun, Priority
@@ -343,7 +343,7 @@ def test_whatever_the_executor_raises_runs_go_on(
 def test_a_dispatcher_that_always_fails_gives_up_and_hands_its_runs_back(
     database: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Patience, "pause_s", lambda *_: 0.01)
+    monkeypatch.setattr(Backoff, "pause_s", lambda *_: 0.01)
     told: list[str] = []
 
     def wrap(executor: LocalExecutor) -> Executor:

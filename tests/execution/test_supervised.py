@@ -3,9 +3,9 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 
-from drivora_service.execution.supervised import Patience, SupervisedThread
+from drivora_service.execution.supervised import Backoff, SupervisedThread
 
-QUICK = Patience(first_s=0.001, longest_s=0.002, failures=4)
+QUICK = Backoff(first_s=0.001, longest_s=0.002, failures=4)
 
 
 class Flaky:
@@ -26,7 +26,7 @@ class Flaky:
 
 def test_it_goes_on_after_failures() -> None:
     flaky, ended = Flaky([OSError("full"), ValueError("odd"), MemoryError()]), threading.Event()
-    thread = SupervisedThread("flaky", flaky.turn, at_end=ended.set, patience=QUICK)
+    thread = SupervisedThread("flaky", flaky.turn, at_end=ended.set, backoff=QUICK)
     thread.start()
     assert flaky.worked.wait(10)
     assert thread.is_alive
@@ -40,7 +40,7 @@ def test_it_gives_up_and_says_why_after_too_many_failures_in_a_row() -> None:
     ended = threading.Event()
     flaky = Flaky([ValueError("odd")] * 100)
     thread = SupervisedThread(
-        "flaky", flaky.turn, at_end=ended.set, on_fatal=told.append, patience=QUICK
+        "flaky", flaky.turn, at_end=ended.set, on_fatal=told.append, backoff=QUICK
     )
     thread.start()
     assert thread.join(10)
@@ -54,7 +54,7 @@ def test_failures_that_a_known_fault_explains_never_end_it() -> None:
     told: list[str] = []
     flaky = Flaky([OSError("full")] * 30)
     thread = SupervisedThread(
-        "flaky", flaky.turn, explained=lambda: True, on_fatal=told.append, patience=QUICK
+        "flaky", flaky.turn, explained=lambda: True, on_fatal=told.append, backoff=QUICK
     )
     thread.start()
     assert flaky.worked.wait(10)
@@ -64,5 +64,5 @@ def test_failures_that_a_known_fault_explains_never_end_it() -> None:
 
 
 def test_pauses_grow_to_a_limit() -> None:
-    patience = Patience(first_s=0.5, longest_s=15.0)
-    assert [patience.pause_s(n) for n in (1, 2, 3, 6, 5000)] == [0.5, 1.0, 2.0, 15.0, 15.0]
+    backoff = Backoff(first_s=0.5, longest_s=15.0)
+    assert [backoff.pause_s(n) for n in (1, 2, 3, 6, 5000)] == [0.5, 1.0, 2.0, 15.0, 15.0]

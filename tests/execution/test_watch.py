@@ -26,12 +26,12 @@ class Worker:
         self.now = self.cpu_s = 0.0
 
     def look(
-        self, progress: Progress, *, state: str = "S", memory: int = 0, family: int = 0
+        self, progress: Progress, *, state: str = "S", memory: int = 0, descendants: int = 0
     ) -> Breach | None:
         process = ProcessReading(
             state=state, cpu_s=self.cpu_s, memory_bytes=memory, started=1.0, name="python"
         )
-        look = Look(progress=progress, process=process, family_memory=family, now=self.now)
+        look = Look(progress=progress, process=process, descendant_memory=descendants, now=self.now)
         return self.watch.check(look)
 
     def live(
@@ -126,6 +126,6 @@ def test_memory_is_attributed_to_the_agent_in_whose_call_it_was_seen() -> None:
 
 def test_only_agents_start_processes() -> None:
     worker = Worker()
-    assert worker.look(reading(RunPhase.SIMULATING), memory=500, family=500) is None
-    breach = worker.look(reading(RunPhase.SIMULATING), memory=500, family=501)
+    assert worker.look(reading(RunPhase.SIMULATING), memory=500, descendants=500) is None
+    breach = worker.look(reading(RunPhase.SIMULATING), memory=500, descendants=501)
     assert outcome(breach) == (RunStatus.AGENT_FAILED, "memory_limit")

@@ -93,7 +93,7 @@ def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
     told = read_report(study.database, campaign_id, study.catalogues)
     text = report_markdown(told)
     assert "queued" in text
-    assert "None were found." in text
+    assert "No failures were found." in text
     assert told.figures is not None
     assert told.figures.network_coverage is None
     assert told.figures.groups is None
@@ -124,4 +124,4 @@ def test_an_ads_that_sees_everything_is_marked(study: Study) -> None:
     record = study.run({**campaign_content(), "agent": {"name": "sumo-krauss"}})
     told = read_report(study.database, record.id, study.catalogues)
     (ego,) = told.privileged
-    assert f"| egos that see everything | {ego} |" in report_markdown(told)
+    assert f"| egos with full observations | {ego} |" in report_markdown(told)

@@ -26,9 +26,9 @@ from drivora_service.worker.channel import (
 )
 from drivora_service.worker.messages import (
     Ended,
+    Leftovers,
     NotReady,
     Started,
-    Strangers,
     frame_of,
     frame_of_report,
     message_of,
@@ -146,10 +146,10 @@ def test_infinite_numbers_are_refused() -> None:
         NotReady(reason="no library"),
         Started(pid=12),
         Ended(exit_code=-11),
-        Strangers(names=("sleep (3)",)),
+        Leftovers(names=("sleep (3)",)),
     ],
 )
-def test_other_messages_come_back(message: NotReady | Started | Ended | Strangers) -> None:
+def test_other_messages_come_back(message: NotReady | Started | Ended | Leftovers) -> None:
     assert message_of(frame_of(message)) == message
 
 
