@@ -1,1 +1,1 @@
-"""Searching for failures: the gene space, the operators, and the testing methods as ask/tell."""
+"""Searching for failures: the gene space, the operators, and the testers as ask/tell."""

@@ -1,4 +1,4 @@
-"""The testers that a campaign may name, and the components that it may put into them."""
+"""The catalogue of testers, and of components that can replace their parts."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ class TesterCatalogue:
         """Returns a tester's plug-in.
 
         Raises:
-            UnknownName: If there is none of that name.
-            SearchError: If an installed package's entry point is no tester.
+            UnknownName: There is no tester of that name.
+            SearchError: The entry point of an installed package is no tester.
         """
         return self._table.plugin(name)
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Returns the package that brings a tester, with its version; nothing if it is built in."""
+        """Returns the package of a tester with its version; nothing for a built-in tester."""
         return self._table.versions(name)
 
     def create(
@@ -63,14 +63,14 @@ class TesterCatalogue:
         """Makes a tester.
 
         Args:
-            name: Of the tester.
-            context: What it works with.
-            parameters: What the campaign sets; the others keep their defaults.
-            components: What the campaign puts in place of the tester's own parts.
+            name: Name of the tester.
+            context: Context of the tester.
+            parameters: Parameters that the campaign sets; the others keep their defaults.
+            components: Components that replace the tester's own.
 
         Raises:
-            UnknownName: If there is none of that name.
-            SearchError: If it has no such parameter or not with that value, or cannot work in the
+            UnknownName: There is no tester of that name.
+            SearchError: It has no such parameter, or not with that value, or cannot search the
                 space.
         """
         plugin = self.plugin(name)
@@ -104,8 +104,8 @@ def components_named(*, mutation: str = "", selection: str = "") -> Components:
     """Makes the components that a campaign names; "" keeps the tester's own.
 
     Raises:
-        UnknownName: If there is none of that name.
-        SearchError: If an installed package's entry point is none.
+        UnknownName: There is no component of that name.
+        SearchError: The entry point of an installed package is no component.
     """
     return Components(
         mutation=mutation_plugins().plugin(mutation).create() if mutation else None,

@@ -1,9 +1,9 @@
-"""The parts of a tester that can be replaced one by one.
+"""The components of a tester that can be replaced one by one.
 
-A testing method is a way of working (an algorithm over candidates) with five parts: *mutation*
-makes a candidate from another, *execution* evaluates it (``campaigns.evaluator``), *oracles* judge
-the run, *feedback* measures it (``feedback.measurement``), and *selection* says whom to go on with.
-Mutation and selection are here.
+A testing method is an algorithm over candidates with five components: *mutation* makes a candidate
+from another, *execution* evaluates it (``campaigns.evaluator``), *oracles* judge the run,
+*feedback* measures it (``feedback.measurement``), and *selection* chooses the survivors. Mutation
+and selection are here.
 """
 
 from __future__ import annotations
@@ -31,34 +31,34 @@ class Mutation(Protocol):
         """Returns a changed copy, within the bounds.
 
         Args:
-            values: (d,) genes of the parent; left as they are.
+            values: (d,) genes of the parent; not changed.
             space: Their bounds.
-            random: For every draw.
-            strength: How much to change, against the mutation's usual measure.
+            random: Generator for every draw.
+            strength: Amount of change, relative to the mutation's usual amount.
         """
         ...
 
 
 class Selection(Protocol):
-    """Says whom to go on with."""
+    """Survivor selection."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
         """Chooses from candidates by their objectives.
 
         Args:
             objectives: (n, m) to be minimised; NaN is not measurable and worse than any number.
-            count: How many are wanted; more than n only from a selection that repeats.
-            random: For every draw.
+            count: Number of candidates to choose; more than n only from a selection that repeats.
+            random: Generator for every draw.
 
         Returns:
-            (count,) indices of the chosen, best first where there is an order.
+            (count,) indices of the chosen, best first if there is an order.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Components:
-    """Parts that a campaign puts in place of a tester's own; ``None`` keeps the tester's."""
+    """Components that replace a tester's own; ``None`` keeps the tester's."""
 
     mutation: Mutation | None = None
     selection: Selection | None = None

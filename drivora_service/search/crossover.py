@@ -1,4 +1,4 @@
-"""Crossovers: two candidates made from two others. Parents are left as they are."""
+"""Crossovers: two candidates made from two others. Parents are not changed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Crossover = Callable[[FloatArray, FloatArray, GeneSpace, np.random.Generator], C
 def exchange_block(
     first: FloatArray, second: FloatArray, space: GeneSpace, random: np.random.Generator
 ) -> Children:
-    """Exchanges one actor, of those in which the parents differ."""
+    """Exchanges one actor among those in which the parents differ."""
     differ = [b for b in space.blocks if not np.array_equal(first[b.slice], second[b.slice])]
     which = np.zeros(len(space), dtype=np.bool_)
     if differ:
@@ -27,7 +27,7 @@ def exchange_block(
 def one_point(
     first: FloatArray, second: FloatArray, space: GeneSpace, random: np.random.Generator
 ) -> Children:
-    """Exchanges all actors from a random one on; the first stays where there are several."""
+    """Exchanges all actors from a random one on; not the first, if there are several."""
     which = np.zeros(len(space), dtype=np.bool_)
     if len(space.blocks) > 1:
         which[space.blocks[random.integers(1, len(space.blocks))].start :] = True
@@ -59,11 +59,11 @@ def simulated_binary(
         first: (d,) genes of one parent.
         second: (d,) genes of the other.
         space: Their bounds.
-        random: For every draw.
+        random: Generator for every draw.
         eta: Distribution index; the greater, the nearer children are to their parents.
         rate: Probability with which a gene takes part.
     """
-    # Here, not above: what only lists or reads campaigns shall not load pymoo for half a second.
+    # Imported here: pymoo takes half a second, which code that only reads campaigns must not wait.
     from pymoo.operators.crossover.sbx import cross_sbx
 
     spread = cross_sbx(

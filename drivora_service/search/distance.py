@@ -1,4 +1,4 @@
-"""How different two candidates are."""
+"""The distance between candidates."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _ABSENT = -1.0
 def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace) -> FloatArray:
     """Returns the distances between candidates, 0 for equals, at most 1.
 
-    An actor's distance is the root mean square over its genes: of magnitudes the difference as a
-    share of the range, of categories 1 where they differ. The candidates' distance is the mean over
+    An actor's distance is the root mean square over its genes: for magnitudes, the difference as a
+    share of the range; for categories, 1 if they differ. The candidates' distance is the mean over
     the actors. Genes of absent actors do not count, so two that lack an actor are equal in it.
 
     Args:
@@ -26,7 +26,7 @@ def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace)
     Returns:
         (n, m).
     """
-    # Here, not above: what only lists campaigns shall not load SciPy for a fifth of a second.
+    # Imported here: SciPy takes a fifth of a second, which listing campaigns must not wait.
     from scipy.spatial.distance import cdist
 
     one, other = _coordinates(first, space), _coordinates(second, space)
@@ -47,7 +47,7 @@ def candidate_distances(first: FloatArray, second: FloatArray, space: GeneSpace)
 
 
 def _coordinates(values: FloatArray, space: GeneSpace) -> FloatArray:
-    """Returns magnitudes from 0 to 1 and categories as they are; the same for all absent actors."""
+    """Returns magnitudes scaled to 0..1 and categories unchanged; equal for all absent actors."""
     span = np.where(space.varies, space.highs - space.lows, 1.0)
     shares = np.where(space.is_category, values, (values - space.lows) / span)
     effective = effective_genes(values, space)

@@ -1,8 +1,8 @@
 """Genes: a scenario's variation as one vector of fixed length.
 
-Every gene has a native value in SI units, kept as float64 also where it counts or chooses. Genes of
-one actor (or of the weather, or of the lights) stand together in a block, so that operators can
-exchange or redraw an actor as a whole.
+Every gene has a native value in SI units, float64 also for counts and choices. Genes of one actor
+(or of the weather, or of the lights) form a block, so that operators can exchange or redraw an
+actor as a whole.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ class Gene:
     """One entry of the vector.
 
     Attributes:
-        name: Within its block, such as ``speed_2``.
-        kind: What its values mean.
+        name: Name within its block, such as ``speed_2``.
+        kind: Meaning of its values.
         low: Least value allowed.
-        high: Greatest value allowed, itself allowed too; equal to ``low`` where nothing varies.
+        high: Greatest value allowed, inclusive; equal to ``low`` if it does not vary.
         unit: SI unit, or "".
     """
 
@@ -70,11 +70,11 @@ class Block:
     """The genes of one actor, of the weather or of the lights.
 
     Attributes:
-        name: Such as ``vehicle_0``.
+        name: Name, such as ``vehicle_0``.
         start: Index of the first of its genes in the vector.
         genes: Its genes, in order. An actor that may be absent has ``present`` (0 or 1) first.
-        actor: Id of the actor in scenarios, which is not its name where the seed scenario has an
-            ego of its own for it, or another actor of that name; "" of weather and lights.
+        actor: Id of the actor in scenarios, which differs from the name if the seed scenario has an
+            ego of its own for it, or another actor of that name; "" for weather and lights.
     """
 
     name: str
@@ -85,7 +85,7 @@ class Block:
 
     @property
     def stop(self) -> int:
-        """Index behind its last gene."""
+        """Index after its last gene."""
         return self.start + len(self.genes)
 
     @property
@@ -103,7 +103,7 @@ class Block:
         """Returns the index in the vector of one of its genes.
 
         Raises:
-            SearchError: If the block has no such gene.
+            SearchError: The block has no such gene.
         """
         for offset, known in enumerate(self.genes):
             if known.name == gene:
@@ -129,10 +129,10 @@ class GeneSpace:
     """
 
     def __init__(self, blocks: tuple[Block, ...]) -> None:
-        """Takes blocks that follow one another without a gap.
+        """Takes contiguous blocks.
 
         Raises:
-            SearchError: If they do not, or there is no gene.
+            SearchError: The blocks are not contiguous, or there is no gene.
         """
         expected = 0
         for block in blocks:
@@ -140,7 +140,7 @@ class GeneSpace:
                 raise SearchError(f"block {block.name!r} begins at {block.start}, not {expected}")
             expected = block.stop
         if not expected:
-            raise SearchError("the gene space is empty: let at least one thing vary")
+            raise SearchError("the gene space is empty: vary at least one part of the scenario")
         self.blocks = blocks
         self.genes = tuple(gene for block in blocks for gene in block.genes)
 
@@ -179,12 +179,12 @@ class GeneSpace:
         return tuple(block for block in self.blocks if block.part is part)
 
     def sample(self, random: np.random.Generator, count: int | None = None) -> FloatArray:
-        """Draws uniformly: (d,), or (count, d). Both bounds of whole genes are drawn as often."""
+        """Draws uniformly: (d,), or (count, d). Whole genes are drawn with both bounds included."""
         shape = (len(self),) if count is None else (count, len(self))
         return self.from_unit(random.random(shape))
 
     def clip(self, values: FloatArray) -> FloatArray:
-        """Rounds whole genes and brings every value within its bounds; (..., d)."""
+        """Rounds whole genes and clips every value to its bounds; (..., d)."""
         rounded = np.where(self.is_whole, np.round(values), values)
         clipped: FloatArray = np.clip(rounded, self.lows, self.highs)
         return clipped
@@ -192,7 +192,7 @@ class GeneSpace:
     def to_unit(self, values: FloatArray) -> FloatArray:
         """Maps values (..., d) to 0..1; genes that do not vary to 0. Whole genes get cell centres.
 
-        ``from_unit`` gives back the same values.
+        ``from_unit`` is the inverse.
         """
         cells = np.where(self.is_whole, self.highs - self.lows + 1.0, self.highs - self.lows)
         shift = np.where(self.is_whole, 0.5, 0.0)
@@ -210,7 +210,7 @@ class GeneSpace:
         return values
 
     def within(self, values: FloatArray) -> bool:
-        """Whether values (d,) are finite, within the bounds, and whole where they have to be."""
+        """Returns whether values (d,) are finite, within the bounds, and whole for whole genes."""
         if values.shape != (len(self),) or not np.isfinite(values).all():
             return False
         return bool(np.array_equal(self.clip(values), values))

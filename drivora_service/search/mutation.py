@@ -1,8 +1,8 @@
 """Mutations: a candidate made from one other.
 
-They change only genes that have an effect: those of an actor that is absent have none, except the
-gene that says so. What a mutation gives is therefore another scenario than its parent, unless the
-space leaves no choice.
+They change only genes that have an effect: genes of an absent actor have none, except the gene of
+its presence. The mutant is therefore another scenario than its parent, unless the space leaves no
+choice.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from drivora_service.search.plugin import MutationPlugin
 
 
 def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
-    """Tells which genes (..., d) can vary and would change the scenario if they did.
+    """Returns which genes (..., d) can vary and would change the scenario.
 
     Args:
         values: (..., d) genes.
@@ -35,13 +35,13 @@ def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
 def redrawn(
     values: FloatArray, space: GeneSpace, random: np.random.Generator, which: BoolArray
 ) -> FloatArray:
-    """Returns a copy in which some genes are drawn anew; whole ones get another value than before.
+    """Returns a copy in which some genes are redrawn; whole genes get a different value.
 
     Args:
         values: (d,) genes of the parent.
         space: Their bounds.
-        random: For every draw.
-        which: (d,) genes to be drawn; those that cannot vary are left.
+        random: Generator for every draw.
+        which: (d,) genes to redraw; those that cannot vary are not changed.
     """
     cells = space.highs - space.lows + 1.0
     drawn = random.random(len(space))
@@ -58,15 +58,15 @@ def shifted(
     which: BoolArray,
     sigma: FloatArray | float,
 ) -> FloatArray:
-    """Returns a copy in which some genes are moved by normal draws; whole ones by at least 1.
+    """Returns a copy in which some genes are moved by normal draws; whole genes by at least 1.
 
-    What would leave the bounds is reflected at them, so that the bounds do not fill up.
+    Values are reflected at the bounds, so that they do not accumulate there.
 
     Args:
         values: (d,) genes of the parent.
         space: Their bounds.
-        random: For every draw.
-        which: (d,) genes to be moved; those that cannot vary are left.
+        random: Generator for every draw.
+        which: (d,) genes to move; those that cannot vary are not changed.
         sigma: Standard deviation in the genes' own units, (d,) or one for all.
     """
     draws = random.standard_normal(len(space)) * sigma
@@ -85,7 +85,7 @@ class GaussianMutation:
     Attributes:
         rate: Probability with which a magnitude moves.
         sigma: Standard deviation as a share of the gene's range, at strength 1.
-        category_rate: Probability with which a category is drawn anew, at strength 1.
+        category_rate: Probability with which a category is redrawn, at strength 1.
     """
 
     rate: float = 0.2
@@ -133,7 +133,7 @@ class RedrawGene:
 class RedrawBlock:
     """Redraws an actor as a whole; at strength s, s actors on average and at least one.
 
-    An absent actor appears; a present one that may be absent disappears half of the times.
+    An absent actor becomes present; a present optional one becomes absent with probability 1/2.
     """
 
     def mutate(
@@ -164,8 +164,8 @@ class RedrawSlice:
     """Redraws one gene of one time slice of one actor; at strength s, s times on average.
 
     The actor is drawn first, then the slice (the genes with the same number), then the gene; so
-    actors with many genes do not change more often than others. What an actor has besides its
-    slices (its path, its start) counts as one slice more.
+    actors with many genes do not change more often than others. The other genes of an actor (its
+    path, its start) count as one more slice.
     """
 
     def mutate(
@@ -190,7 +190,7 @@ class RedrawSlice:
 
 
 def varying_blocks(space: GeneSpace) -> tuple[Block, ...]:
-    """Returns the blocks in which anything can vary."""
+    """Returns the blocks with a gene that can vary."""
     return tuple(block for block in space.blocks if space.varies[block.slice].any())
 
 

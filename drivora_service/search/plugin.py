@@ -1,4 +1,4 @@
-"""What makes a tester, a mutation or a selection known by a name."""
+"""Plug-ins: named testers, mutations and selections."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ P = TypeVar("P")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TesterPlugin(Generic[P]):
-    """What an entry point of the group ``drivora_service.testers`` gives.
+    """The object of an entry point of the group ``drivora_service.testers``.
 
     Attributes:
-        name: In campaign files; letters, digits, dashes.
-        title: The method's own name.
+        name: Name in campaign files; letters, digits, dashes.
+        title: Name of the method in its publication.
         description: One sentence.
         source: Paper or package that it follows.
         parameters: A frozen dataclass with a default for every field; a campaign's parameters are
             checked against its types.
-        feedback: What its evaluations must be measured by.
-        create: Makes a tester. Raises ``SearchError`` if it cannot work in the space.
+        feedback: Feedback that measures its evaluations.
+        create: Makes a tester. Raises ``SearchError`` if it cannot search the space.
         is_generational: Whether it waits for a whole generation before it proposes the next.
     """
 
@@ -41,7 +41,7 @@ class TesterPlugin(Generic[P]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MutationPlugin:
-    """What an entry point of the group ``drivora_service.mutations`` gives."""
+    """The object of an entry point of the group ``drivora_service.mutations``."""
 
     name: str
     description: str
@@ -50,7 +50,7 @@ class MutationPlugin:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SelectionPlugin:
-    """What an entry point of the group ``drivora_service.selections`` gives."""
+    """The object of an entry point of the group ``drivora_service.selections``."""
 
     name: str
     description: str

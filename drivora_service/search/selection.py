@@ -1,7 +1,7 @@
-"""Selections: whom to go on with. Several objectives are compared as in NSGA-II.
+"""Survivor selections. Several objectives are compared as in NSGA-II.
 
-Objectives are minimised. What is not finite counts as not measurable, and as worse than all that
-is. A selection that is asked for more than there are repeats itself.
+Objectives are minimised. Non-finite values count as not measurable, and as worse than all
+measurable ones. A selection of more candidates than there are repeats some of them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from drivora_service.search.plugin import SelectionPlugin
 
 
 def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
-    """Sorts candidates by non-domination; the first front is dominated by nobody.
+    """Sorts candidates by non-domination; the first front is not dominated.
 
     Args:
         objectives: (n, m), to be minimised.
@@ -24,7 +24,7 @@ def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
     Returns:
         Indices of each front, in ascending order.
     """
-    # Here, not above: what only lists or reads campaigns shall not load pymoo for half a second.
+    # Imported here: pymoo takes half a second, which code that only reads campaigns must not wait.
     from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
     found = NonDominatedSorting().do(measurable(objectives))
@@ -32,7 +32,7 @@ def fronts(objectives: FloatArray) -> tuple[IntArray, ...]:
 
 
 def crowding_distances(objectives: FloatArray) -> FloatArray:
-    """Returns how much room (n,) each candidate of one front has around it; inf at its ends.
+    """Returns the crowding distance (n,) of each candidate of one front; inf at its ends.
 
     Source: Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II" (2002).
     """
@@ -42,7 +42,7 @@ def crowding_distances(objectives: FloatArray) -> FloatArray:
 
 
 def best_first(objectives: FloatArray) -> IntArray:
-    """Orders candidates (n,) from best to worst: by front, then by room around; equals by index.
+    """Orders candidates (n,) from best to worst: by front, crowding distance, then index.
 
     Args:
         objectives: (n, m), to be minimised. With m = 1 this is the order of the values.
@@ -57,10 +57,10 @@ def best_first(objectives: FloatArray) -> IntArray:
 
 
 def measurable(objectives: FloatArray) -> FloatArray:
-    """Returns a copy in which what is not finite is a number worse than all others of its column.
+    """Returns a copy with non-finite values replaced by one worse than all others of the column.
 
     Raises:
-        SearchError: If there is no candidate or no objective.
+        SearchError: There is no candidate or no objective.
     """
     if objectives.ndim != 2 or not objectives.size:
         raise SearchError(
@@ -91,10 +91,10 @@ class Truncation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tournament:
-    """Chooses the best of some that are drawn, again and again.
+    """Chooses the best of some drawn candidates, repeatedly.
 
     Attributes:
-        size: How many are drawn each time, where there are as many.
+        size: Number of candidates drawn each time, if there are as many.
     """
 
     size: int = 2
@@ -114,9 +114,9 @@ class Tournament:
 class Roulette:
     """Draws with a probability that grows with the fitness.
 
-    The fitness is the distance to the worst that is measurable, so it is never negative. Of several
-    objectives the place in the order counts instead. What is not measurable is drawn only if
-    nothing is.
+    The fitness is the distance to the worst measurable value, so it is never negative. With several
+    objectives, the rank in the order counts instead. Candidates that are not measurable are drawn
+    only if none is measurable.
 
     Attributes:
         floor: Fitness of the worst, as a share of the distance between the best and the worst.
@@ -150,7 +150,7 @@ class Roulette:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RandomSelection:
-    """Chooses without looking at the objectives; nobody twice before everybody once."""
+    """Chooses regardless of the objectives, without replacement until all have been chosen."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
         """Chooses from candidates."""
@@ -161,7 +161,7 @@ class RandomSelection:
 
 TRUNCATION = SelectionPlugin(name="truncation", description="chooses the best", create=Truncation)
 TOURNAMENT = SelectionPlugin(
-    name="tournament", description="chooses the better of two that are drawn", create=Tournament
+    name="tournament", description="chooses the better of two drawn candidates", create=Tournament
 )
 ROULETTE = SelectionPlugin(
     name="roulette",
@@ -169,5 +169,5 @@ ROULETTE = SelectionPlugin(
     create=Roulette,
 )
 RANDOM_SELECTION = SelectionPlugin(
-    name="random", description="chooses without looking", create=RandomSelection
+    name="random", description="chooses regardless of the objectives", create=RandomSelection
 )

@@ -1,4 +1,4 @@
-"""A testing method as ask/tell: it proposes candidates and is told what came of them."""
+"""A testing method as ask/tell: it proposes candidates and is told their evaluations."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class EvaluationStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Proposal:
-    """A candidate that a tester wants to see evaluated.
+    """A candidate that a tester proposes.
 
     Attributes:
         values: (d,) genes, within the bounds of the space.
         origin: How it was made, in a word or two: ``initial``, ``mutation``, ``crossover`` ...
-        generation: Number of the generation, cycle or round that it belongs to, from 0.
-        parents: Numbers of the evaluations that it was made from.
+        generation: Number of its generation, cycle or round, from 0.
+        parents: Numbers of the evaluations from which it was made.
     """
 
     values: FloatArray
@@ -45,14 +45,14 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evaluation:
-    """What came of a proposal.
+    """The result of a proposal.
 
     Attributes:
-        number: Of the proposal in the order of asking, from 0.
+        number: Number of the proposal in the order of asking, from 0.
         violations: Verdicts of the campaign's oracles that count as failures of the ego: violated,
-            and not known to be somebody else's fault. Empty unless judged.
+            and not known to be another actor's fault. Empty unless judged.
         scores: The general objectives by name, to be minimised; ``None`` is not measurable.
-        measurement: Of the tester's feedback; ``None`` unless judged.
+        measurement: Measurement by the tester's feedback; ``None`` unless judged.
     """
 
     number: int
@@ -67,18 +67,18 @@ class Tester(Protocol):
     """A testing method.
 
     The caller asks and tells in one thread, and in an order that does not depend on time:
-    evaluations are told one by one in the order of their numbers, and after each telling the tester
-    is asked again. With the same space and a generator of the same seed a tester therefore proposes
-    the same, so that its state can be rebuilt by telling it again what is known.
+    evaluations are told one by one in the order of their numbers, and after each one the tester is
+    asked again. With the same space and a generator of the same seed a tester therefore makes the
+    same proposals, so that its state can be rebuilt by telling it the known evaluations again.
     """
 
     def ask(self, room: int) -> tuple[Proposal, ...]:
-        """Proposes up to ``room`` candidates; none if it has to be told more first.
+        """Proposes up to ``room`` candidates; none if it needs more evaluations first.
 
-        A tester that proposes nothing while nothing is left to be told has ended.
+        A tester that proposes nothing while no evaluation is pending has ended.
 
         Raises:
-            SearchError: If ``room`` is less than 1.
+            SearchError: ``room`` is less than 1.
         """
         ...
 
@@ -86,21 +86,21 @@ class Tester(Protocol):
         """Takes the next evaluation.
 
         Raises:
-            SearchError: If it is not the one whose turn it is.
+            SearchError: It is out of order.
         """
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TesterContext:
-    """What a tester works with.
+    """The context of a tester.
 
     Attributes:
-        space: What can be varied.
-        random: For every random draw of the tester.
-        budget: Simulations that the campaign may make.
+        space: The gene space.
+        random: Generator for every random draw of the tester.
+        budget: Number of simulations that the campaign may make.
         conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
-            get in each other's way; symmetric, none with itself. ``None``: not known.
+            conflict; symmetric, none with itself. ``None``: not known.
     """
 
     space: GeneSpace

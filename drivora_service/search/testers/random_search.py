@@ -1,4 +1,4 @@
-"""Random testing: every candidate is drawn anew from the gene space."""
+"""Random testing: every candidate is drawn from the gene space."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from drivora_service.search.testers.turn import Turn
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RandomParameters:
-    """Random testing has none."""
+    """Random testing has no parameters."""
 
 
 class RandomTester:
-    """Draws candidates uniformly; what it is told changes nothing."""
+    """Draws candidates uniformly, regardless of the evaluations."""
 
     def __init__(self, context: TesterContext) -> None:
         self._context = context
@@ -30,7 +30,7 @@ class RandomTester:
         return self._turn.propose(drawn, room)
 
     def tell(self, evaluation: Evaluation) -> None:
-        """Takes note of nothing but the order."""
+        """Checks the order of the evaluations."""
         self._turn.take(evaluation)
 
 
@@ -43,7 +43,7 @@ def _create(
 RANDOM = TesterPlugin(
     name="random",
     title="Random",
-    description="draws every candidate anew from the gene space",
+    description="draws every candidate from the gene space",
     source="the baseline of every comparison",
     parameters=RandomParameters,
     feedback=FeedbackChoice(name="general"),

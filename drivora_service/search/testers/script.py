@@ -1,4 +1,4 @@
-"""Testers written as scripts: one generation after another, in the order they are thought of."""
+"""Testers written as scripts: generators that yield one generation after another."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from drivora_service.search.tester import Evaluation, Proposal
 from drivora_service.search.testers.turn import Turn
 
 Script = Generator[tuple[Proposal, ...], tuple[Evaluation, ...], None]
-"""Yields proposals and gets their evaluations, in the same order, once all have been told."""
+"""Yields proposals and receives their evaluations, in the same order, once all are told."""
 
 
 class ScriptedTester:
-    """Plays a script as ask/tell; it ends when the script ends.
+    """Runs a script as ask/tell; it ends when the script ends.
 
-    A script is only run when the tester is asked, and a generation without proposals is answered at
-    once.
+    A script is only advanced when the tester is asked, and a generation without proposals is
+    answered at once.
     """
 
     def __init__(self, script: Script) -> None:
-        """Takes a script that has not begun."""
+        """Takes a script that has not been started."""
         self._script = script
         self._turn = Turn()
         self._proposals: tuple[Proposal, ...] = ()
@@ -29,7 +29,7 @@ class ScriptedTester:
         self._ended = False
 
     def ask(self, room: int) -> tuple[Proposal, ...]:
-        """Proposes what is left of the generation; goes on with the next once all is told."""
+        """Proposes the rest of the generation, or the next one once all are told."""
         while len(self._told) == len(self._proposals) and not self._ended:
             self._go_on()
         proposals = self._proposals[self._asked : self._asked + max(room, 0)]
@@ -43,7 +43,7 @@ class ScriptedTester:
 
     def _go_on(self) -> None:
         try:
-            # A generator that has not begun takes nothing.
+            # A generator that has not been started accepts only ``None``.
             proposals = self._script.send(tuple(self._told)) if self._begun else next(self._script)
         except StopIteration:
             proposals, self._ended = (), True

@@ -1,4 +1,4 @@
-"""Keeping the order of asking and telling."""
+"""Checking the order of ask and tell."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivora_service.search.tester import Evaluation, Proposal
 
 
 class Turn:
-    """Numbers what a tester has proposed, and checks that it is told in that order.
+    """Numbers the proposals of a tester, and checks that they are told in that order.
 
     Testers hold one, so that a wrong order is an error and not a wrong result.
     """
@@ -20,19 +20,19 @@ class Turn:
 
     @property
     def waiting(self) -> int:
-        """Proposals that have not been told yet."""
+        """Number of proposals that have not been told."""
         return len(self._open)
 
     @property
     def next_number(self) -> int:
-        """Number that the next proposal will have."""
+        """Number of the next proposal."""
         return self._next
 
     def propose(self, proposals: tuple[Proposal, ...], room: int) -> tuple[Proposal, ...]:
-        """Notes proposals and gives them back.
+        """Numbers proposals and returns them.
 
         Raises:
-            SearchError: If there is no room, or not enough for them.
+            SearchError: There is not enough room for them.
         """
         if room < 1:
             raise SearchError(f"asked with room for {room}; ask with room for at least 1")
@@ -44,16 +44,14 @@ class Turn:
         return proposals
 
     def take(self, evaluation: Evaluation) -> None:
-        """Notes that an evaluation was told.
+        """Checks the number of a told evaluation.
 
         Raises:
-            SearchError: If another one, or none, was expected.
+            SearchError: Another one, or none, was expected.
         """
         if not self._open:
             raise SearchError(f"evaluation {evaluation.number} was told, but none is expected")
         number, _ = self._open[0]
         if evaluation.number != number:
-            raise SearchError(
-                f"evaluation {evaluation.number} was told, but it is the turn of {number}"
-            )
+            raise SearchError(f"evaluation {evaluation.number} was told, but {number} is expected")
         self._open.popleft()

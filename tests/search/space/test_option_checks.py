@@ -40,7 +40,7 @@ def test_fewer_egos_than_the_seed_has() -> None:
 
 def test_nothing_that_varies() -> None:
     options = SpaceOptions(vehicles=0, walkers=0, weather=False, lights=True)
-    with pytest.raises(SearchError, match="let at least one thing vary"):
+    with pytest.raises(SearchError, match="vary at least one part"):
         around("highway", options)
 
 

@@ -220,7 +220,7 @@ def test_a_failure_rewards_the_parent_but_is_not_bred_from() -> None:
     play.ask()
     play.tell("bbbb", 0.0, violations=(CRASH,))
     (parent,) = play.tester.corpus
-    assert (parent.children, parent.fruitful) == (1, 1)
+    assert (parent.children, parent.successes) == (1, 1)
     assert parent.energy > 1.5
     assert play.tester.model.archived == 1
 
@@ -291,7 +291,7 @@ def test_what_shows_no_behaviour_is_not_kept_and_costs_energy(told: dict[str, An
     play.ask()
     play.tell(**told)
     (parent,) = play.tester.corpus
-    assert (parent.children, parent.fruitful) == (1, 0)
+    assert (parent.children, parent.successes) == (1, 0)
     assert parent.energy < 1.5
 
 

@@ -30,20 +30,20 @@ def test_a_seed_starts_with_its_gain_and_its_novelty(
     assert initial_energy(gain, novelty) == pytest.approx(expected)
 
 
-def test_a_fruitful_mutant_adds_the_rate_of_fruitful_ones() -> None:
+def test_a_successful_mutant_adds_the_success_rate() -> None:
     parent = seed()
-    parent.learn(is_fruitful=True, gain=0.0, novelty=0.0)
+    parent.learn(is_success=True, gain=0.0, novelty=0.0)
     assert parent.energy == pytest.approx(1.0 + 0.5 * 1.0 - 0.05)
-    parent.learn(is_fruitful=False, gain=0.0, novelty=0.0)
+    parent.learn(is_success=False, gain=0.0, novelty=0.0)
     assert parent.energy == pytest.approx(1.45 + 0.5 * (-0.1 * 0.5) - 0.05)
-    parent.learn(is_fruitful=True, gain=0.0, novelty=0.0)
+    parent.learn(is_success=True, gain=0.0, novelty=0.0)
     assert parent.energy == pytest.approx(1.375 + 0.5 * 2.0 / 3.0 - 0.05)
 
 
 def test_the_gain_counts_more_the_newer_the_behaviour() -> None:
     plain, new = seed(), seed()
-    plain.learn(is_fruitful=False, gain=0.2, novelty=0.0)
-    new.learn(is_fruitful=False, gain=0.2, novelty=0.75)
+    plain.learn(is_success=False, gain=0.2, novelty=0.0)
+    new.learn(is_success=False, gain=0.2, novelty=0.75)
     assert plain.energy == pytest.approx(1.0 - 0.05 + 0.5 * tanh(0.2) - 0.05)
     assert new.energy == pytest.approx(1.0 - 0.05 + 0.5 * tanh(0.8) - 0.05)
 
@@ -51,15 +51,15 @@ def test_the_gain_counts_more_the_newer_the_behaviour() -> None:
 @pytest.mark.parametrize(("gain", "slope"), [(0.01, 1.0), (0.0, 0.0), (-0.01, -1.0)])
 def test_an_entirely_new_behaviour_makes_any_gain_count_fully(gain: float, slope: float) -> None:
     parent = seed()
-    parent.learn(is_fruitful=True, gain=gain, novelty=1.0)
+    parent.learn(is_success=True, gain=gain, novelty=1.0)
     assert parent.energy == pytest.approx(1.0 + 0.5 + 0.5 * slope - 0.05)
 
 
-def test_a_parent_of_barren_and_worse_mutants_runs_dry() -> None:
+def test_failed_and_worse_mutants_reduce_the_energy_to_zero() -> None:
     parent = seed()
     energies = []
     for _ in range(20):
-        parent.learn(is_fruitful=False, gain=-0.1, novelty=0.1)
+        parent.learn(is_success=False, gain=-0.1, novelty=0.1)
         energies.append(parent.energy)
     assert energies == sorted(energies, reverse=True)
     assert energies[-1] == 0.0
@@ -68,8 +68,8 @@ def test_a_parent_of_barren_and_worse_mutants_runs_dry() -> None:
 @given(st.lists(st.tuples(st.booleans(), st.floats(-1.0, 1.0), st.floats(0.0, 1.0)), max_size=30))
 def test_energies_are_never_negative(told: list[tuple[bool, float, float]]) -> None:
     parent = seed()
-    for is_fruitful, gain, novelty in told:
-        parent.learn(is_fruitful=is_fruitful, gain=gain, novelty=novelty)
+    for is_success, gain, novelty in told:
+        parent.learn(is_success=is_success, gain=gain, novelty=novelty)
         assert np.isfinite(parent.energy)
         assert parent.energy >= 0.0
 

@@ -1,1 +1,1 @@
-"""AVFuzzer: a genetic algorithm that restarts where it stalls and searches around its bests."""
+"""AVFuzzer: a genetic algorithm with restarts and local searches around its best candidates."""

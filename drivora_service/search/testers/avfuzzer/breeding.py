@@ -1,4 +1,4 @@
-"""How AVFuzzer makes the scenarios of a generation from those of the last."""
+"""AVFuzzer's operators: selection, crossover and mutation of a generation."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from drivora_service.search.tester import Evaluation, Proposal
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Individual:
-    """A scenario that was evaluated.
+    """An evaluated scenario.
 
     Attributes:
         values: (d,) genes.
         cost: Metres, to be minimised; infinite if not measurable.
-        number: Of its evaluation.
+        number: Number of its evaluation.
     """
 
     values: FloatArray
@@ -39,8 +39,8 @@ class Offspring:
 
     Attributes:
         values: (d,) genes.
-        origins: Names of what changed it, in order.
-        parents: Those it has genes of, first the one whose place it takes.
+        origins: Names of the operators that changed it, in order.
+        parents: Individuals from which it has genes; it replaces the first.
     """
 
     values: FloatArray
@@ -49,7 +49,7 @@ class Offspring:
 
     @property
     def known(self) -> Individual | None:
-        """Its parent if it is the same scenario, so that it need not be run again."""
+        """Its parent if the scenario is the same and need not be run again."""
         for parent in self.parents:
             if np.array_equal(parent.values, self.values):
                 return parent
@@ -57,7 +57,7 @@ class Offspring:
 
 
 def individual(evaluation: Evaluation) -> Individual:
-    """Returns what was learned of a scenario."""
+    """Returns the individual of an evaluation."""
     measured = evaluation.measurement
     cost = None if measured is None else measured.objectives[SAFETY_MARGIN]
     return Individual(
@@ -68,7 +68,7 @@ def individual(evaluation: Evaluation) -> Individual:
 
 
 def best_of(population: Population) -> Individual:
-    """Returns the best, of equals the first."""
+    """Returns the best individual, the first among equals."""
     return min(population, key=lambda one: one.cost)
 
 
@@ -78,7 +78,7 @@ class Breeding:
 
     Attributes:
         space: Bounds of the genes.
-        random: For every draw.
+        random: Generator for every draw.
         mutation: Changes a scenario.
         selection: Draws the parents.
         crossover_rate: Probability with which a pair exchanges an actor.
@@ -91,7 +91,7 @@ class Breeding:
     crossover_rate: float
 
     def select(self, population: Population) -> Population:
-        """Draws as many parents as there are, some of them more than once."""
+        """Draws as many parents as the population has members, with repetition."""
         costs = np.array([[one.cost] for one in population])
         chosen = self.selection.select(costs, len(population), self.random)
         return tuple(population[index] for index in chosen)
@@ -99,7 +99,7 @@ class Breeding:
     def breed(self, parents: Population, mutation_rate: float) -> tuple[Offspring, ...]:
         """Crosses and mutates.
 
-        At least one of the offspring differs from its parent, else the search would stand still.
+        At least one of the offspring differs from its parent, else the search would not advance.
         """
         offspring = [Offspring(values=one.values, origins=(), parents=(one,)) for one in parents]
         for _ in range(len(parents) // 2):
@@ -134,7 +134,7 @@ def _changed(
 
 
 def proposal(offspring: Offspring, generation: int, prefix: str = "") -> Proposal:
-    """Proposes to run an offspring; ``prefix`` is put before its origin."""
+    """Returns the proposal of an offspring; ``prefix`` is put before its origin."""
     return Proposal(
         values=offspring.values,
         origin=prefix + " and ".join(offspring.origins),

@@ -13,16 +13,16 @@ class AvfuzzerParameters:
     """Defaults from Li et al., "AV-FUZZER" (ISSRE 2020), and its public code.
 
     Attributes:
-        population: Scenarios of a generation (paper: 4).
+        population: Number of scenarios of a generation (paper: 4).
         crossover_rate: Probability with which a pair exchanges an actor (paper: 0.4).
         mutation_rate: Probability with which a scenario is mutated (paper: 0.4).
-        stall: Generations over whose bests the mean is taken; where it is no worse than the best of
-            the generation after them, the search starts again (code: 5).
-        restart_candidates: Scenarios drawn at a restart, of which those furthest from all past
+        stall: Number of generations over which the mean of the best costs is taken; if it is no
+            worse than the best cost of the next generation, the search restarts (code: 5).
+        restart_candidates: Number of scenarios drawn at a restart; those furthest from all past
             populations become the next one (code: 1,000).
-        local_after: Generations after a start or restart whose new bests are not searched around
+        local_after: Number of generations after a start or restart without local searches
             (code: 2).
-        local_generations: Generations of a local search (code: 5).
+        local_generations: Number of generations of a local search (code: 5).
         local_factor: Mutation rate of a local search over that of the search (code: 1.5).
     """
 

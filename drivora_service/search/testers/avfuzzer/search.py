@@ -1,9 +1,9 @@
-"""AVFuzzer's way of working.
+"""AVFuzzer's search.
 
 Li et al., *AV-FUZZER: Finding Safety Violations in Autonomous Driving Systems* (ISSRE 2020). A
 generation is selected from the last by roulette, crossed and mutated; only scenarios that changed
-are run. Where the bests of the last generations do not get better, the search starts again, as far
-as possible from all that was tried. A new best is searched around before the search goes on.
+are run. If the best costs of the last generations do not improve, the search restarts as far as
+possible from all tried candidates. A new best candidate starts a local search around it.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from drivora_service.search.testers.avfuzzer.parameters import AvfuzzerParameter
 from drivora_service.search.testers.script import Script, ScriptedTester
 
 Step = Generator[tuple[Proposal, ...], tuple[Evaluation, ...], Population]
-"""A part of the script that ends with a population."""
+"""A part of the script that returns a population."""
 
 
 class AvfuzzerSearch:
-    """The state of a search: what was tried, and how the present attempt does."""
+    """The state of a search: past populations, and the current attempt."""
 
     def __init__(
         self, context: TesterContext, parameters: AvfuzzerParameters, components: Components
@@ -55,7 +55,7 @@ class AvfuzzerSearch:
         self._past: list[FloatArray] = []
 
     def script(self) -> Script:
-        """Searches without end, one attempt after the other."""
+        """Searches without end, one attempt after another."""
         drawn = self._space.sample(self._random, self._parameters.population)
         population = yield from self._evaluate_new(drawn, "initial")
         while True:
@@ -63,7 +63,7 @@ class AvfuzzerSearch:
             population = yield from self._evaluate_new(self._far_from_the_past(), "restart")
 
     def _attempt(self, population: Population) -> Script:
-        """Breeds generation after generation until they do not get better any more."""
+        """Breeds generations until they no longer improve."""
         settings = self._parameters
         best = best_of(population)
         bests = [best.cost]
@@ -80,14 +80,14 @@ class AvfuzzerSearch:
                     best = local
 
     def _has_stalled(self, bests: list[float]) -> bool:
-        """Whether the last best is no better than the mean of those before it."""
+        """Returns whether the last best cost is no better than the mean of those before it."""
         stall = self._parameters.stall
         return len(bests) > stall and float(np.mean(bests[-stall - 1 : -1])) <= bests[-1]
 
     def _search_around(
         self, best: Individual
     ) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], Individual]:
-        """Breeds some generations from copies of a scenario, and gives the best of it and them."""
+        """Breeds some generations from copies of a scenario; returns the best of all of them."""
         settings = self._parameters
         rate = settings.mutation_rate * settings.local_factor
         population: Population = (best,) * settings.population
@@ -102,7 +102,7 @@ class AvfuzzerSearch:
         offspring = self._breeding.breed(parents, mutation_rate)
         known = [child.known for child in offspring]
         if all(same is not None for same in known):
-            # A mutation that changes nothing must not let the search turn without a run.
+            # A mutation that changes nothing must not let the search loop without a run.
             known[next(i for i, child in enumerate(offspring) if child.origins)] = None
         proposals = tuple(
             proposal(child, self._generation, prefix)
@@ -127,7 +127,7 @@ class AvfuzzerSearch:
         return population
 
     def _far_from_the_past(self) -> FloatArray:
-        """Draws candidates and gives those furthest, on average, from all past populations."""
+        """Returns the drawn candidates furthest, on average, from all past populations."""
         settings = self._parameters
         count = max(settings.restart_candidates, settings.population)
         drawn = self._space.sample(self._random, count)
@@ -143,14 +143,14 @@ def _create(
     context: TesterContext, parameters: AvfuzzerParameters, components: Components
 ) -> ScriptedTester:
     if not context.space.varies.any():
-        raise SearchError("avfuzzer needs something to vary; let the space vary at least one thing")
+        raise SearchError("avfuzzer needs a gene that varies; vary at least one part")
     return ScriptedTester(AvfuzzerSearch(context, parameters, components).script())
 
 
 AVFUZZER = TesterPlugin(
     name="avfuzzer",
     title="AVFuzzer",
-    description="a genetic algorithm that restarts where it stalls and searches around its bests",
+    description="a genetic algorithm with restarts and local searches around its best candidates",
     source="Li et al., AV-FUZZER: Finding Safety Violations in Autonomous Driving Systems, 2020",
     parameters=AvfuzzerParameters,
     feedback=FeedbackChoice(name="avfuzzer"),

@@ -1,4 +1,4 @@
-"""BehAVExplor's model of behaviour: windows of motion become labels, and runs sequences of them."""
+"""BehAVExplor's model of behaviour: labels of motion windows, and runs as sequences of labels."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
 FIT_ROWS = 1000
-"""Windows, spread evenly over the archive, that a fit looks at: more cost time, change little."""
+"""Number of windows, spread evenly over the archive, for a fit: more cost time, change little."""
 
 CHOICE_ROWS = 500
-"""The same for choosing the number of clusters, whose cost grows with the square."""
+"""The same for choosing the number of clusters, at a cost that grows with the square."""
 
 CONSTANT = 1e-3
 """Standard deviation up to which a statistic counts as constant, in its own unit. A vehicle that
@@ -32,20 +32,20 @@ _ABSENT = -1
 def sequence_distances(sequence: IntArray, archive: IntArray, lengths: IntArray) -> FloatArray:
     """Returns the distances of a label sequence to others.
 
-    The distance is the number of places with different labels, a place that only one of the two has
-    being different, over the length of the longer one.
+    The distance is the number of positions with different labels over the length of the longer
+    sequence; positions that only one of the two has count as different.
 
     Args:
         sequence: (n,) labels, none negative.
-        archive: (m, w) labels, behind the end of each sequence -1.
+        archive: (m, w) labels, -1 after the end of each sequence.
         lengths: (m,) lengths of the sequences.
 
     Returns:
-        (m,) 0..1; 0 where both are empty.
+        (m,) 0..1; 0 if both are empty.
     """
     width = max(len(sequence), archive.shape[1])
-    # The fillings differ from each other and from all labels: what is behind both ends counts as
-    # different too and is taken off again.
+    # The fillings differ from each other and from all labels: positions after both ends count as
+    # different, too, and are subtracted again.
     one = np.full(width, _ABSENT - 1, dtype=archive.dtype)
     one[: len(sequence)] = sequence
     others = np.full((len(archive), width), _ABSENT, dtype=archive.dtype)
@@ -57,16 +57,16 @@ def sequence_distances(sequence: IntArray, archive: IntArray, lengths: IntArray)
 
 
 class BehaviourModel:
-    """Clusters the windows of an archive of runs, and tells how new the behaviour of a run is.
+    """Clusters the windows of an archive of runs, and measures the novelty of a run's behaviour.
 
     Statistics have units of their own and ranges that differ by orders of magnitude, so they are
     scaled to unit variance over the archive before they are clustered by k-means. The number of
     clusters is that with the best silhouette (Rousseeuw 1987); it is chosen again whenever the
-    archive has doubled. A fit takes the better of two: one goes on from the centres of the fit
-    before, which are good for what was known; one starts anew, and can part what is new from it.
+    archive has doubled. A fit takes the better of two: one starts from the centres of the previous
+    fit, which suit the known windows; one starts anew, and can separate the new ones from them.
 
     Attributes:
-        fits: How many times the clusters were fitted.
+        fits: Number of fits of the clusters.
     """
 
     def __init__(self, *, fewest: int, most: int, random: np.random.Generator) -> None:
@@ -74,8 +74,8 @@ class BehaviourModel:
 
         Args:
             fewest: Least number of clusters to choose from.
-            most: Greatest.
-            random: For the first centres.
+            most: Greatest number of clusters to choose from.
+            random: Generator for the first centres.
         """
         self.fits = 0
         self._fewest = fewest
@@ -100,9 +100,9 @@ class BehaviourModel:
         return len(self._lengths)
 
     def labels(self, table: FloatArray) -> IntArray:
-        """Returns the nearest cluster (n,) of each window (n, c); the first fit must have been."""
-        # The weighted |x - c|² without the part that is the same for all centres; x is about the
-        # mean, which is taken off the products instead of off every row.
+        """Returns the nearest cluster (n,) of each window (n, c); requires a fit."""
+        # The weighted |x - c|² without the term that is equal for all centres; x is about the mean,
+        # which is subtracted from the products instead of from every row.
         weights = self._scale**-2
         weighted = weights * self._centres
         shift = weighted @ self._shift
@@ -110,7 +110,7 @@ class BehaviourModel:
         return np.asarray(costs.argmin(axis=1), dtype=np.int64)
 
     def novelty(self, table: FloatArray) -> float:
-        """Returns the distance 0..1 of a run to the nearest of the archive; 1 if that is empty."""
+        """Returns the distance 0..1 of a run to the nearest of the archive; 1 for an empty one."""
         if not self.archived:
             return 1.0
         lengths = np.array(self._lengths)
@@ -162,8 +162,7 @@ class BehaviourModel:
         return best
 
     def _k_means(self, scaled: FloatArray, count: int, start: FloatArray | None = None) -> KMeans:
-        # Imported where it is needed: that takes a second, which those who only name the tester
-        # are spared.
+        # Imported here: it takes a second, which code that only names the tester must not wait.
         from sklearn.cluster import KMeans
         from sklearn.exceptions import ConvergenceWarning
 
@@ -174,7 +173,7 @@ class BehaviourModel:
             random_state=int(self._random.integers(2**31)),
         )
         with warnings.catch_warnings():
-            # Runs in which little happens have fewer different windows than there are clusters.
+            # Uneventful runs have fewer different windows than there are clusters.
             warnings.simplefilter("ignore", ConvergenceWarning)
             return model.fit(scaled)
 
@@ -194,7 +193,7 @@ class BehaviourModel:
 
 
 def _thinned(rows: FloatArray, most: int) -> FloatArray:
-    """Returns at most so many rows, spread evenly."""
+    """Returns at most ``most`` rows, spread evenly."""
     if len(rows) <= most:
         return rows
     return rows[np.linspace(0, len(rows) - 1, most).round().astype(np.int64)]

@@ -1,4 +1,4 @@
-"""How BehAVExplor changes a parent that is worth staying near: Gaussian noise on waypoints."""
+"""BehAVExplor's mutation of seeds with high energy: Gaussian noise on waypoints."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _ALONG, _SPEED = "along_", "speed_"
 class WaypointNoise:
     """Moves waypoints of vehicles, in place and speed together, by normal draws.
 
-    The types, paths and lanes of vehicles stay. Magnitudes that are no waypoints (starts, walkers,
-    weather ...) move each for itself. At least one thing moves: the same candidate again would tell
-    nothing new of a simulator that repeats itself.
+    The types, paths and lanes of vehicles are kept. Magnitudes that are no waypoints (starts,
+    walkers, weather ...) move independently. At least one gene moves: repeating a candidate in a
+    deterministic simulator would give no new information.
 
     Attributes:
-        probability: With which a waypoint, or another magnitude, moves.
+        probability: Probability with which a waypoint, or another magnitude, moves.
         along_sigma: Standard deviation of a waypoint's place along the path at strength 1, metres.
-        speed_sigma: Of its speed, m/s.
-        spread: Of all other magnitudes, as a share of their range; 0 leaves them alone.
+        speed_sigma: Standard deviation of its speed, m/s.
+        spread: Standard deviation of all other magnitudes, as a share of their range; 0: none.
     """
 
     probability: float = 0.5
@@ -50,11 +50,11 @@ class WaypointNoise:
         return shifted(values, space, random, moves & movable, sigma * strength)
 
     def plan(self, space: GeneSpace) -> tuple[FloatArray, IntArray]:
-        """Tells how the genes move.
+        """Returns how the genes move.
 
         Returns:
-            (d,) standard deviations in the genes' units, 0 for those that stay; and (d,) for each
-            gene the index of the gene with which it moves, its own or that of its waypoint.
+            (d,) standard deviations in the genes' units, 0 for fixed genes; and (d,) for each gene
+            the index of the gene with which it moves, its own or that of its waypoint.
         """
         sigma = np.zeros(len(space))
         unit = np.arange(len(space))

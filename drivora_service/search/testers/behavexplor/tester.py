@@ -1,7 +1,7 @@
 """BehAVExplor as ask and tell.
 
 Cheng, Zhou, Xie, *BehAVExplor: Behavior Diversity Guided Testing for Autonomous Driving Systems*
-(ISSTA 2023), with the details of its public code. What is adapted and why is in the reference page.
+(ISSTA 2023), with the details of its public code. The reference page explains the adaptations.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from drivora_service.search.testers.behavexplor.mutation import WaypointNoise
 from drivora_service.search.testers.turn import Turn
 
 _WORST = 1.0
-"""Degree of violation of what has none: the farthest from a failure that there is."""
+"""Degree of violation if it is not measurable: the farthest from a failure."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,19 +40,19 @@ class BehavexplorParameters:
     """Parameters of BehAVExplor. "Code" is the public code of the paper.
 
     Attributes:
-        initial: Candidates that are drawn to begin with (code: 4).
+        initial: Number of candidates that are drawn first (code: 4).
         novelty: Distance to the nearest behaviour of the archive above which a behaviour is new
             (paper and code: 0.4).
         fewest_clusters: Least number of clusters of the behaviour model (code: 10).
-        most_clusters: Greatest (the authors' later code: 20); equal to the least to fix it.
+        most_clusters: Greatest number (the authors' later code: 20); equal to the least to fix it.
         noise_energy: Energy above which a seed is mutated rather than redrawn (code: 0.5).
-        probability: With which a mutation moves a waypoint or another magnitude (code: 0.5).
+        probability: Probability with which a mutation moves a magnitude or waypoint (code: 0.5).
         along_sigma: Metres, standard deviation of a waypoint's move along the path (code: 12).
         speed_sigma: m/s, standard deviation of the change of its speed (code: 6).
         spread: Standard deviation of all other magnitudes as a share of their range (ours; in the
             paper's space there are none).
         redraw_cost: Energy that a redraw takes from its parent (code: 0.1).
-        breed_failures: Whether candidates that failed become seeds too (paper and code: no).
+        breed_failures: Whether candidates that failed become seeds, too (paper and code: no).
     """
 
     initial: Annotated[int, Field(ge=1)] = 4
@@ -70,7 +70,7 @@ class BehavexplorParameters:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Open:
-    """What has to be remembered of a proposal until it is told; no parent: it was drawn."""
+    """A proposal that has not been told; without a parent if it was drawn."""
 
     parent: Seed | None
     is_redraw: bool
@@ -78,11 +78,11 @@ class _Open:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Outcome:
-    """What an evaluation says.
+    """The result of an evaluation.
 
     Attributes:
-        degree: Of violation, 0..1.
-        windows: (n, c), n >= 1; ``None`` if nothing is known of the ego's behaviour.
+        degree: Degree of violation, 0..1.
+        windows: (n, c), n >= 1; ``None`` if the ego's behaviour is not known.
         failed: Whether an oracle was violated.
     """
 
@@ -94,8 +94,8 @@ class _Outcome:
 class BehavexplorTester:
     """Breeds from a corpus of seeds by their energy; new or more critical children join it.
 
-    There are no generations: every proposal is bred from the corpus as it is when asked, and every
-    telling changes the corpus, the energy of the parent and, if the behaviour is new, the model.
+    There are no generations: every proposal is bred from the current corpus, and every told
+    evaluation changes the corpus, the energy of the parent and, if the behaviour is new, the model.
     ``Proposal.generation`` is the number of fits of the behaviour model up to then.
     """
 
@@ -124,9 +124,9 @@ class BehavexplorTester:
         )
 
     def ask(self, room: int) -> tuple[Proposal, ...]:
-        """Proposes the first candidates; then, once all of them were told, children of the corpus.
+        """Proposes the initial candidates and, once all are told, children of the corpus.
 
-        As long as the corpus is empty then, candidates are drawn.
+        If the corpus is empty then, candidates are drawn.
         """
         left = self._parameters.initial - self._turn.next_number
         if left > 0:
@@ -196,7 +196,7 @@ class BehavexplorTester:
         if is_redraw:
             parent.spend(self._parameters.redraw_cost)
         else:
-            parent.learn(is_fruitful=outcome.failed or is_new, gain=gain, novelty=novelty)
+            parent.learn(is_success=outcome.failed or is_new, gain=gain, novelty=novelty)
         if windows is None or not self._may_breed(outcome):
             return
         if is_new or gain > 0.0:
@@ -218,10 +218,10 @@ def _seed(evaluation: Evaluation, outcome: _Outcome, energy: float) -> Seed:
 
 
 def _read(evaluation: Evaluation) -> _Outcome:
-    """Reads an evaluation; one that was not judged says nothing.
+    """Reads an evaluation; one that was not judged has no windows.
 
     Raises:
-        SearchError: If it was measured by another feedback.
+        SearchError: It was measured by another feedback.
     """
     measurement = evaluation.measurement
     if measurement is None:
@@ -260,7 +260,7 @@ def _create(
 BEHAVEXPLOR = TesterPlugin(
     name="behavexplor",
     title="BehAVExplor",
-    description="breeds from seeds by their energy; keeps what behaves anew or is more critical",
+    description="breeds from seeds by energy; keeps candidates with new behaviour or more critical",
     source="Cheng, Zhou, Xie: BehAVExplor (ISSTA 2023)",
     parameters=BehavexplorParameters,
     feedback=FeedbackChoice(name="behavexplor"),

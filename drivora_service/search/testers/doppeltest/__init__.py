@@ -1,1 +1,1 @@
-"""DoppelTest: several egos under the same ADS, evolved to get in one another's way."""
+"""DoppelTest: several egos with the same ADS, evolved to conflict with one another."""

@@ -1,4 +1,4 @@
-"""What DoppelTest varies of a scenario: egos, walkers and lights."""
+"""The chromosome of DoppelTest: egos, walkers and lights."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ START_TIME = "start_time"
 
 
 class Chromosome:
-    """The sections of a gene space, and what an operator needs to know of them.
+    """The sections of a gene space, for the operators.
 
     Attributes:
-        space: All genes. What is in no section (NPC vehicles, obstacles, weather) is drawn for a
+        space: All genes. Genes in no section (NPC vehicles, obstacles, weather) are drawn for a
             seed and inherited by its descendants.
-        egos: At least two slots.
-        walkers: May have no slot.
+        egos: Section of the egos, with at least two slots.
+        walkers: Section of the walkers; may have no slot.
         lights: Indices of the genes of the lights that can vary; may be empty.
-        conflicts: Of the egos' paths.
+        conflicts: Conflicts of the egos' paths.
     """
 
     def __init__(self, space: GeneSpace, conflicts: BoolArray | None) -> None:
@@ -35,13 +35,13 @@ class Chromosome:
                 two different ones may.
 
         Raises:
-            SearchError: If fewer than two egos vary, or no two of their paths conflict.
+            SearchError: Fewer than two egos vary, or no two of their paths conflict.
         """
         self.space = space
         self.egos = ActorSection(space.of(Part.EGO))
         if self.egos.most < 2:
             raise SearchError(
-                f"tester 'doppeltest' lets several egos meet, and {self.egos.most} of the gene "
+                f"tester 'doppeltest' needs several egos, and {self.egos.most} of the gene "
                 "space's blocks are egos; set `space.egos` to 2..5"
             )
         self.walkers = ActorSection(space.of(Part.WALKER))
@@ -59,7 +59,7 @@ class Chromosome:
         return [egos.gene(values, slot, PATH) for slot in egos.taken(values)]
 
     def draw_ego(self, random: np.random.Generator, others: list[float]) -> FloatArray:
-        """Draws an ego whose path conflicts with one of others, where there is such a path."""
+        """Draws an ego with a path that conflicts with one of ``others``, if there is one."""
         ego = self.egos.draw(self.space, random)
         paths = self.conflicts.with_any(others)
         if len(paths):
@@ -68,7 +68,7 @@ class Chromosome:
         return ego
 
     def start_early(self, values: FloatArray) -> None:
-        """Shifts the start times of the egos in place, so that the first one does not wait."""
+        """Shifts the start times of the egos, in place, so that the first one is 0."""
         blocks = [self.egos.blocks[slot] for slot in self.egos.taken(values)]
         places = [block.index(START_TIME) for block in blocks]
         values[places] -= min(values[places] - self.space.lows[places])

@@ -1,4 +1,4 @@
-"""Which of the paths that egos choose from get in each other's way."""
+"""Conflicts between the paths that egos choose from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivora_service.geometry.arrays import BoolArray, IntArray
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RouteConflicts:
-    """Conflicts of p paths, numbered as by the egos' gene ``path``.
+    """Conflicts of p paths, numbered as in the egos' gene ``path``.
 
     Attributes:
         matrix: (p, p) symmetric; no path conflicts with itself.
@@ -22,15 +22,15 @@ class RouteConflicts:
     matrix: BoolArray
 
     def between(self, path: float, others: Sequence[float]) -> bool:
-        """Whether a path conflicts with any of others."""
+        """Returns whether a path conflicts with any of ``others``."""
         return bool(self.matrix[int(path), [int(other) for other in others]].any())
 
     def among(self, paths: Sequence[float]) -> bool:
-        """Whether any two of some paths conflict."""
+        """Returns whether any two of some paths conflict."""
         return any(self.matrix[int(one), int(other)] for one, other in combinations(paths, 2))
 
     def with_any(self, others: Sequence[float]) -> IntArray:
-        """Returns the paths that conflict with any of others."""
+        """Returns the paths that conflict with any of ``others``."""
         return np.flatnonzero(self.matrix[:, [int(other) for other in others]].any(axis=1))
 
     def pairs(self) -> IntArray:

@@ -1,4 +1,4 @@
-"""The crossover: a candidate takes over from another in one section."""
+"""The crossover: a candidate inherits from another in one section."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class DoppelTestCrossover:
 
     Attributes:
         chromosome: The sections.
-        parameters: How often each of them takes part; the share of one that the space lacks falls
-            to the others.
+        parameters: Shares of the sections; the share of one that the space lacks goes to the
+            others.
     """
 
     chromosome: Chromosome
@@ -32,7 +32,7 @@ class DoppelTestCrossover:
     def cross(
         self, first: FloatArray, second: FloatArray, random: np.random.Generator
     ) -> FloatArray:
-        """Returns a copy of the first parent in which one section has to do with the second's."""
+        """Returns a copy of the first parent with one section changed by the second's."""
         child = first.copy()
         cross_egos, cross_walkers = self.parameters.cross_egos, self.parameters.cross_walkers
         sections: list[tuple[Callable[..., None], float]] = [(self._egos, cross_egos)]
@@ -46,9 +46,9 @@ class DoppelTestCrossover:
         return child
 
     def _egos(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
-        """Takes over all egos, or when or where one on the same path starts, or one ego.
+        """Copies all egos, or the start or start time of one on the same path, or one ego.
 
-        Else both parents' egos are shuffled, and some of them are the child's.
+        Else both parents' egos are shuffled, and the child gets some of them.
         """
         egos = self.chromosome.egos
         if random.random() < _ALL_EGOS:
@@ -65,9 +65,9 @@ class DoppelTestCrossover:
     def _same_paths(
         self, child: FloatArray, other: FloatArray, random: np.random.Generator
     ) -> bool:
-        """Takes over the start or the start time of egos on the same path; whether there are any.
+        """Copies the start or the start time of egos on the same path; returns whether any exist.
 
-        Half of the times it is the place, half of the times the time.
+        The place and the time have probability 1/2 each.
         """
         egos = self.chromosome.egos
         found = False
@@ -81,7 +81,7 @@ class DoppelTestCrossover:
         return found
 
     def _one_more(self, child: FloatArray, other: FloatArray) -> bool:
-        """Adds the other's first ego whose path conflicts with one of the child's, if it can."""
+        """Adds the other's first ego with a path that conflicts with one of the child's, if any."""
         egos, paths = self.chromosome.egos, self.chromosome.paths(child)
         if len(paths) == egos.most:
             return False
@@ -92,7 +92,7 @@ class DoppelTestCrossover:
         return False
 
     def _walkers(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
-        """Takes over all walkers; more often, the child's are some of both parents'."""
+        """Copies all walkers; more often, the child gets some of both parents'."""
         walkers = self.chromosome.walkers
         pool = walkers.actors(child) + walkers.actors(other)
         if random.random() < _ALL_WALKERS:
@@ -103,7 +103,7 @@ class DoppelTestCrossover:
         walkers.fill(child, [pool[index] for index in chosen])
 
     def _lights(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
-        """Takes over one gene of the lights; sometimes all."""
+        """Copies one gene of the lights; sometimes all."""
         lights = self.chromosome.lights
         which = lights if random.random() < _ALL_LIGHTS else random.choice(lights)
         child[which] = other[which]

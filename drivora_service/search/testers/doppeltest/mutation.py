@@ -15,13 +15,13 @@ from drivora_service.search.testers.doppeltest.parameters import DoppelTestParam
 LEAST_EGOS = 2
 
 _CROSSING = (PATH, "place", "side")
-"""Genes of a walker that say where it crosses, as a crosswalk does in the paper."""
+"""Genes of a walker for the place of its crossing, like the crosswalk in the paper."""
 _ONE_LIGHT_GENE = 0.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DoppelTestMutation:
-    """Changes the egos, the walkers or the lights, each as often.
+    """Changes the egos, the walkers or the lights, with equal probability.
 
     Attributes:
         chromosome: The sections.

@@ -1,4 +1,4 @@
-"""What can be set of DoppelTest."""
+"""The parameters of DoppelTest."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ class DoppelTestParameters:
     """Defaults are those of the paper, and of its public code where the paper is silent.
 
     Attributes:
-        population: Candidates that survive a generation (mu).
-        offspring: Candidates of a generation (lambda).
+        population: Number of candidates that survive a generation (mu).
+        offspring: Number of candidates of a generation (lambda).
         crossover: Probability with which a child has two parents; all others are mutants of one.
         cross_egos: Share of the crossovers that concern the egos.
         cross_walkers: Share of the crossovers that concern the walkers; the rest, the lights.
-        remove_ego: Probability with which a mutation of the egos takes one away.
-        add_ego: Probability with which it adds one; else it redraws where and when one starts.
-        remove_walker: Probability with which a mutation of the walkers takes one away.
+        remove_ego: Probability with which a mutation of the egos removes one.
+        add_ego: Probability with which it adds one; else it redraws place and time of a start.
+        remove_walker: Probability with which a mutation of the walkers removes one.
         add_walker: Probability with which it adds one; else it redraws how and when one walks.
     """
 

@@ -20,8 +20,8 @@ class ActorSection:
 
     Attributes:
         blocks: One a slot.
-        least: Slots that are never empty.
-        most: Slots.
+        least: Number of slots that are never empty.
+        most: Number of slots.
     """
 
     def __init__(self, blocks: tuple[Block, ...]) -> None:
@@ -58,7 +58,7 @@ class ActorSection:
         self.put(values, next(slot for slot in range(self.most) if slot not in taken), actor)
 
     def remove(self, values: FloatArray, slot: int) -> None:
-        """Takes an actor away; into a slot that is never empty, the last of the others moves."""
+        """Removes an actor; the last of the others moves into a slot that is never empty."""
         if slot not in self._optional:
             last = [other for other in self.taken(values) if other in self._optional][-1]
             self.put(values, slot, self.actor(values, last))
@@ -66,7 +66,7 @@ class ActorSection:
         self._clear(values, slot)
 
     def fill(self, values: FloatArray, actors: Sequence[FloatArray]) -> None:
-        """Puts actors, as many as are allowed, in place of those that were there."""
+        """Replaces the actors by others, up to the number of slots."""
         slots = sorted(range(self.most), key=lambda slot: slot in self._optional)
         for place, slot in enumerate(slots):
             if place < len(actors):
@@ -86,7 +86,7 @@ class ActorSection:
         random: np.random.Generator,
         keep: Sequence[str],
     ) -> None:
-        """Draws an actor anew, apart from the genes whose names are given."""
+        """Redraws an actor, except for the genes of the given names."""
         block = self.blocks[slot]
         kept = {name: values[block.index(name)] for name in keep}
         self.put(values, slot, self.draw(space, random))

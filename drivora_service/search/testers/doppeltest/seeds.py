@@ -11,10 +11,10 @@ _ATTEMPTS = 100
 
 
 def draw_seed(chromosome: Chromosome, random: np.random.Generator) -> FloatArray:
-    """Draws a candidate: how many egos and walkers, all of their genes, and everything else.
+    """Draws a candidate: the numbers of egos and walkers, their genes, and all other genes.
 
-    The egos are drawn again until two of their paths conflict; if that hardly ever happens, two
-    paths that conflict are drawn for the first two.
+    The egos are redrawn until two of their paths conflict; after too many draws, two conflicting
+    paths are drawn for the first two.
     """
     values = chromosome.space.sample(random)
     _draw_egos(chromosome, values, random)

@@ -23,7 +23,7 @@ from drivora_service.search.testers.doppeltest.violations import ViolationLog
 from drivora_service.search.testers.script import Script, ScriptedTester
 
 _ATTEMPTS = 20
-"""How often a child is made again that has been proposed before: it would be simulated alike."""
+"""Number of attempts to make a child that differs from all earlier proposals."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,10 +31,10 @@ class Individual:
     """A judged candidate.
 
     Attributes:
-        number: Of its evaluation.
+        number: Number of its evaluation.
         values: (d,) genes.
-        objectives: Those of the feedback, then less the number of new violations; NaN is not
-            measurable.
+        objectives: Objectives of the feedback, then the negated number of new violations; NaN is
+            not measurable.
     """
 
     number: int
@@ -46,8 +46,8 @@ class DoppelTest:
     """The method.
 
     Attributes:
-        population: Who has survived.
-        violations: What has been found.
+        population: The survivors.
+        violations: The violations found.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class DoppelTest:
         """Prepares the operators.
 
         Raises:
-            SearchError: If the method cannot work in the space, or rates exceed 1 together.
+            SearchError: The method cannot search the space, or rates exceed 1 together.
         """
         _check_rates(parameters)
         self._random, self._space = context.random, context.space
@@ -74,7 +74,7 @@ class DoppelTest:
     def script(self) -> Script:
         """Proposes generations and learns from them, without end.
 
-        Whoever was not judged takes no part. Seeds are drawn until there are two to go on with.
+        Candidates that were not judged are left out. Seeds are drawn until there are two parents.
         """
         generation = 0
         while True:
@@ -96,8 +96,8 @@ class DoppelTest:
     def _child(self, generation: int) -> Proposal:
         """Makes a child by crossover or by mutation, never by both, that differs from all before.
 
-        A population whose members are alike has few different children: if nothing else helps, the
-        child of a crossover is mutated besides.
+        A population of similar members has few different children: as a last resort, the child of
+        a crossover is mutated, too.
         """
         if self._random.random() < self._parameters.crossover:
             origin, make = "crossover", self._cross
@@ -127,7 +127,7 @@ class DoppelTest:
         return self._space.clip(self._mutation.mutate(values, self._space, self._random))
 
     def _judged(self, evaluations: Sequence[Evaluation]) -> list[Individual]:
-        """Scores those that were judged, in the order in which they were told."""
+        """Returns the judged candidates with their objectives, in the order of telling."""
         individuals = []
         for evaluation in evaluations:
             values = evaluation.proposal.values
@@ -181,7 +181,7 @@ def _create(
 DOPPELTEST = TesterPlugin(
     name="doppeltest",
     title="DoppelTest",
-    description="evolves several egos of the same ADS to get in one another's way",
+    description="evolves several egos of the same ADS to conflict with one another",
     source="Huai et al., Doppelgänger test generation for revealing bugs in autonomous driving "
     "software, ICSE 2023",
     parameters=DoppelTestParameters,

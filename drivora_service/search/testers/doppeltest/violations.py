@@ -1,7 +1,7 @@
-"""Telling violations that are new from those that were seen before.
+"""Telling new violations from known ones.
 
-Two violations are one if they are of the same type on the same routes: whoever tests for a week
-wants to read each of them once.
+Two violations are the same if they are of the same type on the same routes: in a week of testing,
+each should be reported once.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ class ViolationLog:
         self._seen: set[Key] = set()
 
     def count_new(self, evaluation: Evaluation) -> int:
-        """Counts the violations of an evaluation that no earlier one had, and remembers them."""
+        """Returns the number of new violations of an evaluation, and remembers them."""
         values = evaluation.proposal.values
         new = {self.key(verdict, values) for verdict in evaluation.violations} - self._seen
         self._seen |= new
         return len(new)
 
     def key(self, verdict: Verdict, values: FloatArray) -> Key:
-        """Returns what makes a violation: the rule, and where those who took part were driving.
+        """Returns the identity of a violation: the oracle, and the paths of the actors involved.
 
-        Of a deadlock all egos in the cycle take part; else the ego and its counterpart.
+        In a deadlock these are all egos of the cycle; else the ego and its counterpart.
         """
         actors = verdict.evidence.get("cycle", (verdict.ego, verdict.counterpart))
         return verdict.oracle, frozenset(self._place(name, values) for name in actors if name)
 
     def _place(self, name: str, values: FloatArray) -> Place:
-        """Returns an actor's path; of walkers and obstacles, the route that they are in the way of.
+        """Returns an actor's path; for walkers and obstacles, the route that they obstruct.
 
-        Those choose from the egos that are present, counted in order and over again.
+        They choose from the egos that are present, numbered in order and cyclically.
         """
         block = self._blocks.get(name)
         if block is None:
-            # Not of the gene space: an actor of the seed scenario, or of its background traffic.
+            # Not in the gene space: an actor of the seed scenario, or of its background traffic.
             return "other", ""
         path = int(values[block.index(PATH)])
         if block.part in (Part.WALKER, Part.OBSTACLE):

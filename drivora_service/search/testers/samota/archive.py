@@ -1,4 +1,4 @@
-"""What has been simulated, and which objectives it covers."""
+"""The simulated candidates, and the objectives that they cover."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Database:
     """All judged candidates with their objectives.
 
     Attributes:
-        names: Of the m objectives; empty before the first candidate.
-        numbers: Of the evaluations.
+        names: Names of the m objectives; empty before the first candidate.
+        numbers: Numbers of the evaluations.
     """
 
     def __init__(self, encoding: Encoding) -> None:
@@ -35,7 +35,7 @@ class Database:
         return len(self.numbers)
 
     def add(self, number: int, values: FloatArray, objectives: Mapping[str, float | None]) -> None:
-        """Notes a judged candidate."""
+        """Adds a judged candidate."""
         self.names = self.names or tuple(objectives)
         row = [objectives.get(name) for name in self.names]
         self.numbers.append(number)
@@ -45,7 +45,7 @@ class Database:
         self._known.add(self._features[-1].tobytes())
 
     def note(self, values: FloatArray) -> None:
-        """Notes that a candidate need not be proposed again, whatever came of it."""
+        """Records a candidate as proposed, so that it is not proposed again."""
         self._known.add(self._encoding.encode(values[None])[0].tobytes())
 
     def knows(self, features: FloatArray) -> bool:
@@ -81,8 +81,8 @@ class Database:
         """Returns the rows to train surrogates with, in ascending order.
 
         Up to the limit: all. Beyond it: half of the limit are those nearest to a violation, where
-        the surrogates must be right, the rest lies evenly spread over all others in the order of
-        their evaluation, which keeps the initial sample of the whole space in view.
+        the surrogates must be accurate; the rest is spread evenly over all others in the order of
+        their evaluation, which keeps a part of the initial sample of the whole space.
         """
         n = len(self)
         if n <= limit:
@@ -94,13 +94,13 @@ class Database:
 
 
 class Archive:
-    """Which objectives are covered, and by whom.
+    """The covered objectives, with the candidates that cover them.
 
-    An objective is covered once a simulated candidate is at its threshold. When there is nothing
-    left to search, a new round begins, in which every objective wants to be covered again.
+    An objective is covered once a simulated candidate reaches its threshold. When no objective is
+    left to search for, a new round begins, in which every objective must be covered again.
 
     Attributes:
-        round: From 0.
+        round: Number of the round, from 0.
     """
 
     def __init__(self, threshold: float) -> None:
@@ -110,7 +110,7 @@ class Archive:
         self.round = 0
 
     def update(self, number: int, objectives: Mapping[str, float | None]) -> None:
-        """Takes an evaluation into account; of equals the first stays an objective's best."""
+        """Takes an evaluation into account; an equal one does not replace an objective's best."""
         for name, value in objectives.items():
             if value is None:
                 continue
@@ -129,10 +129,10 @@ class Archive:
         return self._best.get(objective)
 
     def uncovered(self, names: tuple[str, ...]) -> BoolArray:
-        """Tells which of the objectives (m,) are not covered in this round."""
+        """Returns which of the objectives (m,) are not covered in this round."""
         return np.array([name not in self._covered for name in names], dtype=np.bool_)
 
     def begin_round(self) -> None:
-        """Forgets what is covered."""
+        """Clears the covered objectives."""
         self._covered.clear()
         self.round += 1

@@ -1,4 +1,4 @@
-"""Making many candidates at once, for searches that cost next to nothing a candidate.
+"""Making many candidates at once, for searches on surrogates.
 
 The operators of ``search.mutation`` and ``search.crossover`` take one or two candidates; on
 surrogates their calls would cost more than the predictions.
@@ -17,11 +17,11 @@ from drivora_service.search.genes import Block, GeneSpace
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """Where to search.
+    """The region of a search.
 
     Attributes:
         space: The bounds.
-        members: (k, d) candidates whose categories are the only ones; ``None``: all are.
+        members: (k, d) candidates; only their categories are used; ``None``: all categories.
     """
 
     space: GeneSpace
@@ -40,7 +40,7 @@ class Region:
         return self.draw(genes, random).reshape(count, len(self.space))
 
     def draw(self, genes: IntArray, random: np.random.Generator) -> FloatArray:
-        """Draws a value (k,) for each of some genes (k,); categories are those of any member."""
+        """Draws a value (k,) for each of some genes (k,); a category is that of a random member."""
         space = self.space
         unit = random.random(len(genes))
         lows, highs, is_whole = space.lows[genes], space.highs[genes], space.is_whole[genes]
@@ -60,13 +60,13 @@ def _narrowed(block: Block, lows: FloatArray, highs: FloatArray) -> Block:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Breeding:
-    """How children are made.
+    """The operators.
 
     Attributes:
         crossover: Probability with which two parents exchange genes.
-        tournament: Candidates of which a parent is the best.
+        tournament: Number of candidates of which a parent is the best.
         step: Standard deviation of a magnitude's change as a share of its range.
-        mutation: In place of the own one; ``None`` keeps it.
+        mutation: Mutation in place of the own one; ``None`` keeps it.
     """
 
     crossover: float
@@ -77,7 +77,7 @@ class Breeding:
     def children(
         self, parents: FloatArray, region: Region, random: np.random.Generator
     ) -> FloatArray:
-        """Makes as many children (n, d) as there are parents (n, d), which stand best first."""
+        """Returns as many children (n, d) as there are parents (n, d), sorted best first."""
         couples = (len(parents) + 1) // 2
         drawn = random.integers(len(parents), size=(2 * couples, self.tournament)).min(axis=1)
         first, second = parents[drawn[:couples]], parents[drawn[couples:]]
@@ -95,8 +95,8 @@ class Breeding:
     ) -> FloatArray:
         """Changes each gene with probability 1 over their number, and at least one.
 
-        Half of the changed magnitudes are drawn anew, the others moved by a normal draw. What
-        would leave the bounds is put on them, so that both ends come up.
+        Half of the changed magnitudes are redrawn, the others moved by a normal draw. Values are
+        clipped to the bounds, so that both bounds occur.
         """
         space = region.space
         varying = np.flatnonzero(space.varies)
@@ -116,6 +116,6 @@ class Breeding:
 
 
 def _cuts(space: GeneSpace) -> IntArray:
-    """Returns the genes from which on parents may exchange; actors stay whole."""
+    """Returns the cut points for exchanges between parents; actors stay whole."""
     starts = [block.start for block in space.blocks[1:]]
     return np.array(starts or range(1, max(len(space), 2)), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Candidates as the surrogates see them."""
+"""The features of candidates for the surrogates."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.genes import GeneSpace
 
 _NEUTRAL = 0.5
-"""Of every feature of an actor that is absent."""
+"""Value of every feature of an absent actor."""
 
 
 class Encoding:
-    """Maps candidates to features in 0..1 whose distances mean something.
+    """Maps candidates to features in 0..1 with meaningful distances.
 
     Magnitudes are scaled to their bounds. A category becomes one feature for each of its values,
     0 or 1/sqrt(2), so that two different values are as far apart as the ends of a magnitude. The
-    genes of an actor that is absent have no effect and are all encoded alike. Genes that do not
-    vary are left out.
+    genes of an absent actor have no effect and are all encoded alike. Genes that do not vary are
+    left out.
 
     Attributes:
         width: Number e of features.
@@ -38,7 +38,7 @@ class Encoding:
         )
         self.width = len(self._magnitudes) + len(self._choices)
         genes = np.concatenate((self._magnitudes, self._categories))
-        # The gene that says whether the actor of a feature is there; itself where none says so.
+        # The gene of the presence of a feature's actor; the feature's own gene if there is none.
         self._present = genes.copy()
         for block in space.blocks:
             if block.is_optional:

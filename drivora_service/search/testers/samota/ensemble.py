@@ -1,4 +1,4 @@
-"""The ensemble of surrogates: a weighted mean, and an uncertainty where they disagree."""
+"""The ensemble of surrogates: a weighted mean, and their disagreement as uncertainty."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivora_service.search.testers.samota.surrogates import Fit, Surrogate
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prediction:
-    """What surrogates expect of q candidates.
+    """The prediction of surrogates for q candidates.
 
     Attributes:
         objectives: (q, m) expected values.
@@ -31,8 +31,8 @@ class Ensemble:
     Attributes:
         surrogates: s models of the scaled objectives.
         weights: (s, m) shares of the models in each objective's mean; 1 in all.
-        mean: (m,) of the training set.
-        deviation: (m,) of the training set.
+        mean: (m,) means of the training set.
+        deviation: (m,) standard deviations of the training set.
     """
 
     surrogates: tuple[Surrogate, ...]
@@ -63,9 +63,9 @@ def fit_ensemble(
     Args:
         features: (n, e), n at least 2 times ``folds``.
         objectives: (n, m).
-        fits: One for each kind of surrogate.
-        random: For the parts of the validation.
-        folds: Parts of the training set; each is predicted by models of the others.
+        fits: Fit function of each kind of surrogate.
+        random: Generator for the folds of the validation.
+        folds: Number of parts of the training set; each is predicted by models of the others.
     """
     mean, deviation = objectives.mean(axis=0), objectives.std(axis=0)
     deviation = np.where(deviation > 1e-12, deviation, 1.0)

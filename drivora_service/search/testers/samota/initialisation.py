@@ -1,4 +1,4 @@
-"""Adaptive random initialisation: every candidate is far from those before."""
+"""Adaptive random initialisation: every candidate is far from the previous ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drivora_service.search.genes import GeneSpace
 
 
 class AdaptiveRandom:
-    """Draws several candidates and takes the one farthest from all that it gave before.
+    """Draws several candidates and returns the one farthest from all returned before.
 
     Source: Chen, Leung, Mak, "Adaptive random testing" (2004), with a candidate set of fixed size.
     """

@@ -1,4 +1,4 @@
-"""Local search: around each cluster of the candidates that are nearest to a violation."""
+"""Local search around each cluster of the candidates nearest to a violation."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class LocalFind:
 
     Attributes:
         values: (d,) genes.
-        members: Rows of the database that make the cluster.
+        members: Rows of the database in the cluster.
     """
 
     values: FloatArray
@@ -30,16 +30,16 @@ class LocalFind:
 
 
 def clusters_of(features: FloatArray, least: int) -> tuple[IntArray, ...]:
-    """Groups candidates (n, e) by density; who belongs to no group is left out.
+    """Clusters candidates (n, e) by density; candidates in no cluster are left out.
 
     Args:
-        features: Of the candidates.
-        least: Size of the smallest group.
+        features: Features of the candidates.
+        least: Size of the smallest cluster.
 
     Returns:
-        Rows of each group, in ascending order; one group of all where there are none.
+        Rows of each cluster, in ascending order; one cluster of all if there are none.
     """
-    # scikit-learn takes a second to load; whoever only lists the testers is spared it.
+    # Imported here: scikit-learn takes a second, which listing the testers must not wait.
     from sklearn import config_context
     from sklearn.cluster import HDBSCAN
 
@@ -58,9 +58,9 @@ class LocalSearch:
     Attributes:
         top: Share of the database that is clustered.
         cluster: Least size of a cluster.
-        generations: How long.
-        population: How many candidates.
-        breeding: How children are made.
+        generations: Number of generations.
+        population: Number of candidates.
+        breeding: The operators.
     """
 
     top: float
@@ -99,7 +99,7 @@ class LocalSearch:
         database: Database,
         random: np.random.Generator,
     ) -> FloatArray | None:
-        """Returns the best candidate that is not known; None where the region has no other."""
+        """Returns the best candidate that is not known; ``None`` if the region has no other."""
         values = region.sample(random, self.population)
         features = encoding.encode(values)
         scores = surrogate.predict(features)

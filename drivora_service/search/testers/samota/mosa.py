@@ -35,7 +35,7 @@ class PreferenceSorting:
 def preferred_rows(objectives: FloatArray) -> IntArray:
     """Returns the rows of the best candidate of each objective, each row once.
 
-    Of equals the one is preferred whose objectives are smallest in all, then the first.
+    Among equals, the one with the smallest sum of objectives is preferred, then the first.
 
     Args:
         objectives: (n, m), to be minimised.
@@ -49,11 +49,11 @@ def preferred_rows(objectives: FloatArray) -> IntArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a search on the surrogates wants to see simulated.
+    """The candidates that a search on the surrogates selects for simulation.
 
     Attributes:
         best: For each of the m objectives, the candidate (d,) predicted nearest to a violation.
-        uncertain: For each, the one that the surrogates disagree about most.
+        uncertain: For each, the candidate with the greatest disagreement of the surrogates.
     """
 
     best: tuple[FloatArray | None, ...]
@@ -69,7 +69,7 @@ class _Keeper:
         self._is_known = is_known
 
     def look(self, scores: FloatArray, values: FloatArray, features: FloatArray) -> None:
-        """Looks at q candidates with scores (q, m)."""
+        """Considers q candidates with scores (q, m)."""
         for j in range(scores.shape[1]):
             better = np.flatnonzero(scores[:, j] < self.scores[j])
             for row in better[np.argsort(scores[better, j], kind="stable")]:
@@ -84,10 +84,10 @@ class Mosa:
     """The search.
 
     Attributes:
-        generations: How long.
+        generations: Number of generations.
         threshold: Predicted value at and below which an objective is no longer searched for.
-        selection: Whom to go on with, best first.
-        breeding: How children are made.
+        selection: Survivor selection, best first.
+        breeding: The operators.
     """
 
     generations: int
@@ -107,12 +107,12 @@ class Mosa:
         """Searches from a first population.
 
         Args:
-            start: (n, d) its candidates.
-            region: Where to search.
+            start: (n, d) candidates of the first population.
+            region: Region of the search.
             encode: Returns the features (n, e) of candidates (n, d).
             predict: Returns the objectives and uncertainties (n, m) of features (n, e).
-            is_known: Whether a candidate with features (e,) is not wanted.
-            random: For every draw.
+            is_known: Whether a candidate with features (e,) is known and must be left out.
+            random: Generator for every draw.
         """
         features = encode(start)
         said = predict(features)

@@ -18,25 +18,25 @@ class SamotaParameters:
     ours. The reference page says why.
 
     Attributes:
-        initial: Candidates of the adaptive random initialisation.
-        pool: Random draws of which the initialisation takes the one farthest from all before
-            (Chen et al., "Adaptive random testing", 2004: 10).
+        initial: Number of candidates of the adaptive random initialisation.
+        pool: Number of random draws of which the initialisation takes the one farthest from all
+            before (Chen et al., "Adaptive random testing", 2004: 10).
         threshold: Value of an objective at and below which it is covered (feedback: 0).
-        population: Candidates of a population on the surrogates (MOSA: 50).
-        generations: Of the global search on the surrogates.
+        population: Number of candidates of a population on the surrogates (MOSA: 50).
+        generations: Number of generations of the global search on the surrogates.
         seeded: Share of the first population taken from the simulated candidates nearest to a
             violation (SAMOTA: 0).
         crossover: Probability with which two parents exchange genes (MOSA, SAMOTA: 0.75).
-        tournament: Candidates of which a parent is the best (MOSA, SAMOTA: 10).
+        tournament: Number of candidates of which a parent is the best (MOSA, SAMOTA: 10).
         step: Standard deviation of a magnitude's change as a share of its range.
-        training: Evaluations that the global surrogates are trained with at most.
+        training: Greatest number of evaluations to train the global surrogates with.
         folds: Parts of the training set, each predicted from the others to weight the surrogates.
-        components: Latent directions of the inputs that Kriging works in (Bouhlel et al., 2016: 1
+        components: Number of latent directions of the inputs for Kriging (Bouhlel et al., 2016: 1
             to 4).
         top: Share of the evaluations, nearest to a violation, that is clustered (SAMOTA: 0.2).
         cluster: Least size of a cluster (HDBSCAN: 5).
-        local_generations: Of the search inside a cluster.
-        local_population: Candidates of that search.
+        local_generations: Number of generations of the search inside a cluster.
+        local_population: Number of candidates of that search.
     """
 
     initial: Annotated[int, Field(ge=1)] = 30

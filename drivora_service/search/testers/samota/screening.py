@@ -1,4 +1,4 @@
-"""Screening: each objective is modelled over the features that it seems to depend on.
+"""Screening: each objective is modelled over the features on which it seems to depend.
 
 A scenario has about as many features as a campaign has simulations, and an objective depends on few
 of them: the distance to a walker hardly on the model of a vehicle. Over all features every
@@ -19,7 +19,7 @@ SIGNIFICANCE = 3.0
 """Standard errors by which a correlation must differ from 0."""
 
 AT_LEAST = 4
-"""Features that are kept in any case."""
+"""Number of features that are always kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,7 +39,7 @@ class Screened:
 
 
 def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
-    """Returns a way to fit a kind of surrogate over the relevant features of each objective."""
+    """Returns a fit function that uses the relevant features of each objective."""
 
     def fit_screened(features: FloatArray, objectives: FloatArray) -> Screened:
         parts = []
@@ -52,10 +52,10 @@ def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
 
 
 def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
-    """Returns the features that correlate with an objective, or whose distance to the mean does.
+    """Returns the features that correlate with an objective, directly or by distance to the mean.
 
-    Sure independence screening (Fan and Lv, 2008), with squares besides: an objective is often best
-    in the middle of a magnitude.
+    Sure independence screening (Fan and Lv, 2008), with squares: an objective is often best in the
+    middle of a magnitude.
 
     Args:
         features: (n, e).

@@ -1,9 +1,9 @@
 """Surrogates: cheap models of the objectives.
 
-All take features in 0..1 and model several objectives at once, each for itself. Objectives have
+All take features in 0..1 and model several objectives at once, independently. Objectives have
 mean 0 and deviation 1 over the training set. The models are sums of kernels at the training points,
-solved by SciPy and evaluated here: for the few candidates of a generation, what the models of
-libraries do besides costs several times the arithmetic (decision 18).
+solved by SciPy and evaluated here: for the few candidates of a generation, the overhead of library
+models is several times the arithmetic (decision 18).
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from scipy.linalg import cho_factor, cho_solve, solve
 from drivora_service.geometry.arrays import FloatArray
 
 SMOOTHING = 0.01
-"""Of the radial basis functions: scenarios that are alike may end differently."""
+"""Ridge of the radial basis functions: similar scenarios may end differently."""
 
 SHRINKAGE = 0.3
-"""Of the polynomial's coefficients, of which there may be more than training points."""
+"""Ridge of the polynomial's coefficients, which may outnumber the training points."""
 
 LENGTHS = (0.5, 1.0, 2.0, 4.0)
-"""Correlation lengths that Kriging chooses from, in deviations of the latent directions."""
+"""Candidate correlation lengths of Kriging, in deviations of the latent directions."""
 
 NOISES = (0.01, 0.1, 0.5)
-"""Shares of the variance that no surrogate can explain, that Kriging chooses from."""
+"""Candidate shares of the unexplainable variance for Kriging."""
 
 
 class Surrogate(Protocol):
@@ -61,7 +61,7 @@ class RadialBasis:
     def fit(features: FloatArray, objectives: FloatArray) -> RadialBasis:
         """Fits the weights; the width is the median squared distance of the training points.
 
-        So it suits any number of features.
+        So it scales with the number of features.
         """
         squared = squared_distances(features, features)
         width = float(np.median(squared[~np.eye(len(squared), dtype=np.bool_)]))
@@ -83,7 +83,7 @@ class RadialBasis:
 class Polynomial:
     """A polynomial of degree 2 with all products, by ridge regression.
 
-    In the dual form, in which the number of coefficients, about e²/2, plays no part.
+    In the dual form, the cost of which does not depend on the number of coefficients, about e²/2.
 
     Attributes:
         points: (n, e) training points, in -1..1.
@@ -131,14 +131,14 @@ class Kriging:
 
     After Bouhlel et al., "Improving kriging surrogates of high-dimensional design models by partial
     least squares dimension reduction" (2016): with as many features as training points, a length
-    for each of them can neither be learnt nor paid for.
+    for each of them can neither be learnt nor afforded.
     """
 
     latents: tuple[_Latent, ...]
 
     @staticmethod
     def fit(features: FloatArray, objectives: FloatArray, *, components: int) -> Kriging:
-        """Fits every objective; length and noise are the likeliest of a small grid."""
+        """Fits every objective; length and noise are the most likely ones of a small grid."""
         count = min(components, features.shape[1], len(features) - 1)
         return Kriging(
             latents=tuple(_fit_latent(features, column, count) for column in objectives.T)
@@ -180,15 +180,15 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
     """Returns the directions in which the features vary together with the objective.
 
     Partial least squares of one target (PLS1; Wold et al., "PLS-regression", 2001). scikit-learn's
-    warns and divides by zero where the features are exhausted before the components.
+    warns and divides by zero if the features are exhausted before the components.
 
     Args:
         features: (n, e) of mean 0.
         objective: (n,) of mean 0.
-        components: How many at most.
+        components: Greatest number of directions.
 
     Returns:
-        (e, k) orthogonal over the training set; k is less than ``components`` where fewer explain
+        (e, k) orthogonal over the training set; k is less than ``components`` if fewer explain
         everything, and at least 1.
     """
     left = features
@@ -217,22 +217,22 @@ def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
     products *= -2.0
     products += np.einsum("ij,ij->i", first, first)[:, None]
     products += np.einsum("ij,ij->i", second, second)
-    # Of equal points the sum may be a rounding error below 0.
+    # For equal points the sum may be slightly negative by rounding.
     return np.maximum(products, 0.0, out=products)
 
 
 def _products(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Returns the kernel (q, n) whose functions are all polynomials up to degree 2."""
+    """Returns the kernel (q, n) of all polynomials up to degree 2."""
     kernel: FloatArray = (1.0 + first @ second.T / first.shape[1]) ** 2
     return kernel
 
 
 def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
-    """Returns the coefficients (n, m) of a kernel (n, n), which is changed, with a ridge."""
+    """Returns the coefficients (n, m) of a kernel (n, n) with a ridge; changes the kernel."""
     kernel.flat[:: len(kernel) + 1] += ridge
     return np.asarray(solve(kernel, objectives, assume_a="pos", check_finite=False))
 
 
 def _centred(features: FloatArray) -> FloatArray:
-    """Maps 0..1 to -1..1, so that the parts of first and second degree are not alike."""
+    """Maps 0..1 to -1..1, so that the terms of first and second degree are not correlated."""
     return 2.0 * features - 1.0

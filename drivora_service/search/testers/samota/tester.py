@@ -34,11 +34,11 @@ from drivora_service.search.testers.script import Script, ScriptedTester
 class SamotaSearch:
     """Adaptive random initialisation, then global and local search in turns.
 
-    Each of these phases proposes all its candidates at once and goes on when they have been told.
+    Each of these phases proposes all its candidates at once and waits until they are told.
 
     Attributes:
         database: All judged candidates.
-        archive: What is covered.
+        archive: The covered objectives.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class SamotaSearch:
                 # More threads would add in another order, and take cores from the workers.
                 with threads.limit(limits=1):
                     found = search(targets, generation) if len(targets) else ()
-                # Where nothing can be learnt, or all that was found is known, look elsewhere.
+                # If nothing can be learnt, or all found candidates are known, explore elsewhere.
                 yield from self._simulate(found or self._explored(max(len(targets), 1), generation))
 
     def _simulate(self, proposals: tuple[Proposal, ...]) -> Script:
@@ -102,8 +102,7 @@ class SamotaSearch:
     def _targets(self) -> IntArray:
         """Returns the objectives to search for: columns of the database.
 
-        They are not covered, and candidates differ in them. Where there is none, a new round
-        begins.
+        They are not covered, and candidates differ in them. If there is none, a new round begins.
         """
         if len(self.database) < 2 * self._parameters.folds:
             return np.empty(0, dtype=np.int64)
@@ -176,7 +175,7 @@ class SamotaSearch:
         )
 
     def _is_new(self, values: FloatArray) -> bool:
-        """Returns whether a candidate was not proposed before, and notes that it is now."""
+        """Returns whether a candidate was not proposed before, and records it as proposed."""
         is_new = not self.database.knows(self._encoding.encode(values[None])[0])
         self.database.note(values)
         return is_new
