@@ -1,8 +1,8 @@
 """Compiling the numeric kernels of the step loop to machine code, and keeping it on disk.
 
-A kernel is compiled together with the kernels and constants of other modules that it uses. What is
-kept of it must not outlive a change of those, be it by an upgrade or by an edit: the compiler's own
-cache looks at the file of the kernel alone.
+A kernel is compiled together with the kernels and constants of other modules that it uses. Its
+cached machine code must not outlive a change of those, by an upgrade or by an edit: the compiler's
+own cache checks the file of the kernel alone.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from numba.core.caching import (
 from numba.core.dispatcher import Dispatcher
 
 _MARK = "drivora_kernel"
-"""Attribute of functions that are compiled here; those of other packages are not our business."""
+"""Attribute of functions that are compiled here, not by other packages."""
 
 _CONSTANTS = (bool, int, float, str, tuple)
 
@@ -35,8 +35,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 def compiled(function: Function) -> Function:
     """Compiles a function on its first call and keeps the result on disk.
 
-    No fast-math: results must not depend on the order in which the compiler likes to add. Division
-    by zero gives an infinity, as in NumPy.
+    No fast-math: results must not depend on the compiler's order of additions. Division by zero
+    gives an infinity, as in NumPy.
     """
     setattr(function, _MARK, True)
     return cast("Function", njit(cache=True, error_model="numpy")(function))
@@ -74,26 +74,26 @@ def _file_digest(path: str) -> str:
 
 
 class _UsedStamp:
-    """Has what is kept of a kernel hang on all that it was compiled from."""
+    """Makes the cache of a kernel depend on all that it was compiled from."""
 
     _used: str = ""
 
     @classmethod
     def from_function(cls, function: Any, path: str) -> Any:
-        """Returns where a function is kept; ``None`` if not here."""
+        """Returns the locator of a function; ``None`` if it cannot be cached here."""
         found = super().from_function(function, path)  # type: ignore[misc] # of the other base
         if found is not None and hasattr(function, _MARK):
             found._used = used_by(function)
         return found
 
     def get_source_stamp(self) -> object:
-        """Returns what must be the same for a kept function to be used."""
+        """Returns the stamp that must be equal for a cached function to be used."""
         stamp: object = super().get_source_stamp()  # type: ignore[misc] # of the other base
         return stamp, self._used
 
 
 class GivenFolder(_UsedStamp, UserProvidedCacheLocator):
-    """Keeps machine code where ``NUMBA_CACHE_DIR`` says."""
+    """Keeps machine code in ``NUMBA_CACHE_DIR``."""
 
 
 class BesideSource(_UsedStamp, InTreeCacheLocator):
@@ -101,11 +101,11 @@ class BesideSource(_UsedStamp, InTreeCacheLocator):
 
 
 class UsersFolder(_UsedStamp, UserWideCacheLocator):
-    """Keeps machine code in the user's cache, where the module's folder cannot be written."""
+    """Keeps machine code in the user's cache, if the module's folder cannot be written."""
 
 
-# Before anything is compiled: results do not depend on what a machine's processor can do, and what
-# one process has compiled all others find on the disk.
+# Before the first compilation: results do not depend on the features of a machine's processor, and
+# all processes share the machine code on disk.
 vars(config).update(
     CPU_NAME="generic",
     CPU_FEATURES="",

@@ -3,27 +3,27 @@
 The tree::
 
     DrivoraError
-    ├── InvalidDocument        what a user wrote cannot be used; carries every problem at once
-    ├── UnknownName            a network, agent, model, oracle or run that the catalogue lacks
+    ├── InvalidDocument        a document cannot be used; carries every problem at once
+    ├── UnknownName            a network, agent, model, oracle or run that does not exist
     ├── NetworkError           a road network cannot be read, imported or driven as asked
-    │   └── NoRoute            no drivable way between two places
-    ├── AgentError             an ADS raised, answered garbage, hung or died
-    ├── PluginError            code of a package cannot be loaded, raised or answered garbage
+    │   └── NoRoute            no drivable route between two places
+    ├── AgentError             an ADS raised, gave an invalid answer, hung or died
+    ├── PluginError            code of a package cannot be loaded, raised or answered invalidly
     │   └── OracleError        it is an oracle
     ├── SimulatorError         libsumo refused a call that should have worked
     ├── WorkersCannotStart     no worker process can be started
-    ├── SearchError            a gene space or a tester cannot be used as asked
+    ├── SearchError            a gene space or a tester cannot be used as requested
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
-    │   ├── StoreUnavailable   the database cannot be used now, and may be a little later
-    │   ├── Conflict           the request contradicts what is stored
-    │   └── QueueFull          more runs wait than the queue may hold
-    ├── ServiceBroken          this process cannot serve any more and must be started anew
-    ├── ServiceError           a service that was asked over HTTP refused, or did not answer
+    │   ├── StoreUnavailable   the database cannot be used at the moment
+    │   ├── Conflict           the request conflicts with the stored state
+    │   └── QueueFull          the queue has reached its limit
+    ├── ServiceBroken          this process can no longer serve and must be restarted
+    ├── ServiceError           a service refused an HTTP request, or did not answer
     │   ├── NotAuthorised      it needs a token, or one with another scope
-    │   ├── NotFound           it does not have what was asked for
-    │   ├── RequestConflict    the request contradicts what it has stored
-    │   └── ServiceUnavailable it did not answer, or cannot do it now and may a little later
+    │   ├── NotFound           the requested object does not exist
+    │   ├── RequestConflict    the request conflicts with its stored state
+    │   └── ServiceUnavailable it did not answer, or cannot answer at the moment
     └── ConfigurationError     a setting cannot be used
 """
 
@@ -34,12 +34,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """One thing that is wrong with a document, and where.
+    """One problem of a document, with its place.
 
     Attributes:
         pointer: JSON pointer (RFC 6901) to the place in the document; "" is the whole document.
         code: Short stable name of the kind of problem, such as ``off_network``.
-        message: What was found, what is allowed and what to do, in one sentence or two.
+        message: What was found, what is allowed and what to do, in one or two sentences.
     """
 
     pointer: str
@@ -65,7 +65,7 @@ class InvalidDocument(DrivoraError):
 
 
 class UnknownName(DrivoraError):
-    """A name is not in the catalogue it was looked up in."""
+    """A name is not in its catalogue."""
 
     def __init__(self, kind: str, name: str, known: tuple[str, ...], hint: str = "") -> None:
         self.kind, self.name, self.known = kind, name, known
@@ -77,19 +77,19 @@ class UnknownName(DrivoraError):
 
 
 class NetworkError(DrivoraError):
-    """A road network cannot be read, imported or driven as asked."""
+    """A road network cannot be read, imported or driven as requested."""
 
 
 class NoRoute(NetworkError):
-    """There is no drivable way between two places of a network."""
+    """There is no drivable route between two places of a network."""
 
 
 class AgentError(DrivoraError):
-    """An ADS raised, answered garbage, hung or died.
+    """An ADS raised, gave an invalid answer, hung or died.
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_invalid_control``, ``agent_hung``,
-            ``agent_died``, ``agent_killed`` (by no fault of its own that is known),
+            ``agent_died``, ``agent_killed`` (without a known fault of its own),
             ``agent_unreachable``, ``agent_protocol``, ``agent_not_installed``,
             ``agent_changed_service``.
         log: The last lines of its log or its traceback.
@@ -101,7 +101,7 @@ class AgentError(DrivoraError):
 
 
 class PluginError(DrivoraError):
-    """Code of an installed package cannot be loaded, raised or answered garbage.
+    """Code of an installed package cannot be loaded, raised or gave an invalid answer.
 
     Attributes:
         cause: Short stable name: ``feedback_plugin``, ``feedback_raised``,
@@ -115,7 +115,7 @@ class PluginError(DrivoraError):
 
 
 class OracleError(PluginError):
-    """An oracle of an installed package cannot be loaded, raised or answered garbage.
+    """An oracle of an installed package cannot be loaded, raised or gave an invalid answer.
 
     Attributes:
         cause: Short stable name: ``oracle_plugin``, ``oracle_raised``, ``oracle_invalid_verdict``.
@@ -131,11 +131,11 @@ class SimulatorError(DrivoraError):
 
 
 class WorkersCannotStart(DrivoraError):
-    """No worker process can be started: a fault of the machine or the installation, of no run."""
+    """No worker process can be started: a fault of the machine or installation, not of a run."""
 
 
 class SearchError(DrivoraError):
-    """A gene space or a tester cannot be used as asked."""
+    """A gene space or a tester cannot be used as requested."""
 
 
 class CampaignError(DrivoraError):
@@ -147,23 +147,23 @@ class StoreError(DrivoraError):
 
 
 class StoreUnavailable(StoreError):
-    """The database cannot be used now: it is locked, or what it lies on is full or gone.
+    """The database cannot be used at the moment: it is locked, or its disk is full or missing.
 
-    It passes without a change of the request; what was asked for has not been done.
+    The request has not been done and may be repeated unchanged.
     """
 
 
 class Conflict(StoreError):
-    """The request contradicts what is stored."""
+    """The request conflicts with the stored state."""
 
 
 class QueueFull(StoreError):
-    """More runs wait than the queue may hold.
+    """The queue has reached its limit.
 
     Attributes:
-        queued: Runs that wait now.
-        limit: Runs that may wait.
-        retry_after_s: Seconds after which it is sensible to ask again.
+        queued: Number of queued runs.
+        limit: Greatest number of queued runs.
+        retry_after_s: Seconds after which to repeat the request.
     """
 
     def __init__(self, *, queued: int, limit: int, retry_after_s: int) -> None:
@@ -175,11 +175,11 @@ class QueueFull(StoreError):
 
 
 class ServiceBroken(DrivoraError):
-    """A part of this service fails again and again: the process ends, to be started anew."""
+    """A part of this service fails repeatedly: the process ends and must be restarted."""
 
 
 class ServiceError(DrivoraError):
-    """A service that was asked over HTTP refused, or did not answer.
+    """A service refused an HTTP request, or did not answer.
 
     Attributes:
         status: HTTP status of the answer; 0 if there was none.
@@ -195,15 +195,15 @@ class NotAuthorised(ServiceError):
 
 
 class NotFound(ServiceError):
-    """The service does not have what was asked for."""
+    """The requested object does not exist on the service."""
 
 
 class RequestConflict(ServiceError):
-    """The request contradicts what the service has stored."""
+    """The request conflicts with the stored state of the service."""
 
 
 class ServiceUnavailable(ServiceError):
-    """The service did not answer, or cannot do now what was asked for."""
+    """The service did not answer, or cannot answer at the moment."""
 
 
 class ConfigurationError(DrivoraError):

@@ -1,4 +1,4 @@
-"""Log lines about faults that last: one a minute, however often the fault is met."""
+"""Log lines about lasting faults: at most one a minute for each."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ EVERY_S = 60.0
 
 @dataclass(slots=True)
 class _Said:
-    """What was written about a fault.
+    """The state of a fault in the log.
 
     Attributes:
         at: When its last line was written, by the clock of the log.
-        left_out: Times that it was met since then.
+        left_out: Occurrences since then.
         lasts: Whether its end has not been written.
     """
 
@@ -29,9 +29,9 @@ class _Said:
 
 
 class FaultLog:
-    """Writes faults to a log, each at most once a minute. Safe to use from several threads.
+    """Writes faults to a log, each at most once a minute. Thread-safe.
 
-    A line says how many were left out since the last one about the same fault.
+    A line counts the occurrences left out since the last one about the same fault.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class FaultLog:
         """Begins with no fault.
 
         Args:
-            log: Where lines are written.
+            log: Log to write to.
             every_s: Seconds between two lines about the same fault.
             clock: Returns seconds that never go backwards.
         """
@@ -56,8 +56,8 @@ class FaultLog:
         """Writes a fault, unless it was written within the last minute.
 
         Args:
-            fault: Name of the event; faults are told apart by it.
-            values: What the line says besides.
+            fault: Name of the event, which identifies the fault.
+            values: Further values of the line.
         """
         with self._lock:
             now, said = self._clock(), self._said.get(fault)
@@ -70,7 +70,7 @@ class FaultLog:
         self._log.error(fault, **values)
 
     def over(self, fault: str, event: str, **values: object) -> None:
-        """Writes ``event``, once, if the fault was written and is over now."""
+        """Writes ``event``, once, if the fault was written and has ended."""
         with self._lock:
             said = self._said.get(fault)
             if said is None or not said.lasts:

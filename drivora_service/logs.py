@@ -1,4 +1,4 @@
-"""How log lines look: for people on a terminal, or one JSON object a line."""
+"""The format of log lines: text for a terminal, or one JSON object a line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def configure_logs(
     """Sends structlog's and the standard library's lines through one chain to standard error.
 
     Args:
-        form: ``console`` for people, ``json`` for programs.
+        form: ``console`` for text, ``json`` for programs.
         level: Least important level that is written.
         colors: Whether console lines are coloured; ``None``: if standard error is a terminal.
     """
@@ -67,6 +67,6 @@ def configure_logs(
 def _drop_colored_copy(
     _logger: object, _method: str, event: structlog.typing.EventDict
 ) -> structlog.typing.EventDict:
-    """Removes what uvicorn adds for terminals."""
+    """Removes uvicorn's coloured copy of the message."""
     event.pop("color_message", None)
     return event

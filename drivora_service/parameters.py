@@ -1,4 +1,4 @@
-"""Parameters of plug-ins: what a user wrote, checked against the fields of a dataclass."""
+"""Parameters of plug-ins: a user's values, checked against the fields of a dataclass."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _ATTRIBUTE = re.compile(r"^    (\w+): (.+(?:\n     .+)*)", re.MULTILINE)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterDescription:
-    """A parameter that a plug-in takes.
+    """A parameter of a plug-in.
 
     Attributes:
-        default: Its value unless it is set, as it stands in JSON.
-        schema: JSON Schema of the values that it may have.
-        description: For people; "" where its author says nothing.
+        default: Its default value, as in JSON.
+        schema: JSON Schema of its values.
+        description: Description in words; "" if it has none.
     """
 
     name: str
@@ -60,19 +60,19 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
 
 @cache
 def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
-    """Returns what checks a dataclass; to make it takes longer than a second of simulation."""
+    """Returns the validator of a dataclass; making it takes longer than a second of simulation."""
     return TypeAdapter(type_)
 
 
 _NOT_TYPE = frozenset({"default", "title", "description"})
 _SHOWN = 60
-"""Characters of a value in a message."""
+"""Greatest number of characters of a value in a message."""
 
 
 def parameter_problems(
     type_: type[DataclassInstance], parameters: Mapping[str, Any], *, of: str
 ) -> tuple[Problem, ...]:
-    """Finds all that is wrong with what a user wrote.
+    """Returns all problems of a user's values.
 
     Args:
         type_: As for :func:`read_parameters`.
@@ -80,7 +80,7 @@ def parameter_problems(
         of: As for :func:`read_parameters`.
 
     Returns:
-        With pointers that begin at the parameters: ``/rate``.
+        Problems with pointers that begin at the parameters: ``/rate``.
     """
     known = tuple(field.name for field in fields(type_))
     problems = [_unknown(name, known, of) for name in parameters if name not in known]
@@ -89,7 +89,7 @@ def parameter_problems(
         text = json.dumps(taken, allow_nan=False)
     except (TypeError, ValueError) as error:
         message = (
-            f"{of}: the parameters hold what JSON cannot ({error}); allowed: finite numbers, text, "
+            f"{of}: the parameters are not valid in JSON ({error}); allowed: finite numbers, text, "
             "true, false, lists"
         )
         return (*problems, Problem(pointer="", code="not_json", message=message))
@@ -112,7 +112,7 @@ def parameter_problems(
 
 
 def allowed_values(schema: Mapping[str, Any]) -> str:
-    """Says in words which values a parameter may have.
+    """Describes the allowed values of a parameter in words.
 
     Args:
         schema: JSON Schema, as in :class:`ParameterDescription`.
@@ -164,7 +164,7 @@ def _unknown(name: str, known: tuple[str, ...], of: str) -> Problem:
 
 
 def _place(keys: Iterable[str | int], content: Any) -> list[str]:
-    """Returns the keys that lead through the content; further ones are names of types."""
+    """Returns the keys that exist in the content; further ones are names of types."""
     place = []
     for key in keys:
         try:
@@ -181,7 +181,7 @@ def _shown(value: object) -> str:
 
 
 def _escaped(key: str) -> str:
-    """Writes a key as JSON pointers have it."""
+    """Escapes a key for a JSON pointer."""
     return key.replace("~", "~0").replace("/", "~1")
 
 
@@ -192,20 +192,20 @@ def read_parameters(
     of: str,
     error: Callable[[str], DrivoraError] = SearchError,
 ) -> P:
-    """Makes a dataclass from what a user wrote.
+    """Makes a dataclass from a user's values.
 
     Types are checked strictly: text is no number, and 1 is not true. Limits that the fields state
     (``Annotated[int, Field(ge=1)]``) hold.
 
     Args:
         type_: The dataclass; every field has a default.
-        parameters: Values by field name, as they can stand in JSON.
-        of: What takes the parameters, for messages: ``tester 'random'``.
+        parameters: Values by field name, as in JSON.
+        of: Owner of the parameters, for messages: ``tester 'random'``.
         error: Makes the error to raise from its message.
 
     Raises:
-        DrivoraError: As ``error`` makes it, with every parameter that there is not, or whose value
-            is not allowed.
+        DrivoraError: As ``error`` makes it, naming every unknown parameter and every value that is
+            not allowed.
     """
     problems = parameter_problems(type_, parameters, of=of)
     if problems:

@@ -1,7 +1,7 @@
-"""Replaceable parts by name: those built in, and those that installed packages bring.
+"""Replaceable parts by name: built-in ones, and plug-ins of installed packages.
 
-A package brings one by an entry point; it is loaded when somebody asks for it, so that a broken
-package takes only its own part away.
+A package provides one by an entry point; it is loaded on first use, so that a broken package
+affects only its own plug-ins.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from drivora_service.errors import DrivoraError, UnknownName
 
 
 class Plugin(Protocol):
-    """What a table holds."""
+    """An entry of a table."""
 
     @property
     def name(self) -> str:
@@ -26,7 +26,7 @@ P = TypeVar("P", bound=Plugin)
 
 
 class PluginTable(Generic[P]):
-    """Plug-ins of one kind by name. A built-in one is never replaced by a package's."""
+    """Plug-ins of one kind by name. A package's never replaces a built-in one."""
 
     def __init__(
         self,
@@ -37,13 +37,13 @@ class PluginTable(Generic[P]):
         built_in: Iterable[P],
         error: Callable[[str], DrivoraError],
     ) -> None:
-        """Looks up which packages bring plug-ins, without loading them.
+        """Finds the plug-ins of installed packages, without loading them.
 
         Args:
-            kind: What the plug-ins are, for messages: ``tester``.
-            group: Of their entry points.
-            type_: What an entry point must give.
-            built_in: Those that are always there.
+            kind: Kind of the plug-ins, for messages: ``tester``.
+            group: Group of their entry points.
+            type_: Required type of an entry point's object.
+            built_in: The built-in plug-ins.
             error: Makes the error for an entry point that cannot be used.
         """
         self._kind, self._group, self._type, self._error = kind, group, type_, error
@@ -60,14 +60,14 @@ class PluginTable(Generic[P]):
         return tuple(sorted({*self._plugins, *self._found}))
 
     def package(self, name: str) -> str:
-        """Returns the name of the package that brings a plug-in, "" if none does."""
+        """Returns the name of a plug-in's package, "" for a built-in one."""
         point = self._found.get(name)
         return "" if point is None or point.dist is None else point.dist.name
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Returns the package that brings a plug-in, with its version; nothing if none does."""
+        """Returns a plug-in's package with its version; nothing for a built-in one."""
         if name not in self._versions:
-            # Reads a file, while agents are looked up for every candidate of a search.
+            # Cached: it reads a file, and agents are looked up for every candidate of a search.
             point = self._found.get(name)
             dist = None if point is None else point.dist
             self._versions[name] = {} if dist is None else {dist.name: dist.version}
@@ -77,8 +77,8 @@ class PluginTable(Generic[P]):
         """Returns a plug-in.
 
         Raises:
-            UnknownName: If there is none of that name.
-            DrivoraError: If a package's entry point cannot be loaded, or gives something else.
+            UnknownName: There is none of that name.
+            DrivoraError: A package's entry point cannot be loaded, or has another type.
         """
         if name not in self._plugins:
             if name not in self._found:
@@ -91,16 +91,16 @@ class PluginTable(Generic[P]):
         try:
             loaded = point.load()
         except (Exception, SystemExit) as error:
-            # Whatever a foreign package does on import must not take the other plug-ins away.
+            # An exception of a foreign package on import must not affect the other plug-ins.
             raise self._error(
                 f"{where} cannot be loaded: {type(error).__name__}: {error}"
             ) from error
         if not isinstance(loaded, self._type):
             raise self._error(
-                f"{where} gives a {type(loaded).__name__}; allowed: {self._type.__name__}"
+                f"{where} is a {type(loaded).__name__}; allowed: {self._type.__name__}"
             )
         if loaded.name != point.name:
             raise self._error(
-                f"{where} gives the {self._kind} {loaded.name!r}: call the entry point like it"
+                f"{where} is the {self._kind} {loaded.name!r}: give the entry point the same name"
             )
         return loaded

@@ -1,4 +1,4 @@
-"""What the settings mean for what is kept, and for how long."""
+"""The retention times of the settings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivora_service.store.retention import Retention
 
 
 def retention(settings: Settings) -> Retention:
-    """Returns what is kept for how long."""
+    """Returns the retention times of the settings."""
     return Retention(
         passed_traces=_days(settings.retain_passed_traces_days),
         passed_runs=_days(settings.retain_passed_runs_days),

@@ -1,4 +1,4 @@
-"""The process of a service: its server, its address, and how it ends."""
+"""The process of a service: its server, its address, and its shutdown."""
 
 from __future__ import annotations
 
@@ -27,28 +27,27 @@ from drivora_service.logs import configure_logs
 from drivora_service.settings import Settings
 
 ANNOUNCEMENT = "service.json"
-"""File in the data folder that says where a running service listens."""
+"""File in the data folder with the address of a running service."""
 
 _GRACE_S = 5
-"""Seconds that requests may go on for when the server shuts down."""
+"""Seconds for which requests may continue when the server shuts down."""
 
 _SWITCH_S = 0.001
-"""Seconds after which a thread of a request lets another one go on. The event loop waits for so
-long for each of them; with Python's own 5 ms, 40 busy threads delayed it by a quarter of a second,
-with this by 40 ms."""
+"""Switch interval of threads, seconds. The event loop waits for so long for each busy thread; with
+Python's own 5 ms, 40 busy threads delayed it by a quarter of a second, with this by 40 ms."""
 
 _THREADS = 12
-"""Requests whose answers are made at once. They take turns with the event loop, so that many of
-them keep it from everybody else: with 40, health was told after 180 ms, with 12 after 100 ms."""
+"""Number of requests processed at once. They take turns with the event loop, so that many of them
+delay all others: with 40, health was answered after 180 ms, with 12 after 100 ms."""
 
 _SHUTDOWN_S = 20.0
-"""Seconds in which the server must have shut down once nothing runs any more; then it is ended."""
+"""Seconds in which the server must shut down once nothing is running; then it is ended."""
 
 _HURRY_S = 5.0
 """The same after a second signal."""
 
 _NOT_DONE = 3
-"""Exit code of a process that had to be ended, as of everything that could not be done."""
+"""Exit code of a process that had to be ended, as of all work that could not be done."""
 
 _NO_DESCRIPTORS = (errno.EMFILE, errno.ENFILE)
 
@@ -56,15 +55,15 @@ _log = structlog.get_logger(__name__)
 
 
 def serve_until_stopped(settings: Settings) -> None:
-    """Serves HTTP until SIGINT or SIGTERM; ``service.json`` says where.
+    """Serves HTTP until SIGINT or SIGTERM; ``service.json`` has the address.
 
-    The first signal lets the runs that are going on end, for ``DRIVORA_DRAIN_S`` seconds, during
-    which nothing new is taken; a second one ends the service at once.
+    After the first signal, running runs may end for ``DRIVORA_DRAIN_S`` seconds, during which no
+    new ones are accepted; a second signal ends the service at once.
 
     Raises:
         ConfigurationError: The settings cannot be used.
         Conflict: Another process serves this data folder.
-        ServiceBroken: A part of it failed too often; whatever started the process shall do it anew.
+        ServiceBroken: A part of it failed too often; the process must be restarted.
         StoreError: The database cannot be used.
     """
     configure_logs(form=settings.log_format, level=settings.log_level)
@@ -84,9 +83,9 @@ def serve_until_stopped(settings: Settings) -> None:
         timeout_graceful_shutdown=_GRACE_S,
     )
     listener = config.bind_socket()
-    # asyncio does this for sockets that name their protocol, which uvicorn's do not: head and body
-    # of an answer are written one after the other, and the body would wait 40 ms for the client's
-    # acknowledgement of the head. Connections inherit it.
+    # asyncio sets this for sockets with a protocol number, which uvicorn's do not have: head and
+    # body of an answer are written one after the other, and the body would wait 40 ms for the
+    # client's acknowledgement of the head. Connections inherit it.
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     port = listener.getsockname()[1]
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
@@ -107,11 +106,11 @@ def serve_until_stopped(settings: Settings) -> None:
 
 
 class _Ending:
-    """How the process ends if its parts do not end by themselves.
+    """Ends the process if its parts do not end by themselves.
 
     Attributes:
-        broken: Why a part has given up; "" while everything works.
-        server: Is shut down then.
+        broken: Why a part has given up; "" while all parts work.
+        server: Server to shut down then.
     """
 
     def __init__(self) -> None:
@@ -123,16 +122,16 @@ class _Ending:
         if self.broken:
             return
         self.broken = message
-        # What is broken may also keep the server from shutting down.
+        # A broken part may also keep the server from shutting down.
         self.within(_SHUTDOWN_S)
         if self.server is not None:
             self.server.should_exit = True
 
     def within(self, seconds: float) -> None:
-        """Ends the process after so many seconds if it has not ended by then.
+        """Ends the process after ``seconds`` if it has not ended by then.
 
-        Its workers and campaigns end with it; runs that were not handed back are taken over by the
-        next start.
+        Its workers and campaigns end with it; the next start takes over runs that were not handed
+        back.
         """
         deadline = threading.Timer(seconds, self._end_now)
         deadline.daemon = True
@@ -147,7 +146,7 @@ class _Ending:
 
 
 class _Server(uvicorn.Server):
-    """A server that goes on answering while what runs comes to its end."""
+    """A server that answers requests while running runs end."""
 
     def __init__(
         self, config: uvicorn.Config, service: Service, ending: _Ending, *, drain_s: float
@@ -162,15 +161,15 @@ class _Server(uvicorn.Server):
         asyncio.get_running_loop().set_exception_handler(self._note_fault)
         await super().startup(sockets)
         to_thread.current_default_thread_limiter().total_tokens = _THREADS
-        # What is there for good need not be looked through again and again by the collector, for
-        # which every request would wait a tenth of a second.
+        # The garbage collector need not traverse permanent objects, for which every request would
+        # wait a tenth of a second.
         gc.collect()
         gc.freeze()
 
     def _note_fault(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Says once a minute that no descriptor is left for clients, and all else as ever.
+        """Logs at most once a minute that no file descriptor is left; logs other faults as usual.
 
-        The loop tries once a second to take as many connections as may wait, and tells of each one.
+        The loop tries once a second to accept all waiting connections, and reports each failure.
         """
         fault = context.get("exception")
         if isinstance(fault, OSError) and fault.errno in _NO_DESCRIPTORS:
@@ -182,7 +181,7 @@ class _Server(uvicorn.Server):
         """Begins to drain at the first signal, and ends at once at the second."""
         self._signals += 1
         if self._signals == 1:
-            # A thread, because what is done here interrupts whatever the main thread does.
+            # In a thread, because a signal handler interrupts the main thread anywhere.
             threading.Thread(target=self._drain, args=(sig, frame), name="drain").start()
             return
         self._service.hurry()

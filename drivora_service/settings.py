@@ -1,6 +1,6 @@
-"""What an installation may choose, read from the environment (``DRIVORA_…``).
+"""The settings of an installation, read from the environment (``DRIVORA_…``).
 
-Only the composition root and the command line read settings; every other room is handed values.
+Only the composition root and the command line read settings; every other room gets values.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ class Settings(BaseSettings):
     port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 picks a free one.")
     public_url: str = Field(
         default="",
-        description="Address by which others reach the service, for links behind a proxy.",
+        description="Public address of the service, for links behind a proxy.",
     )
     require_tokens: bool = Field(
-        default=False, description="Ask for an API token on loopback as well."
+        default=False, description="Require an API token on loopback, too."
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
@@ -63,23 +63,23 @@ class Settings(BaseSettings):
     )
     agent_user: str = Field(
         default="",
-        description="Account that ADSs in processes of their own run under; needs a service that "
-        "runs as root. Empty: that of the service.",
+        description="Account of ADSs in processes of their own; needs a service that runs as root. "
+        "Empty: that of the service.",
     )
     agent_memory_mb: int = Field(
         default=4096,
         ge=64,
-        description="Memory of an ADS in a process of its own with all that it starts, MiB, before "
-        "it is ended.",
+        description="Memory of an ADS in a process of its own with all that it starts, MiB, beyond "
+        "which it is ended.",
     )
     memory_limit_mb: int = Field(
-        default=2048, ge=256, description="Memory of a worker process, MiB, before it is ended."
+        default=2048, ge=256, description="Memory of a worker, MiB, beyond which it is ended."
     )
     drain_s: float = Field(
         default=30.0,
         ge=0,
-        description="Seconds for which runs may end when the service is stopped; the others go "
-        "back to the queue.",
+        description="Seconds for which running runs may end when the service is stopped; the "
+        "others go back to the queue.",
     )
     queue_limit: int = Field(
         default=100_000, ge=1, description="Queued runs beyond which new ones are refused (429)."
@@ -88,18 +88,18 @@ class Settings(BaseSettings):
         default=32.0, gt=0, description="Size of a request body, MiB, beyond which it is refused."
     )
     max_batch_items: int = Field(
-        default=10_000, ge=1, description="Scenarios that one batch may hold."
+        default=10_000, ge=1, description="Greatest number of scenarios in one batch."
     )
     campaigns_at_once: int = Field(
         default=4,
         ge=1,
         le=1024,
-        description="Campaigns that the service runs at once, each in a process; others wait.",
+        description="Number of campaigns that run at once, each in a process; others wait.",
     )
     retain_passed_traces_days: float | None = Field(
         default=None,
         ge=0,
-        description="Days for which traces of runs that broke no rule are kept; unset: for ever.",
+        description="Days for which traces of runs without a violation are kept; unset: for ever.",
     )
     retain_passed_runs_days: float | None = Field(
         default=None, ge=0, description="Days for which those runs are kept; unset: for ever."
@@ -116,13 +116,13 @@ class Settings(BaseSettings):
         default=None,
         ge=0,
         description="Days after the end of a campaign for which traces of its failures are kept, "
-        "but the first of each kind and group; unset: for ever.",
+        "except the first of each kind and group; unset: for ever.",
     )
     log_format: Literal["console", "json"] = Field(
-        default="console", description="How log lines look."
+        default="console", description="Format of log lines."
     )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
-        default="info", description="Least important log lines that are written."
+        default="info", description="Least level of log lines."
     )
 
     @property
@@ -137,7 +137,7 @@ class Settings(BaseSettings):
 
     @property
     def imported_networks_dir(self) -> Path:
-        """Folder of the networks that were imported here."""
+        """Folder of imported networks."""
         return self.data_dir / "networks"
 
     @property
@@ -147,7 +147,7 @@ class Settings(BaseSettings):
 
     @property
     def campaigns_dir(self) -> Path:
-        """Folder of what campaigns keep: the traces of the failures that they found."""
+        """Folder of the campaigns' files: the traces of their failures."""
         return self.data_dir / "campaigns"
 
     @property
@@ -167,10 +167,10 @@ class Settings(BaseSettings):
 
 
 def load_settings(**overrides: object) -> Settings:
-    """Reads the environment; ``overrides`` that are not ``None`` win over it.
+    """Reads the environment; ``overrides`` that are not ``None`` take precedence.
 
     Raises:
-        ConfigurationError: A value cannot be used; every one is named.
+        ConfigurationError: Values cannot be used; every one is named.
     """
     given = {name: value for name, value in overrides.items() if value is not None}
     try:

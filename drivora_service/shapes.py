@@ -1,4 +1,4 @@
-"""One shape a thing: dataclasses that are read from rows, written as JSON and documented alike.
+"""Shapes: dataclasses that are read from rows, written as JSON and documented in one declaration.
 
 A shape is declared once. The store fills it from columns of the same names, the API serves it, and
 clients read it back; the descriptions in the JSON schema are those of its docstring.
@@ -44,7 +44,7 @@ class Shape:
 
 
 def descriptions(kind: Any) -> Mapping[str, str]:
-    """Returns what the docstrings of a class and its bases say of its attributes, by name."""
+    """Returns the descriptions of attributes in the docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
         _, _, attributes = (inspect.cleandoc(base.__doc__ or "")).partition("\n\nAttributes:\n")
@@ -62,9 +62,9 @@ def combine(kind: type[T], *sources: object, **given: object) -> T:
     """Makes a dataclass of the attributes of others.
 
     Args:
-        kind: What to make.
-        sources: Where each field that is not given is looked up by its name; the first that has it
-            counts. What none has keeps its default.
+        kind: Class to make.
+        sources: Objects in which each field that is not given is looked up by its name, in order. A
+            field that none has keeps its default.
         given: Fields by name.
     """
     values = dict(given)
@@ -85,7 +85,7 @@ def read_all(kind: type[T], values: Iterable[Mapping[str, object]]) -> tuple[T, 
 
 
 def adapter(kind: Any) -> TypeAdapter[Any]:
-    """Returns what reads and writes a type as JSON; made on first use."""
+    """Returns the adapter that reads and writes a type as JSON; made on first use."""
     return _adapter(kind)
 
 

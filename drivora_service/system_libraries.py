@@ -1,7 +1,7 @@
-"""The libraries of the system that libsumo links and its wheel does not carry.
+"""The system libraries that libsumo links and its wheel does not contain.
 
-``make install`` runs this module: it checks that libsumo can be loaded, installs what is missing if
-it may, and else says what to run. Workers use :func:`explain` for what they report.
+``make install`` runs this module: it checks that libsumo can be loaded, installs missing libraries
+if it is allowed to, and else prints the command to run. Workers use :func:`explain` in reports.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ PACKAGES: Mapping[str, str] = {
     "libGL.so.1": "libgl1",
     "libatomic.so.1": "libatomic1",
 }
-"""The libraries, each with the package of Debian and Ubuntu that has it."""
+"""The libraries, each with its package in Debian and Ubuntu."""
 
 MANAGERS = ("apt-get", "dnf")
-"""Package managers that :func:`install_commands` knows, the first one found is used."""
+"""Package managers that :func:`install_commands` supports; the first one found is used."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Remedy:
-    """What to do about libraries that are missing.
+    """How to install missing libraries.
 
     Attributes:
-        commands: To run one after the other; empty if no package manager is known.
+        commands: Commands to run one after another; empty if no package manager is known.
         allowed: Whether this process may run them.
-        line: The same as one line for a shell, or a sentence where there are no commands.
+        line: The same as one line for a shell, or a sentence if there are no commands.
     """
 
     commands: tuple[tuple[str, ...], ...]
@@ -68,11 +68,11 @@ def install_commands(manager: str, libraries: Sequence[str]) -> tuple[tuple[str,
 
 
 def remedy(libraries: Sequence[str], *, path: str | None, is_root: bool) -> Remedy:
-    """Decides what is to be done about missing libraries.
+    """Returns how to install missing libraries.
 
     Args:
         libraries: Keys of :data:`PACKAGES`, at least one.
-        path: Where package managers are looked for, as in ``PATH``; ``None``: there.
+        path: Search path of package managers, as in ``PATH``; ``None``: ``PATH`` itself.
         is_root: Whether the process may install packages.
     """
     for manager in MANAGERS:
@@ -93,7 +93,7 @@ def explain(error: ImportError) -> str:
     """Returns why libsumo cannot be loaded, and what to do.
 
     Args:
-        error: What importing it raised.
+        error: The exception of the import.
     """
     found = f"libsumo cannot be loaded: {error}"
     missing = missing_libraries()
@@ -104,7 +104,7 @@ def explain(error: ImportError) -> str:
 
 
 def main() -> int:
-    """Makes sure that libsumo can be loaded; returns the exit code."""
+    """Ensures that libsumo can be loaded; returns the exit code."""
     error = _import_error()
     if not error:
         return 0

@@ -1,4 +1,4 @@
-"""What the settings mean for workers: their set-up and their limits."""
+"""The set-up and the limits of workers from the settings."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from drivora_service.worker.setup import WorkerSetup
 
 
 def worker_setup(settings: Settings) -> WorkerSetup:
-    """Returns what every worker is told.
+    """Returns the configuration of every worker.
 
     Raises:
-        ConfigurationError: ADSs cannot run under the account that they should.
+        ConfigurationError: ADSs cannot run under the configured account.
     """
     return WorkerSetup(
         shipped_networks=shipped_networks(),
@@ -48,7 +48,7 @@ def _confinement(settings: Settings) -> Confinement:
 
 
 def run_limits(settings: Settings) -> RunLimits:
-    """Returns what a worker may use."""
+    """Returns the limits of a worker."""
     return RunLimits(
         wall_time_s=settings.wall_time_limit_s,
         agent_deadline_s=settings.agent_deadline_s,

@@ -1,1 +1,1 @@
-"""Objectives of the search: each scores a trace, to be minimised."""
+"""Objectives of the search: scores of a trace, to be minimised."""

@@ -1,4 +1,4 @@
-"""The feedback of AVFuzzer: how little was missing to a collision.
+"""The feedback of AVFuzzer: the margin to a collision.
 
 Li et al., *AV-FUZZER: Finding Safety Violations in Autonomous Driving Systems* (ISSRE 2020).
 """
@@ -33,15 +33,14 @@ _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 class AvfuzzerFeedback:
     """Measures the mean of the least gap and the least safety potential, of the worst ego.
 
-    The safety potential of a follower is the gap to the one before it less the way it needs to
-    stop. It counts while the ego follows somebody in its lane, and while the ego pulls in before
-    somebody.
+    The safety potential of a follower is the gap to the actor ahead minus its stopping distance. It
+    counts while the ego follows an actor in its lane, and while the ego pulls in ahead of an actor.
 
     Attributes:
         reach: Metres between two centres along the lane up to which one follows the other.
         half_width: Metres to each side of a centre, across the lane, that count as its lane.
         slant: Radians between the ego's heading and its lane from which on it changes lanes.
-        far: Metres that stand for the potential where nobody followed, and the most of both terms.
+        far: Metres for the potential without following, and upper bound of both terms.
     """
 
     reach: Annotated[float, Field(gt=0.0)] = 20.0
@@ -55,7 +54,7 @@ class AvfuzzerFeedback:
         return (SAFETY_MARGIN,)
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run; not measurable if no ego ever had anybody else around."""
+        """Measures a run; not measurable if there was no other actor around any ego."""
         margins = [margin for ego in run.egos if (margin := self._margin(ego)) is not None]
         return Measurement(objectives={SAFETY_MARGIN: min(margins, default=None)})
 
@@ -79,7 +78,7 @@ class AvfuzzerFeedback:
         return least
 
     def _followings(self, ego: EgoView) -> tuple[BoolArray, BoolArray]:
-        """Tells when (n, N) the ego follows somebody, and when it pulls in before somebody."""
+        """Returns when (n, N) the ego follows an actor, and when it pulls in ahead of one."""
         trace = ego.trace
         others = trace.states[ego.first : ego.first + ego.count]
         lane = ego.value(EgoCol.LANE_HEADING)
@@ -90,7 +89,7 @@ class AvfuzzerFeedback:
         ahead = east * cos + north * sin
         near = (np.abs(ahead) <= self.reach) & (np.abs(north * cos - east * sin) <= self.half_width)
         near &= np.abs(away[..., Col.Z]) <= LEVEL_GAP
-        # Off every lane, where no direction is known, the sine is NaN and nobody pulls in.
+        # Off every lane, where no direction is known, the sine is NaN and no actor pulls in.
         slanted = np.abs(np.sin(ego.states[:, Col.YAW] - lane)) > math.sin(self.slant)
         same_way = np.cos(others[..., Col.YAW] - heading[:, None]) > 0.0
         drives = np.array([actor.role in _VEHICLES for actor in trace.actors])
@@ -109,6 +108,6 @@ def _create(parameters: Mapping[str, Any]) -> AvfuzzerFeedback:
 
 AVFUZZER = FeedbackPlugin(
     name="avfuzzer",
-    description="how little was missing to a collision: gap and braking distance",
+    description="the margin to a collision: gap and braking distance",
     create=_create,
 )

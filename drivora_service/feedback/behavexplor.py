@@ -1,4 +1,4 @@
-"""The feedback of BehAVExplor: how near the ego came to failing, and what it did.
+"""The feedback of BehAVExplor: the ego's distance to a failure, and its behaviour.
 
 Cheng, Zhou, Xie, *BehAVExplor: Behavior Diversity Guided Testing for Autonomous Driving Systems*
 (ISSTA 2023); scales as in its public code.
@@ -39,18 +39,18 @@ class BehavexplorFeedback:
     """Measures the ego that came nearest to a failure, and describes its motion.
 
     The objective is the mean of four terms, each 0 at a failure and 1 at its scale and beyond:
-    the distance to the destination at the end (turned round: an ego that ended far from it is
-    nearer to a failure), and the least distances of its box to anybody else, to the lane line on
-    its left and to the edge of the road on its right. What was not there is as far as can be.
+    the distance to the destination at the end (inverted: an ego that ended far from it is nearer to
+    a failure), and the least distances of its box to another actor, to the lane line on its left
+    and to the edge of the road on its right. A missing actor, line or edge scores 1.
 
     Attributes:
         sample: Seconds between the samples that trajectories are interpolated at.
         window: Seconds of a window; at least three samples.
         stride: Seconds from the start of a window to that of the next; at most a window.
-        destination_scale: Metres from the destination that are as near to a failure as can be.
-        gap_scale: Metres to the others that are as far as can be.
-        line_scale: Metres to the lane line that are as far as can be.
-        edge_scale: Metres to the edge of the road that are as far as can be.
+        destination_scale: Metres from the destination at which the term is 0.
+        gap_scale: Metres to other actors at which the term is 1.
+        line_scale: Metres to the lane line at which the term is 1.
+        edge_scale: Metres to the edge of the road at which the term is 1.
     """
 
     sample: Annotated[float, Field(gt=0.0)] = 0.1
@@ -80,7 +80,7 @@ class BehavexplorFeedback:
         return (DEGREE,)
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run; of several egos the one nearest to a failure, of equals the first."""
+        """Measures a run; of several egos the one nearest to a failure, the first among equals."""
         degree, nearest = None, None
         for ego in run.egos:
             if ego.count:
@@ -110,7 +110,7 @@ class BehavexplorFeedback:
 
 
 def _goal_distance(ego: EgoView) -> float:
-    """Returns the metres from its box to its destination at the end; 0 where it arrived."""
+    """Returns the metres from the ego's box to its destination at the end; 0 if it arrived."""
     if ego.end is TerminalEvent.ARRIVED:
         return 0.0
     x, y, yaw = ego.states[-1, [Col.X, Col.Y, Col.YAW]]
@@ -123,13 +123,13 @@ def _goal_distance(ego: EgoView) -> float:
 def _border_distances(ego: EgoView) -> tuple[float, float]:
     """Returns the least metres to the line on the left and to the edge of the road on the right.
 
-    On the left of a carriageway is the line that parts it from the oncoming traffic; lines between
-    lanes of one direction may be crossed and do not count. Inside junctions there are no lines;
-    there and off all lanes being off the road counts as reaching the edge. Its tolerance is the
-    oracle's: in turns, corners pass over the kerbs of many networks by a few centimetres.
+    On the left of a carriageway is the line to the oncoming traffic; lines between lanes of one
+    direction may be crossed and do not count. Inside junctions there are no lines; there and off
+    all lanes, being off the road counts as reaching the edge. The tolerance is the oracle's: in
+    turns, corners pass over the kerbs of many networks by a few centimetres.
 
     Returns:
-        0 where crossed, inf where there is none.
+        0 if crossed, inf if there is none.
     """
     borders: FloatArray = np.maximum(ego.room_beside[~ego.in_junction], 0.0)
     left, right = np.fmin.reduce(borders, axis=0, initial=np.inf)

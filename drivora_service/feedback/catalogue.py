@@ -1,4 +1,4 @@
-"""The feedbacks that a tester may name: those built in and those of installed packages."""
+"""The catalogue of feedbacks: built-in ones and those of installed packages."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class FeedbackCatalogue:
         """Returns a feedback's plug-in.
 
         Raises:
-            UnknownName: If there is none of that name.
-            SearchError: If an installed package's entry point is no feedback.
+            UnknownName: There is no feedback of that name.
+            SearchError: The entry point of an installed package is no feedback.
         """
         return self._table.plugin(name)
 

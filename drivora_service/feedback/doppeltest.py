@@ -1,8 +1,8 @@
-"""What DoppelTest measures of a run: how egos driven by the same ADS dealt with each other.
+"""The feedback of DoppelTest: interactions of egos driven by the same ADS.
 
 Source: Huai, Chen, Almanee, Ngo, Liao, Wan, Chen, Garcia, "Doppelgänger test generation for
-revealing bugs in autonomous driving software" (ICSE 2023). Its fourth objective, violations that
-are new, depends on what a campaign has found before: the tester counts them.
+revealing bugs in autonomous driving software" (ICSE 2023). Its fourth objective, new violations,
+depends on the campaign's earlier violations: the tester counts them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ DECISIONS = "decisions"
 CONFLICTS = "conflicts"
 
 _SAME_PLACE = 1.5
-"""Metres: nearer places on two routes are one."""
+"""Metres up to which places on two routes are the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,15 +37,15 @@ class DoppelTestFeedback:
 
     Objectives, to be minimised:
 
-    - ``ego_distance``: least gap between two egos, metres; ``None`` where there was one ego.
-    - ``decisions``: less the number of different decisions that the egos made together.
-    - ``conflicts``: less the number of pairs of different routes that meet in a junction.
+    - ``ego_distance``: least gap between two egos, metres; ``None`` if there was one ego.
+    - ``decisions``: negated count of distinct decisions of all egos.
+    - ``conflicts``: negated count of pairs of different routes that meet in a junction.
 
     Tables: ``decisions`` with (row of the ego, ``Decision``), ``conflicts`` with the rows of two
-    egos whose routes meet.
+    egos on conflicting routes.
 
     Attributes:
-        rules: How decisions are told from the trace.
+        rules: Thresholds for finding decisions in the trace.
     """
 
     rules: DecisionRules
@@ -75,13 +75,13 @@ class DoppelTestFeedback:
 
 
 def _distinct(pairs: Sequence[tuple[int, int]], routes: Sequence[EgoRoute]) -> int:
-    """Counts the pairs of routes, however many egos drive each."""
+    """Returns the number of different pairs of routes, regardless of the egos on each."""
     number = [next(j for j, other in enumerate(routes) if _same(other, route)) for route in routes]
     return len({frozenset((number[first], number[second])) for first, second in pairs})
 
 
 def _same(one: EgoRoute, other: EgoRoute) -> bool:
-    """Says whether two routes are one, on which two egos start at different places."""
+    """Returns whether two routes are the same apart from their starts."""
     longer, shorter = (one, other) if one.length >= other.length else (other, one)
     skipped = longer.length - shorter.length
     x, y = (np.interp(skipped, longer.arc, longer.line[:, axis]) for axis in (0, 1))
@@ -98,6 +98,6 @@ def _create(parameters: Mapping[str, Any]) -> DoppelTestFeedback:
 
 DOPPELTEST = FeedbackPlugin(
     name="doppeltest",
-    description="distance between egos, what they decided, how many of their routes conflict",
+    description="distance between egos, their distinct decisions, conflicts of their routes",
     create=_create,
 )

@@ -1,7 +1,7 @@
-"""What egos decided, told from what they did.
+"""Decisions of egos, inferred from the trace.
 
-DoppelTest reads the decisions from the messages of the planner under test. An ADS that shows only
-its controls is asked through the trace instead: a decision is what a stretch of driving looks like.
+DoppelTest reads the decisions from the messages of the planner under test. For an ADS that shows
+only its controls they are inferred from the trace: a decision is a pattern of driving.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 
 class Decision(IntEnum):
-    """What an ego did about others, about a signal, or about its lane."""
+    """A decision of an ego about another actor, a signal, or its lane."""
 
     STOP_AT_SIGNAL = 1
-    """Stopped before a stop line whose signal was not green, with nobody before it."""
+    """Stopped before a stop line whose signal was not green, with no actor ahead."""
     STOP_BEHIND_VEHICLE = 2
-    """Stopped with a vehicle or an obstacle before it."""
+    """Stopped with a vehicle or an obstacle ahead."""
     STOP_FOR_WALKER = 3
-    """Stopped with a walker before it, or beside its way."""
+    """Stopped with a walker ahead, or beside its path."""
     STOP_ELSEWHERE = 4
-    """Stopped for none of these, as at a junction without lights."""
+    """Stopped for another reason, as at a junction without lights."""
     YIELD = 5
     """Slowed down or stood before a place where its route meets that of an ego that went first."""
     GO_FIRST = 6
-    """Passed such a place while the other was near it and free to go."""
+    """Passed such a place while the other ego was near it and free to go."""
     OVERTAKE = 7
-    """Drove past a vehicle that had been before it in its lane."""
+    """Drove past a vehicle that had been ahead in its lane."""
     CHANGE_LEFT = 8
     """Changed to the lane on its left."""
     CHANGE_RIGHT = 9
@@ -51,18 +51,18 @@ class Decision(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionRules:
-    """Where the rules draw their lines.
+    """The thresholds of the decisions.
 
     Attributes:
         stop_time: Seconds for which an ego must stand for a stop.
-        stop_reach: Metres before its bumper within which the reason of a stop is looked for.
+        stop_reach: Metres ahead of its bumper within which the reason of a stop is searched.
         speed_loss: m/s that an ego must lose to have slowed down for another.
         look_back: Seconds before the other's passage from which on the loss counts.
-        approach: Metres before the meeting place within which an ego is near it; metres before and
-            behind itself within which an ego sees the vehicle that it overtakes.
+        approach: Metres before the meeting place within which an ego is near it; metres ahead and
+            behind within which an ego sees the vehicle that it overtakes.
         lane_half_width: Metres to either side within which a vehicle is in the ego's lane.
         beside: Metres to either side within which a vehicle has been overtaken, not left.
-        same_heading: Radians up to which two headings are alike.
+        same_heading: Radians up to which two headings are the same.
     """
 
     stop_time: float = 1.0
@@ -78,12 +78,12 @@ class DecisionRules:
 def find_decisions(
     run: RunView, meetings: Sequence[Meeting], rules: DecisionRules
 ) -> tuple[tuple[int, Decision], ...]:
-    """Finds what every ego decided.
+    """Finds the decisions of every ego.
 
     Args:
         run: The run.
-        meetings: Where the egos' routes meet; routes are numbered as the egos.
-        rules: The lines to draw.
+        meetings: Meeting places of the egos' routes; routes are numbered as the egos.
+        rules: The thresholds.
 
     Returns:
         (row of the ego, decision), each once, sorted.
@@ -101,9 +101,9 @@ def find_decisions(
 
 
 def _stops(ego: EgoView, rules: DecisionRules) -> Iterator[Decision]:
-    """Returns a decision for every time that the ego came to a stand."""
+    """Yields a decision for every time that the ego came to a stand."""
     for first, stop in stretches(ego.speed < STANDING_SPEED):
-        # An ego stands where it starts: that is no decision.
+        # An ego stands at its start, which is no decision.
         if first > 0 and (stop - first) * ego.step_length >= rules.stop_time:
             yield _reason(ego, first, rules)
 
@@ -137,7 +137,7 @@ def _reason(ego: EgoView, k: int, rules: DecisionRules) -> Decision:
 
 
 def _is_held(ego: EgoView, k: int, reach: float) -> bool:
-    """Says whether a signal within reach of an ego's bumper at its row ``k`` is not green."""
+    """Returns whether a signal within reach of an ego's bumper at its row ``k`` is not green."""
     distance = float(ego.value(EgoCol.LIGHT_DISTANCE)[k])
     return bool(0.0 <= distance <= reach and ego.lights[k] >= Light.YELLOW)
 
@@ -155,7 +155,7 @@ def _lane_changes(ego: EgoView) -> Iterator[Decision]:
 
 
 def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
-    """Says whether any vehicle was before the ego in its lane and later behind it."""
+    """Returns whether any vehicle was ahead of the ego in its lane and later behind it."""
     trace = ego.trace
     rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
     every = max(round(_SAMPLE_TIME / trace.step_length), 1)
@@ -178,7 +178,7 @@ def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
 def _precedence(
     run: RunView, meeting: Meeting, rules: DecisionRules
 ) -> Iterator[tuple[int, Decision]]:
-    """Returns who went first and who yielded, where one passed and the other was near."""
+    """Yields the ego that went first and the one that yielded, if both were near."""
     pair = [run.egos[meeting.first], run.egos[meeting.second]]
     entries = [
         _step_at(ego, zone[0] - 0.5 * ego.actor.length)
@@ -209,7 +209,7 @@ def _precedence(
 
 
 def _step_at(ego: EgoView, route_s: float) -> float:
-    """Returns the row of the trace at which an ego's centre had come this far; inf if never."""
+    """Returns the row of the trace at which an ego's centre reached ``route_s``; inf if never."""
     driven: FloatArray = ego.value(EgoCol.ROUTE_S)
     come = driven >= route_s
     return float(ego.first + int(np.argmax(come))) if come.any() else math.inf

@@ -1,4 +1,4 @@
-"""How near two egos came to each other."""
+"""The least distance between two egos."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from drivora_service.observations.trace import LEVEL_GAP, Col
 
 
 def least_ego_distance(run: RunView) -> float | None:
-    """Returns the least gap between the boxes of any two egos in metres, 0 where they touch.
+    """Returns the least gap between the boxes of any two egos in metres, 0 if they touch.
 
-    Counts while at least one of the two drives its part: an ego that waits for its start, or stands
-    where its part ended, is in the other's way. On different levels of a bridge nobody is near.
+    Counts while at least one of the two is driving: an ego that waits for its start, or stands at
+    its end, is an obstacle for the other. Egos on different levels of a bridge are not near.
 
     Returns:
         ``None`` if no two egos were on the road together.

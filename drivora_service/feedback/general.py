@@ -1,4 +1,4 @@
-"""The general objectives as a feedback: for testers that need no measuring of their own."""
+"""The general objectives as a feedback, for testers without a feedback of their own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivora_service.parameters import read_parameters
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class General:
-    """Returns every general objective, that of the ego which was nearest to a failure."""
+    """Measures every general objective, each of the ego nearest to a failure."""
 
     @property
     def objectives(self) -> tuple[str, ...]:

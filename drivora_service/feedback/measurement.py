@@ -1,4 +1,4 @@
-"""What a search method wants measured of a run, computed in the worker, where the trace is."""
+"""Measurements of a run for a tester, computed in the worker, where the trace is."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    # Whoever only handles specs and reports is spared the loading of what measuring needs.
+    # Code that only handles specs and reports must not load the dependencies of measuring.
     from drivora_service.observations.run_view import RunView
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """What a feedback measured of one run.
+    """The measurement of one run by a feedback.
 
     Attributes:
-        objectives: By name, in the feedback's fixed order; to be minimised, smaller is nearer to a
-            failure. ``None`` is "not measurable", which a tester treats as worst.
+        objectives: Values by name, in the feedback's fixed order; to be minimised, smaller is
+            nearer to a failure. ``None`` is "not measurable", which a tester treats as worst.
         features: Tables by name, rows of equal length, all values finite.
     """
 
@@ -42,7 +42,7 @@ class Feedback(Protocol):
 
     @property
     def objectives(self) -> tuple[str, ...]:
-        """Names of the objectives that every measurement holds."""
+        """Names of the objectives of every measurement."""
         ...
 
     def measure(self, run: RunView) -> Measurement:

@@ -1,4 +1,4 @@
-"""The general objectives: what a search minimises, whatever its tester."""
+"""The general objectives, which every search can minimise."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from drivora_service.oracles.blocked import Blocked, standing_clock
 class Objective(Protocol):
     """A score of one ego's part of a run. Frozen dataclasses implement it.
 
-    A smaller score is nearer to a failure; scores lie in 0..1. ``None`` is "not measurable": what
-    was not there is never scored as 0, which would be the best of all.
+    A smaller score is nearer to a failure; scores lie in 0..1. ``None`` is "not measurable": a
+    missing value is never scored as 0, which would be the best of all.
     """
 
     @property
@@ -33,10 +33,10 @@ class Objective(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MinGap:
-    """Least distance between the ego's box and another; ``None`` if nobody else was there.
+    """Least distance between the ego's box and another; ``None`` without another actor.
 
     Attributes:
-        scale: Metres that score 1, and all that is more.
+        scale: Metres from which on the score is 1.
     """
 
     scale: float = 10.0
@@ -54,11 +54,11 @@ class MinGap:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TimeToCollision:
-    """Least time to a collision at constant velocities; ``None`` if nobody else was there.
+    """Least time to a collision at constant velocities; ``None`` without another actor.
 
     Attributes:
-        scale: Seconds that score 1, as does nobody being on a collision course; at most the horizon
-            of the measurement.
+        scale: Seconds from which on the score is 1, as without an actor on a collision course; at
+            most the horizon of the measurement.
     """
 
     scale: float = HORIZON
@@ -94,12 +94,12 @@ class Progress:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StuckTime:
-    """One less the longest standstill over the time after which an ego counts as blocked.
+    """1 minus the longest standstill over the time after which an ego counts as blocked.
 
     The longer the ego stood without a signal to wait for, the smaller the score.
 
     Attributes:
-        scale: Seconds that score 0.
+        scale: Seconds at which the score is 0.
     """
 
     scale: float = Blocked().duration
@@ -116,11 +116,11 @@ class StuckTime:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalDistance:
-    """One less the distance between the ego's end and its goal, over the length of its route.
+    """1 minus the distance between the ego's end and its goal, over the length of its route.
 
-    As all objectives it is smaller the nearer the ego was to a failure, which here is not to
-    arrive: an ego that ends at its goal scores 1, one that ends a route's length away 0. The scale
-    is the route, so that the score tells ends apart wherever they are.
+    As all objectives it is smaller nearer to a failure, which here is not to arrive: an ego that
+    ends at its goal scores 1, one that ends a route's length away 0. The scale is the route, so
+    that the score distinguishes all ends.
     """
 
     @property
@@ -149,12 +149,12 @@ def score(
 
     Args:
         trace: The run.
-        network: The road network it took place on.
-        view: A view of that run, if there is one already: what it has computed is used again.
+        network: The road network of the run.
+        view: An existing view of that run, with its cached values.
 
     Returns:
-        Scores by name: that of the ego which was nearest to a failure; ``None`` if no ego has one.
-        Where there are several egos, ``name[ego id]`` is the score of one of them.
+        Scores by name: that of the ego nearest to a failure; ``None`` if no ego has one. With
+        several egos, ``name[ego id]`` is the score of one of them.
     """
     return score_run(view or RunView(trace, network))
 

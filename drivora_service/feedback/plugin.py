@@ -1,4 +1,4 @@
-"""What makes a feedback known by a name."""
+"""Plug-ins: named feedbacks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivora_service.feedback.measurement import Feedback
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeedbackPlugin:
-    """What an entry point of the group ``drivora_service.feedback`` gives.
+    """The object of an entry point of the group ``drivora_service.feedback``.
 
     The factory takes the parameters of the choice and raises ``SearchError`` if it cannot use them.
     """

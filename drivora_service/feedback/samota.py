@@ -1,9 +1,9 @@
-"""The feedback of SAMOTA: how far a run was from violating each of six requirements.
+"""The feedback of SAMOTA: the distance of a run to violating each of six requirements.
 
 Ul Haq, Shin, Briand, *Efficient Online Testing for DNN-Enabled Systems using Surrogate-Assisted and
-Many-Objective Optimization* (ICSE 2022), on what a trace shows. Distances and times x are mapped to
-x / (x + scale), which never levels off (Arcuri, "It really does matter how you normalize the branch
-distance in search-based software testing", 2013): the surrogates learn also from what is far away.
+Many-Objective Optimization* (ICSE 2022), computed from a trace. Distances and times x are mapped to
+x / (x + scale), which never saturates (Arcuri, "It really does matter how you normalize the branch
+distance in search-based software testing", 2013): the surrogates learn also from distant runs.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ RED_LIGHT = "red_light"
 _VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 _NOT_ARRIVED = (TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT, TerminalEvent.ROUTE_DEVIATION)
 _HALF_LANE = 1.75
-"""Metres, for an ego that was on no lane at all."""
+"""Metres, for an ego that was never on a lane."""
 
 Positive = Annotated[float, Field(gt=0.0)]
 
@@ -49,12 +49,12 @@ Positive = Annotated[float, Field(gt=0.0)]
 class SamotaFeedback:
     """Measures six objectives in 0..1, 0 where the requirement is violated; of the worst ego.
 
-    What was not there is not measurable: nobody of a kind around, no signal on the way.
+    Without an actor of a role, or without a signal, an objective is not measurable.
 
     Attributes:
         gap: Metres between two boxes that score one half.
         time: Seconds before running a red light that score one half.
-        yellow: Seconds that a yellow is taken to last.
+        yellow: Assumed duration of a yellow, seconds.
     """
 
     gap: Positive = 10.0
@@ -85,7 +85,7 @@ class SamotaFeedback:
         )
 
     def _distance(self, ego: EgoView, roles: tuple[Role, ...]) -> float | None:
-        """Scores the least gap to anybody of a kind; 0 where the boxes touch."""
+        """Scores the least gap to any actor of these roles; 0 if the boxes touch."""
         gap = least_gap(ego, roles)
         return None if gap is None else gap / (gap + self.gap)
 
@@ -93,8 +93,8 @@ class SamotaFeedback:
         """Scores the least time before running a red light, for an ego that ran none.
 
         While the signal is red, it is the time in which the tail would cross the line at the
-        present speed: short for who comes fast and brakes late, endless for who stands. For who is
-        on the line on yellow, it is what is left of the yellow once the tail is over.
+        present speed: short for a fast and late-braking ego, infinite for a standing one. For an
+        ego on the line at yellow, it is the rest of the yellow after its tail has crossed.
         """
         distance = ego.value(EgoCol.LIGHT_DISTANCE)
         facing = np.isfinite(distance) & (ego.lights != Light.NONE)
@@ -108,7 +108,7 @@ class SamotaFeedback:
         late = facing & (ego.lights == Light.YELLOW) & (distance < 0.0)
         left = self.yellow - _seconds_of(ego, Light.YELLOW) - crossing
         margin[late] = left[late]
-        # No less than a step: only who ran it, by the oracle's rule, scores 0.
+        # At least a step: only an ego that violates the oracle scores 0.
         least = max(float(margin.min()), ego.step_length)
         return 1.0 if np.isinf(least) else least / (least + self.time)
 
@@ -116,10 +116,10 @@ class SamotaFeedback:
 def least_gap(ego: EgoView, roles: tuple[Role, ...]) -> float | None:
     """Returns the least distance in metres between an ego's box and any of these roles.
 
-    Actors on another level of a bridge are not there.
+    Actors on another level of a bridge are left out.
 
     Returns:
-        ``None`` if there never was one while the ego drove.
+        ``None`` if there was none while the ego drove.
     """
     trace = ego.trace
     rows = np.array(
@@ -148,10 +148,10 @@ def least_gap(ego: EgoView, roles: tuple[Role, ...]) -> float | None:
 
 
 def _lane_centre(ego: EgoView) -> float | None:
-    """Scores the largest distance from the lane's centre; 0 where `lane_keeping` is violated.
+    """Scores the largest distance from the lane's centre; 0 if `lane_keeping` is violated.
 
     That is half a metre beyond the lane's edge, or in a lane of the other direction. The distance
-    is one as a share of the other.
+    is a share of that limit.
     """
     margin = LaneKeeping().margin
     half = ego.lane_half_widths
@@ -169,10 +169,10 @@ def _lane_centre(ego: EgoView) -> float | None:
 
 
 def _progress(ego: EgoView) -> float | None:
-    """Scores the time to spare at the pace that the ego had come on with, as a share of its limit.
+    """Scores the spare time at the ego's average pace, as a share of its time limit.
 
-    The limit is that of `destination`. 0 for who did not arrive in time: too slow, stuck, or not
-    there when time was up. Who collided before had until then the pace that it had.
+    The limit is that of `destination`. 0 for an ego that did not arrive in time: too slow, stuck,
+    or on its way at the end. For an ego that collided, it is the pace until the collision.
     """
     if ego.end in _NOT_ARRIVED:
         return 0.0
@@ -187,7 +187,7 @@ def _progress(ego: EgoView) -> float | None:
 
 
 def _seconds_of(ego: EgoView, light: Light) -> FloatArray:
-    """Returns for how long (n,) the signal has been showing this, 0 where it is not."""
+    """Returns for how many seconds (n,) the signal has shown this light; 0 while it does not."""
     shows = ego.lights == light
     row = np.arange(ego.count)
     since = np.maximum.accumulate(np.where(shows, -1, row))

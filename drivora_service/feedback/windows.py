@@ -1,4 +1,4 @@
-"""What an ego did, second by second: statistics of its motion in windows of time.
+"""Statistics of an ego's motion in windows of time.
 
 After BehAVExplor's BehaviorMiner (Cheng, Zhou, Xie, ISSTA 2023): eight signals, eight statistics of
 each in a window. The statistics are defined as in tsfresh 0.21 (``mean_change``,
@@ -30,14 +30,14 @@ STATISTICS = (
     "c3",
     "cid_ce",
 )
-"""Of each signal, side by side."""
+"""Statistics of each signal, in the order of columns."""
 
 DECIMALS = 6
-"""Of the statistics. It makes them short to store, and alike on machines that round differently."""
+"""Decimals of the statistics: short to store, and equal on machines that round differently."""
 
 _FLAT = 1e-6
-"""Standard deviation up to which a signal counts as constant: below are only rounding errors, and
-normalising would make noise of full size of them."""
+"""Standard deviation up to which a signal counts as constant: below are only rounding errors, which
+normalising would scale up to noise."""
 
 
 def motion_signals(ego: EgoView, sample: float) -> FloatArray:
@@ -73,8 +73,8 @@ def motion_signals(ego: EgoView, sample: float) -> FloatArray:
 def window_statistics(signals: FloatArray, window: int, stride: int) -> FloatArray:
     """Returns the statistics of each signal in each window.
 
-    A window that the samples do not fill is filled up with the last of them, so that the end of a
-    run, where it failed, is in a window too.
+    A window that the samples do not fill is padded with the last of them, so that the end of a run,
+    where it failed, is in a window, too.
 
     Args:
         signals: (n, c), n >= 1.
@@ -103,5 +103,5 @@ def window_statistics(signals: FloatArray, window: int, stride: int) -> FloatArr
         np.where(is_flat, 0.0, roughness),
     )
     table = np.stack(statistics, axis=2).reshape(count, -1)
-    # Adding 0 makes 0 of the -0 that rounding leaves.
+    # Adding 0 turns the -0 of rounding into 0.
     return np.round(table, DECIMALS) + 0.0

@@ -77,7 +77,7 @@ class Episode:
             plan: Plan of the episode.
             agents: An agent for every ego, in order.
             privileged: Whether each agent bypasses the perception model.
-            cells: (4,) progress integers to keep current (``runs.progress``).
+            cells: (4,) progress integers to keep current (``worker.progress``).
 
         Raises:
             AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different

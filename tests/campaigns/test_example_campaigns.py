@@ -31,13 +31,13 @@ class Discovery:
     """What a campaign finds, and by which evaluation.
 
     Attributes:
-        key: Kind of the failure.
-        at_fault: Whether the ego is responsible; ``None`` where the rule knows no fault.
+        kind: Kind of the failure.
+        at_fault: Whether the ego is responsible; ``None`` where the oracle knows no fault.
         evidence: Part of what the verdict must say.
     """
 
     number: int
-    key: str
+    kind: str
     at_fault: bool | None
     evidence: dict[str, Any]
 
@@ -45,22 +45,22 @@ class Discovery:
 DISCOVERIES = {
     "side-collision": Discovery(
         number=62,
-        key="collision|junction market_orchard|ego, side",
+        kind="collision|junction market_orchard|ego, side",
         at_fault=True,
         evidence={"counterpart_role": "ego", "face": "side", "other_speed": 0.0},
     ),
     "late-braking": Discovery(
         number=16,
-        key="collision|road eb_1|npc_vehicle, front",
+        kind="collision|road eb_1|npc_vehicle, front",
         at_fault=True,
         evidence={"face": "front", "rule": "following"},
     ),
     "standstill": Discovery(
-        number=62, key="blocked|junction market_orchard", at_fault=None, evidence={"since": 23.35}
+        number=62, kind="blocked|junction market_orchard", at_fault=None, evidence={"since": 23.35}
     ),
     "deadlock": Discovery(
         number=89,
-        key="deadlock|junction market_church|cycle of 3",
+        kind="deadlock|junction market_church|cycle of 3",
         at_fault=None,
         evidence={"cycle": ["ego_1", "ego_6", "ego_3"]},
     ),
@@ -111,7 +111,7 @@ def test_the_failure_is_found_and_happens_again(
         evaluator = LocalEvaluator(executor)
         Engine(search, evaluator, journal, requested=requested, on_told=count).run()
     found = [failure for failure in journal.failures() if failure.evaluation == discovery.number]
-    (failure,) = (failure for failure in found if failure.kind == discovery.key)
+    (failure,) = (failure for failure in found if failure.kind == discovery.kind)
     assert failure.verdict.at_fault is discovery.at_fault
     assert {**failure.verdict.evidence, **discovery.evidence} == failure.verdict.evidence
 

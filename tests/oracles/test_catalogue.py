@@ -108,8 +108,8 @@ def test_thresholds_are_listed_as_json_has_them(
     ("point", "message"),
     [
         ("gone = oracles_that_are_gone:plugin", "cannot be loaded: ModuleNotFoundError"),
-        ("not_a_plugin", "gives a TopSpeed; allowed: OraclePlugin"),
-        ("misnamed", "gives the oracle 'other'"),
+        ("not_a_plugin", "is a TopSpeed; allowed: OraclePlugin"),
+        ("misnamed", "is the oracle 'other'"),
         ("liar", "has the name 'top_speed'"),
         ("unmade", "raised RuntimeError when it was made: no such file"),
         ("judgeless", "is a str, which has no method `judge`"),

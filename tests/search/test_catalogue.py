@@ -150,9 +150,9 @@ def test_a_package_does_not_replace_a_built_in_tester() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("broken", "gives a type; allowed: TesterPlugin"),
+        ("broken", "is a type; allowed: TesterPlugin"),
         ("gone", "cannot be loaded: ModuleNotFoundError"),
-        ("misnamed", "gives the tester 'other'"),
+        ("misnamed", "is the tester 'other'"),
     ],
 )
 def test_a_broken_plug_in_is_told_of_and_spoils_nothing_else(name: str, message: str) -> None:

@@ -23,21 +23,25 @@ def study(catalogues: Catalogues, tmp_path: Path) -> Iterator[Study]:
         yield study
 
 
-def failure(number: int, key: str, group: int | None, **changes: object) -> Failure:
+def failure(number: int, kind: str, group: int | None, **changes: object) -> Failure:
     verdict = Verdict(
-        oracle=key.partition("|")[0], ego="ego", outcome=Outcome.VIOLATED, message="", at_fault=True
+        oracle=kind.partition("|")[0],
+        ego="ego",
+        outcome=Outcome.VIOLATED,
+        message="",
+        at_fault=True,
     )
     fields: dict[str, object] = {
         "evaluation": number,
         "place": 0,
-        "key": key,
+        "kind": kind,
         "verdict": verdict,
         "group": group,
     }
     return Failure(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
 
 
-def test_failures_are_put_together_by_kind_and_cluster() -> None:
+def test_failures_are_collected_by_kind_and_group() -> None:
     confirmed = {"confirmation": Confirmation.CONFIRMED, "trace": "5.parquet"}
     groups = group(
         [
@@ -68,7 +72,7 @@ def test_the_report_tells_counts_groups_and_commands(study: Study) -> None:
     assert f"| simulations | {record.counts.simulations} of 12 |" in text
     assert f"| simulations with a failure | {record.counts.violating} |" in text
     assert '| its parameters | {"population": 6} |' in text
-    assert "the results of others" in text
+    assert "the results of other candidates" in text
     assert "% of the drivable lanes" in text
     assert "![Evaluation " in text
     for one in told.groups:
@@ -85,7 +89,7 @@ def test_a_campaign_that_found_nothing_has_no_group_of_failures(study: Study) ->
     assert told.groups == ()
     assert told.figures is not None
     assert (told.figures.groups, told.figures.budget) == (0, 12)
-    assert "| different failures, by group | 0 |" in report_markdown(told)
+    assert "| groups of similar failures | 0 |" in report_markdown(told)
 
 
 def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:

@@ -1,1 +1,1 @@
-"""From genes to scenarios: what a seed scenario on its road network can be varied to."""
+"""From genes to scenarios: the variations of a seed scenario on its road network."""

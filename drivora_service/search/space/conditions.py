@@ -1,4 +1,4 @@
-"""Genes of the weather and of the traffic lights, and the conditions that they stand for."""
+"""Genes of the weather and of the traffic lights, and their decoding."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _LATEST_OFFSET = 60.0
 def weather_genes() -> list[Gene]:
     """Returns the genes of the weather, named as the fields of ``Weather``.
 
-    Two things are left to the seed, since with the others they leave nothing to drive with: water
-    that stands on the road (rain and wetness leave a friction of 0.7, deposits 0.4), and the night
-    (in fog and rain a fifth of the sight, and so much noise that what stands seems to move).
+    Two conditions are left to the seed, since together with the others they make driving
+    impossible: standing water (rain and wetness leave a friction of 0.7, deposits 0.4), and night
+    (in fog and rain a fifth of the sight, and so much noise that standing actors seem to move).
     """
     return [
         number("precipitation", 0.0, 100.0, "%"),
@@ -34,7 +34,7 @@ def weather_genes() -> list[Gene]:
 
 
 def weather(block: Block, values: FloatArray, seed: Weather) -> Weather:
-    """Returns the weather; what has no gene is the seed's."""
+    """Returns the weather; fields without a gene are the seed's."""
     own = values[block.slice].tolist()
     named = {gene.name: value for gene, value in zip(block.genes, own, strict=True)}
     return replace(seed, **named)
@@ -43,13 +43,13 @@ def weather(block: Block, values: FloatArray, seed: Weather) -> Weather:
 def light_genes() -> list[Gene]:
     """Returns the genes of the light times of all junctions.
 
-    Yellow is left to the network: one too short for the limit could not be obeyed.
+    Yellow is left to the network: one too short for the speed limit could not be obeyed.
     """
     return [number("green", *_GREENS, "s"), number("offset", 0.0, _LATEST_OFFSET, "s")]
 
 
 def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> TrafficLights:
-    """Returns the light times; junctions to which the seed gives times of their own keep them."""
+    """Returns the light times; junctions with times of their own in the seed keep them."""
     green, offset = values[block.slice].tolist()
     times = replace(seed.times, green=green, offset=offset)
     return TrafficLights(
@@ -59,7 +59,7 @@ def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> Tra
 
 
 def _filled(own: LightTimes, common: LightTimes) -> LightTimes:
-    """Returns a junction's times; what they leave open is that of all."""
+    """Returns a junction's times; missing ones are those of all junctions."""
     return replace(
         own,
         green=common.green if own.green is None else own.green,

@@ -1,4 +1,4 @@
-"""A way along lanes as the episode will drive it, ready to place things on."""
+"""A path along lanes as the episode will drive it, for placing actors on."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Pose:
         )
 
     def waypoint(self, speed: float | None = None) -> Waypoint:
-        """Returns it as a waypoint, rounded to what a document shows."""
+        """Returns it as a waypoint, rounded to a document's precision."""
         return Waypoint(
             x=round(self.x, _COORDINATE_DIGITS),
             y=round(self.y, _COORDINATE_DIGITS),
@@ -57,7 +57,7 @@ class Pose:
 
 
 def document_angle(angle: float) -> float:
-    """Rounds an angle in radians to one that a document in degrees gives back exactly."""
+    """Rounds an angle in radians to one that a document in degrees represents exactly."""
     frame = FrameTransform()
     return frame.yaw_to_network(round(frame.yaw_from_network(angle), _DEGREE_DIGITS))
 
@@ -79,7 +79,7 @@ class DrivenPath:
         steps = np.diff(route.line, axis=0)
         headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
         self.yaw: FloatArray = np.append(headings, headings[-1])
-        # One place at a time is asked for: lists are read far faster than arrays.
+        # Places are looked up one at a time: lists are read far faster than arrays.
         self._arcs: list[float] = self.arc.tolist()
         self._points: list[list[float]] = self.line.tolist()
         self._yaws: list[float] = self.yaw.tolist()
@@ -98,7 +98,7 @@ class DrivenPath:
 
     @cached_property
     def lane_ranges(self) -> tuple[tuple[int, float, float], ...]:
-        """Lane, and the arc lengths where it begins and ends, in order along the path."""
+        """Lanes with the arc lengths of their beginnings and ends, in order along the path."""
         lanes = self.route.point_lanes
         firsts = np.flatnonzero(np.diff(lanes, prepend=-1))
         begins = [float(self.arc[first]) for first in firsts]
@@ -119,7 +119,7 @@ class DrivenPath:
         return tuple(roads)
 
     def is_within(self, region: Region | None) -> bool:
-        """Returns whether all of it lies in a region; ``None`` is everywhere."""
+        """Returns whether the whole path lies in a region; ``None`` is everywhere."""
         if region is None:
             return True
         low, high = self.line.min(axis=0), self.line.max(axis=0)
@@ -161,12 +161,12 @@ class DrivenPath:
         return float(self.arc[nearest]), float(gaps[nearest])
 
     def _index(self, s: float) -> int:
-        """Returns the index of the piece of the line that arc length ``s`` is on."""
+        """Returns the index of the line segment at arc length ``s``."""
         return min(max(bisect_right(self._arcs, s) - 1, 0), len(self._arcs) - 2)
 
 
 def _stretches(arc: FloatArray, inside: BoolArray) -> list[tuple[float, float]]:
-    """Returns the arc lengths between which points are marked."""
+    """Returns the arc lengths of the marked stretches."""
     edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
     return [
         (float(arc[first]), float(arc[min(end, len(arc) - 1)]))
@@ -175,7 +175,7 @@ def _stretches(arc: FloatArray, inside: BoolArray) -> list[tuple[float, float]]:
 
 
 def plan_walk(network: RoadNetwork, walk: LaneWalk) -> DrivenPath | None:
-    """Plans the way along a walk; ``None`` where the planner would take other lanes."""
+    """Plans the path along a walk; ``None`` if the planner would take other lanes."""
     try:
         route = plan_route(network, walk_points(network, walk))
     except NoRoute:
@@ -186,7 +186,7 @@ def plan_walk(network: RoadNetwork, walk: LaneWalk) -> DrivenPath | None:
 
 
 def walk_points(network: RoadNetwork, walk: LaneWalk) -> tuple[RoutePoint, ...]:
-    """Returns start and end of a walk, and between them a place on every road that it passes."""
+    """Returns the start of a walk, a place on every road that it passes, and its end."""
     first, last = walk.lanes[0], walk.lanes[-1]
     middle = [
         (lane, 0.5 * float(network.lanes[lane].arc[-1]))

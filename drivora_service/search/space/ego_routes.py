@@ -1,4 +1,4 @@
-"""Routes of egos: the seed's own, and others near it that get in one another's way."""
+"""Routes of egos: the seed's own, and others near it that conflict with one another."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from drivora_service.search.space.roadside import Roadside
 from drivora_service.search.space.walk_choice import find_walks, take_in_turns
 
 MOST_ROUTES = 12
-"""Routes that several egos choose from, at most."""
+"""Greatest number of routes that several egos choose from."""
 _LEAST_SHARE = 0.6
-"""Of the length of the seed's route that another route has at least."""
+"""Least length of another route, as a share of the length of the seed's."""
 _TURNS = (
     Relation.CROSSING,
     Relation.MERGING,
@@ -31,10 +31,10 @@ _TURNS = (
     Relation.TRAILING,
     Relation.BESIDE,
 )
-"""In which order routes are taken by what they are to the seed's: conflicting ones twice."""
+"""Order of taking routes by their relation to the seed's: conflicting ones twice."""
 _START_SHARE = 0.25
 _START_ROOM = 30.0
-"""Metres by which the start of an ego may move along its route, at most."""
+"""Greatest move of an ego's start along its route, metres."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,10 +42,10 @@ class EgoRoute:
     """A route that an ego may have.
 
     Attributes:
-        path: The way.
-        waypoints: Start, destination, and what it passes between them.
+        path: The path.
+        waypoints: Start, waypoints between, and destination.
         room: Metres from the beginning within which it may start.
-        roadside: What lies beside it.
+        roadside: Places beside it.
     """
 
     path: DrivenPath
@@ -66,8 +66,8 @@ def routes_of_egos(
     """Returns the routes that the egos of a space may have, the seed's own first.
 
     Raises:
-        SearchError: If one of the seed's has no place for a walker or an obstacle that is wanted,
-            or if there is none for a further ego.
+        SearchError: One of the seed's has no place for a requested walker or obstacle, or there is
+            none for a further ego.
     """
     own = tuple(_seed_route(network, ego) for ego in seed.ego_vehicles)
     for ego, route in zip(seed.ego_vehicles, own, strict=True):
@@ -90,7 +90,7 @@ def routes_of_egos(
 
 
 def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
-    """Says what a route lacks; "" if nothing."""
+    """Returns what a route lacks; "" if nothing."""
     if options.walkers and not len(route.roadside.crossings):
         return "leads nowhere along a road that a walker can cross: use no walkers"
     if options.obstacles and not len(route.roadside.straights):
@@ -137,7 +137,7 @@ def _route(path: DrivenPath, waypoints: tuple[Waypoint, ...]) -> EgoRoute:
 
 
 def _room(path: DrivenPath, waypoints: Sequence[Waypoint]) -> float:
-    """Returns how far the start may move: on the first road, and not beyond the next waypoint."""
+    """Returns the metres by which the start may move: on the first road, up to the waypoint."""
     room = min(_START_ROOM, _START_SHARE * path.length)
     first = path.route.runs[0]
     if len(path.route.runs) > 1:

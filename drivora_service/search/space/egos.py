@@ -1,4 +1,4 @@
-"""The egos of a candidate: the seed's own, or those that genes place on routes near them."""
+"""The egos of a candidate: the seed's own, or egos placed by genes on routes near them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.starts import CLEAR_OF_EGO, Start
 
 ALWAYS_PRESENT = 2
-"""Egos that a candidate with several has at least."""
+"""Least number of egos of a candidate with several."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,7 +27,7 @@ class PlacedEgo:
         route: The route.
         s: Arc length on the route's path where it starts, metres.
         width: Metres.
-        start: Where and how it appears.
+        start: Its appearance.
     """
 
     ego: EgoVehicle
@@ -63,7 +63,7 @@ def _placed(ego: EgoVehicle, route: EgoRoute, s: float) -> PlacedEgo:
 
 
 class FixedEgo:
-    """An ego of the seed, as it is."""
+    """An ego of the seed, unchanged."""
 
     def __init__(self, ego: EgoVehicle, route: EgoRoute) -> None:
         self._placed = _placed(ego, route, 0.0)
@@ -77,13 +77,13 @@ class GeneEgo:
     """Reads one ego's genes."""
 
     def __init__(self, block: Block, like: EgoVehicle, routes: Sequence[EgoRoute]) -> None:
-        """Takes an ego that it is like: its id, model, agent, dynamics and initial speed."""
+        """Takes the ego from which it has its id, model, agent, dynamics and initial speed."""
         self.block, self._like, self._routes = block, like, routes
         self._present, self._start_time = block.start, block.index("start_time")
         self.path_gene, self.shift_gene = block.index("path"), block.index("start")
 
     def is_present(self, values: FloatArray) -> bool:
-        """Whether the ego is there."""
+        """Returns whether the ego is present."""
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, values: FloatArray) -> float:
@@ -91,7 +91,7 @@ class GeneEgo:
         return self._routes[int(values[self.path_gene])].room
 
     def start(self, values: FloatArray) -> Start:
-        """Returns where it appears."""
+        """Returns its appearance."""
         return self.place(values).start
 
     def place(self, values: FloatArray) -> PlacedEgo:

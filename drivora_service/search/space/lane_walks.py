@@ -1,4 +1,4 @@
-"""Ways along lanes from a place on, in every direction that is permitted."""
+"""Walks along lanes from a place, in every permitted direction."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.tight_turns import tight_turns
 
 MAX_CHOICES = 3
-"""Junctions at which a way divides into all directions; behind them it takes the straightest."""
+"""Number of junctions at which a walk takes all directions; then it takes the straightest."""
 
 _BEHIND_JUNCTION = 6.0
-"""Metres that a way which would end inside a junction leads on behind it."""
+"""Metres by which a walk that would end inside a junction continues after it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,10 +32,10 @@ class LaneWalk:
 
 
 def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iterator[LaneWalk]:
-    """Returns the ways of ``length`` metres from a place on a lane, in a fixed order.
+    """Yields the walks of ``length`` metres from a place on a lane, in a fixed order.
 
-    A way never changes lanes, passes a lane twice or turns more tightly than a car can; it is
-    shorter where the road ends. None ends inside a junction.
+    A walk never changes lanes, passes a lane twice or turns more tightly than a car can; it is
+    shorter if the road ends. None ends inside a junction.
     """
     lengths = lane_graph(network).lengths
     waiting: list[tuple[tuple[int, ...], float, int]] = [((lane,), lengths[lane] - s, 0)]
@@ -59,14 +59,14 @@ def walks_from(network: RoadNetwork, lane: int, s: float, length: float) -> Iter
 
 
 def _least_end(lanes: tuple[int, ...], lengths: tuple[float, ...], s: float) -> float:
-    """Returns the least arc length on the last lane at which a way may end."""
+    """Returns the least arc length on the last lane at which a walk may end."""
     if len(lanes) == 1:
         return s
     return min(_BEHIND_JUNCTION, 0.5 * lengths[lanes[-1]])
 
 
 def _ways(network: RoadNetwork, lane: Lane) -> list[int]:
-    """Returns the lanes behind a lane, the straightest first."""
+    """Returns the lanes after a lane, the straightest first."""
     links = [link for link in lane.connections if network.lanes[link.to_lane].drivable]
     turns = tight_turns(network)
     links = [link for link in links if (lane.index, link.to_lane) not in turns]

@@ -1,4 +1,4 @@
-"""Making genes, and laying them out block by block."""
+"""Making genes, and arranging them in blocks."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from drivora_service.search.genes import Block, Gene, GeneKind, Part
 
 
 class Layout:
-    """Lays blocks out one behind the other."""
+    """Arranges blocks one after another."""
 
     def __init__(self) -> None:
         self._blocks: list[Block] = []
 
     def add(self, name: str, part: Part, genes: Sequence[Gene], actor: str = "") -> Block:
-        """Returns the next block; see :class:`Block`."""
+        """Adds and returns the next block; see :class:`Block`."""
         start = self._blocks[-1].stop if self._blocks else 0
         block = Block(name=name, part=part, start=start, genes=tuple(genes), actor=actor)
         self._blocks.append(block)
@@ -42,5 +42,5 @@ def choice(name: str, count: int) -> Gene:
 
 
 def presence(*, optional: bool) -> Gene:
-    """Returns the gene that says whether an actor is there."""
+    """Returns the gene of an actor's presence."""
     return whole("present", 0 if optional else 1, 1)

@@ -1,4 +1,4 @@
-"""The ways that NPC vehicles choose from: near the egos' routes, of every kind of relation."""
+"""The paths that NPC vehicles choose from: near the egos' routes, of every relation to them."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from drivora_service.search.space.relations import Relation
 from drivora_service.search.space.walk_choice import START_ROOM, find_walks, take_in_turns
 
 JOURNEYS = (60.0, 200.0)
-"""Metres: the shortest and the longest that an NPC vehicle is to have ahead of it. Between them as
-much as the longest ego route, so that it is on its way for about as long as the egos."""
+"""Least and greatest length of an NPC vehicle's path, metres. Between them it is that of the
+longest ego route, so that the vehicle drives for about as long as the egos."""
 _TRAILING_SHARE = 0.1
-"""Share of the ways that may come from behind an ego: who follows it can do little to it."""
+"""Greatest share of paths from behind an ego: a follower can rarely affect it."""
 _LEAST_ROOM = 4.0
 _DEAD_END_SHARE = 0.3
-"""Share of a way along which its vehicle may start where the road ends too early."""
+"""Share of a path along which its vehicle may start if the road ends too early."""
 _LEAST_ROAD = 8.0
 """Metres of road that a start needs: more than the longest vehicle."""
 _END_MARGIN = 4.0
-"""Metres that starts keep from the ends of a road, where it is long enough."""
+"""Metres between starts and the ends of a road, if it is long enough."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcPath:
-    """A way for an NPC vehicle.
+    """A path for an NPC vehicle.
 
     Attributes:
-        path: The way.
-        relation: To the egos' routes.
+        path: The path.
+        relation: Relation to the egos' routes.
         starts: Arc lengths between which it may start, in order; none is inside a junction.
     """
 
@@ -43,7 +43,7 @@ class NpcPath:
 
     @property
     def start_room(self) -> float:
-        """Metres on which it may start, in all."""
+        """Total length on which it may start, metres."""
         return sum(high - low for low, high in self.starts)
 
     def start_at(self, share: float) -> float:
@@ -64,13 +64,14 @@ def find_npc_paths(
     count: int,
     region: Region | None = None,
 ) -> tuple[NpcPath, ...]:
-    """Chooses ways around the egos' routes.
+    """Chooses paths around the egos' routes.
 
-    At most ``count`` are taken: as many of one relation as of another, while there are, and of one
-    relation those that differ most. The order is fixed, neighbours in it have different relations.
+    At most ``count`` are taken: as many of one relation as of another, as far as they exist, and of
+    one relation those that differ most. The order is fixed; neighbours in it have different
+    relations.
 
     Raises:
-        SearchError: If there is none.
+        SearchError: There is none.
     """
     journey = min(max([route.length for route in routes] + [JOURNEYS[0]]), JOURNEYS[1])
     walks = find_walks(network, routes, reach=reach, length=journey + START_ROOM, most=2 * count)
@@ -90,7 +91,7 @@ def find_npc_paths(
     paths = take_in_turns(walks, tuple(Relation), count, path)
     if not paths:
         raise SearchError(
-            f"no way for an NPC vehicle was found on {network.name!r} within {reach:g} m of the "
+            f"no path for an NPC vehicle was found on {network.name!r} within {reach:g} m of the "
             "egos' routes and in the seed's region; raise `reach`, use no NPC vehicles, or choose "
             "another seed scenario"
         )

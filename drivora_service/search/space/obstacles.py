@@ -1,4 +1,4 @@
-"""Genes of an obstacle beside or partly on an ego's way, and the obstacle that they stand for."""
+"""Genes of an obstacle beside or partly on an ego's way, and their decoding."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ MODELS = (
     "vehicle.nissan.micra",
     "vehicle.mercedes.sprinter",
 )
-"""What stands at building sites, what fell off a lorry, and parked vehicles."""
+"""Objects of building sites, lost loads, and parked vehicles."""
 MAX_LATERAL = 5.0
 """Metres from the lane's centre."""
 MAX_YAW = 0.5 * math.pi
 CLEARANCE = 0.8
-"""Metres that an ego in the middle of its lane has to an obstacle at least: one that shut the lane
-would make every ADS fail alike."""
+"""Least clearance of an ego in the middle of its lane to an obstacle, metres: a blocked lane would
+make every ADS fail alike."""
 _TOLERATED = 0.9
-"""Share of the clearance that is left where the road bends a little."""
+"""Share of the clearance that is left if the road bends slightly."""
 AHEAD_OF_EGO = 15.0
 """Metres ahead of an ego's start where the first obstacle stands."""
 _BEFORE_DESTINATION = 8.0
@@ -66,7 +66,7 @@ class ObstacleDecoder:
         self._lateral, self._yaw = block.index("lateral"), block.index("yaw")
 
     def is_present(self, values: FloatArray) -> bool:
-        """Whether the obstacle is there."""
+        """Returns whether the obstacle is present."""
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
@@ -75,12 +75,12 @@ class ObstacleDecoder:
         return float(places[-1] - places[0])
 
     def other_sides(self, values: FloatArray) -> tuple[tuple[int, float], ...]:
-        """Returns other values of the lateral gene: the other side, and as far away as can be."""
+        """Returns other values of the lateral gene: the other side, and the farthest places."""
         own = float(values[self._lateral])
         return tuple((self._lateral, value) for value in (-own, -MAX_LATERAL, MAX_LATERAL))
 
     def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
-        """Returns where it stands."""
+        """Returns its appearance."""
         model = self._model_of(values)
         return Start(
             pose=self._pose(egos, values, model),

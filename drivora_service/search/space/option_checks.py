@@ -1,4 +1,4 @@
-"""Whether options fit one another and the seed scenario."""
+"""Checks of options against one another and the seed scenario."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def check_options(seed: Scenario, options: SpaceOptions) -> None:
     """Checks options.
 
     Raises:
-        SearchError: With every contradiction.
+        SearchError: Options contradict one another or the seed; every contradiction is named.
     """
     problems = [
         *_out_of_range("egos", options.egos, 1, fields.MAX_EGOS),

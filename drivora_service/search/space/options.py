@@ -1,4 +1,4 @@
-"""What of a seed scenario may vary, and how far."""
+"""The variable parts of a seed scenario, and their ranges."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from drivora_service.scenario.model import NpcBehavior
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpaceOptions:
-    """How many actors a candidate has besides the seed's own, and which conditions vary.
+    """The numbers of actors besides the seed's own, and the conditions that vary.
 
-    The actors of the seed scenario stay as they are; those of the gene space come on top.
+    The actors of the seed scenario are unchanged; those of the gene space are added.
 
     Attributes:
-        egos: Egos in all. 1: the seed's, unchanged. More: every ego, up to this many, is part of
+        egos: Number of egos. 1: the seed's, unchanged. More: every ego, up to this many, is part of
             the gene space (route, start, start time), the first two always present.
-        vehicles: NPC vehicles.
-        walkers: Walkers that cross an ego's way.
-        obstacles: Static objects beside or partly on an ego's way.
+        vehicles: Number of NPC vehicles.
+        walkers: Number of walkers that cross an ego's way.
+        obstacles: Number of static objects beside or partly on an ego's way.
         optional: Whether each of these actors may be absent.
-        slices: Waypoints that an NPC vehicle's genes set along its path.
-        behavior: Of the NPC vehicles.
+        slices: Number of waypoints along an NPC vehicle's path.
+        behavior: Behavior of the NPC vehicles.
         weather: Whether the weather varies.
         lights: Whether the times of the traffic lights vary.
         reach: Metres around the egos' routes within which NPC vehicles start.
-        paths: Paths that the NPC vehicles choose from, at most.
-        max_speed_factor: Greatest wanted speed of an NPC vehicle over its lane's limit.
-        max_walker_delay: Seconds until which a walker may start.
-        max_ego_delay: Seconds until which an ego may start, where egos vary.
+        paths: Greatest number of paths that the NPC vehicles choose from.
+        max_speed_factor: Greatest desired speed of an NPC vehicle over its lane's limit.
+        max_walker_delay: Latest start time of a walker, seconds.
+        max_ego_delay: Latest start time of an ego, if egos vary, seconds.
     """
 
     egos: int = 1

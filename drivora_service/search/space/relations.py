@@ -1,4 +1,4 @@
-"""How a way along lanes lies to the routes of the egos."""
+"""The relation of a walk along lanes to the routes of the egos."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ _SPACING = 2.0
 _ON_ROUTE = 1.2
 """Metres from the route's line up to which a lane is the route's own."""
 _MEETING = 1.6
-"""Metres at which two ways are held to cross."""
+"""Metres up to which two paths count as crossing."""
 _OPPOSITE = 8.0
 """Metres up to which the lane of the other direction is a neighbour."""
 _BESIDE = 5.0
 """Metres up to which a lane of the same direction is a neighbour."""
 _ALONG = 0.7
-"""Cosine of the angle up to which two ways lead in the same direction."""
+"""Cosine of the angle up to which two paths have the same direction."""
 _LEAST_COMMON = 10.0
-"""Metres that two ways have to run along each other."""
+"""Least length on which two paths run along each other, metres."""
 _FROM_BEHIND = 6.0
-"""Metres of the route's beginning in which who joins it comes from behind its start."""
+"""Metres from the route's beginning in which a joining path comes from behind its start."""
 
 
 class Relation(StrEnum):
-    """How an NPC's way lies to an ego's route, the most telling first."""
+    """The relation of an NPC's path to an ego's route, the most relevant first."""
 
     CROSSING = "crossing"
     """Crosses the route at some angle."""
     MERGING = "merging"
     """Joins the route from another lane."""
     ONCOMING = "oncoming"
-    """Comes the other way on the lane beside it."""
+    """Comes in the opposite direction on the adjacent lane."""
     LEADING = "leading"
     """Begins on the route, ahead of its start."""
     BESIDE = "beside"
@@ -54,8 +54,8 @@ class _LaneView:
 
     Attributes:
         s: (n,) arc length of samples on the lane, metres.
-        gap: (n,) metres to the route's line; inf where it is out of reach.
-        cosine: (n,) of the angle between the two directions.
+        gap: (n,) metres to the route's line; inf if it is out of reach.
+        cosine: (n,) cosine of the angle between the two directions.
         along: (n,) arc length of the nearest point of the route, metres.
     """
 
@@ -66,7 +66,7 @@ class _LaneView:
 
 
 class RouteSurroundings:
-    """What lies around one ego's route, up to ``reach`` metres; looks at every lane once."""
+    """The lanes around one ego's route, up to ``reach`` metres; every lane is sampled once."""
 
     def __init__(self, network: RoadNetwork, route: DrivenPath, reach: float) -> None:
         self._network, self._route, self._reach = network, route, max(reach, _OPPOSITE)
@@ -81,12 +81,12 @@ class RouteSurroundings:
         return (float(view.s[near[0]]), float(view.s[near[-1]])) if len(near) else None
 
     def gap_at(self, lane: int, s: float) -> float:
-        """Returns the metres from a place on a lane to the route; inf where it is out of reach."""
+        """Returns the metres from a place on a lane to the route; inf if it is out of reach."""
         view = self._view(lane)
         return float(view.gap[int(np.argmin(np.abs(view.s - s)))])
 
     def relation(self, walk: LaneWalk) -> Relation | None:
-        """Tells how a way lies to the route; ``None`` where it does not come near."""
+        """Returns the relation of a walk to the route; ``None`` if it does not come near."""
         gap, cosine, along = self._seen_from(walk)
         same_way, own_length = cosine > _ALONG, _LEAST_COMMON / _SPACING
         own = (gap < _ON_ROUTE) & same_way
@@ -145,17 +145,17 @@ class RouteSurroundings:
 
 
 def closest_relation(walk: LaneWalk, surroundings: Sequence[RouteSurroundings]) -> Relation | None:
-    """Returns the most telling of a way's relations to several routes."""
+    """Returns the most relevant of a walk's relations to several routes."""
     found = {around.relation(walk) for around in surroundings}
     return next((relation for relation in Relation if relation in found), None)
 
 
 def spread_out(cells: NDArray[np.float64], count: int) -> tuple[int, ...]:
-    """Chooses rows that differ: the first, then always the one that is least like the chosen.
+    """Chooses rows that differ: the first, then always the one least similar to the chosen.
 
     Args:
         cells: (n, m) 1 where candidate i passes cell j, else 0.
-        count: How many are wanted.
+        count: Number of rows to choose.
 
     Returns:
         Indices in the order of choosing; without rows that are equal to a chosen one.

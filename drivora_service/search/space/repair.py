@@ -1,4 +1,4 @@
-"""Moving actors that would appear too near to one another, by changing their genes."""
+"""Repair: moving actors that appear too near to one another, by changing their genes."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ STEP = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mover:
-    """An actor whose start the genes decide.
+    """An actor with a start determined by genes.
 
     Attributes:
-        start: Returns where it appears, from the values of all genes.
-        room: Returns the metres that the shift gene moves it by from 0 to 1.
+        start: Returns its appearance, from the values of all genes.
+        room: Returns the metres by which the shift gene moves it from 0 to 1.
         shift_gene: Index of the gene that moves it.
-        alternatives: Indices and values of genes to be tried one by one, in order, where it has no
-            free place as it is.
-        is_refused: Tells whether a start is bad for another reason than those who are near it.
+        alternatives: Indices and values of genes to try one by one, in order, if it has no free
+            place otherwise.
+        is_refused: Whether a start is bad for another reason than actors near it.
     """
 
     start: Callable[[FloatArray], Start]
@@ -33,15 +33,15 @@ class Mover:
 
 
 def settle(values: FloatArray, mover: Mover, taken: list[Start]) -> None:
-    """Moves an actor to the nearest free place, and notes in ``taken`` where it is then.
+    """Moves an actor to the nearest free place, and adds its start to ``taken``.
 
-    It is moved along its path, forwards and backwards in growing steps; where all of it is taken,
-    so it is done with each of its alternatives. Where nothing is free it stays as it was.
+    It is moved along its path, forwards and backwards in growing steps; if all of it is taken, each
+    of its alternatives is tried. If no place is free, it is unchanged.
 
     Args:
         values: (d,) genes; those of the actor are changed.
         mover: The actor.
-        taken: Where others appear.
+        taken: Starts of the other actors.
     """
     before = values.copy()
     for start in _tries(values, mover):
@@ -55,7 +55,7 @@ def settle(values: FloatArray, mover: Mover, taken: list[Start]) -> None:
 
 
 def _tries(values: FloatArray, mover: Mover) -> Iterator[Start]:
-    """Changes the values from one place to the next, and gives each place."""
+    """Changes the values from one place to the next, and yields each start."""
     wanted = float(values[mover.shift_gene])
     unchanged = (mover.shift_gene, wanted)
     for gene, value in (unchanged, *mover.alternatives):
@@ -75,7 +75,7 @@ def other_choices(gene: int, values: FloatArray, count: int) -> tuple[tuple[int,
 
 
 def _shares(wanted: float, room: float) -> Iterator[float]:
-    """Returns shares of a room in metres, first the wanted, then ever further away from it."""
+    """Yields shares of a room in metres, first the wanted one, then at growing distances."""
     yield wanted
     step = STEP / room if room > 0.0 else 1.0
     for count in range(1, int(1.0 / step) + 1):

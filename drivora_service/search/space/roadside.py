@@ -1,4 +1,4 @@
-"""Places along an ego's route, and how far it is from them to the edges of the carriageway."""
+"""Places along an ego's route, and their distances to the edges of the carriageway."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath
 
 OFF_ROAD = 2.0
-"""Metres beside the drivable area from which on one stands beside the road."""
+"""Metres outside the drivable area from which a place counts as beside the road."""
 WIDEST = 25.0
 """Metres from the route's line to the edge of the carriageway, at most."""
 _STEP = 0.5
 _AROUND = 10.0
 _STRAIGHT = 0.2
-"""Radians by which a road may turn 10 metres before and behind a place where it is straight."""
+"""Radians by which a road may turn 10 metres before and after a place that counts as straight."""
 _JUNCTION_MARGIN = 4.0
-"""Metres that places keep from junctions, where the carriageway widens."""
+"""Metres between places and junctions, where the carriageway widens."""
 
 
 class Roadside:
-    """The places of one route that are outside junctions, a metre apart.
+    """The places of one route outside junctions, a metre apart.
 
     Attributes:
         path: The route.
@@ -48,7 +48,7 @@ class Roadside:
 
     @cached_property
     def straights(self) -> FloatArray:
-        """(n,) arc lengths of those around which the road is straight, or nearly so."""
+        """(n,) arc lengths of the open places around which the road is straight, or nearly so."""
         s, path = self.open_road, self.path
         yaw = np.column_stack(
             [np.interp(s + aside, path.arc, path.yaw) for aside in (-_AROUND, 0.0, _AROUND)]
@@ -65,7 +65,7 @@ class Roadside:
         poses = [self.path.at(float(place)) for place in s]
         xy = np.array([(pose.x, pose.y) for pose in poses])
         yaw = np.array([pose.yaw for pose in poses])
-        # What is found with wide steps is found with the usual ones too.
+        # An edge that is found with wide steps is found with the usual ones, too.
         wide = 2.0 * _STEP
         left = edge_distances(self.path.network, xy, yaw + 0.5 * math.pi, wide)
         right = edge_distances(self.path.network, xy, yaw - 0.5 * math.pi, wide)
@@ -75,16 +75,16 @@ class Roadside:
 def edge_distances(
     network: RoadNetwork, xy: FloatArray, directions: FloatArray, step: float = _STEP
 ) -> FloatArray:
-    """Returns how far it is from places on the road to the first place beside it.
+    """Returns the distances from places on the road to the first place beside it.
 
     Args:
         network: The road network.
         xy: (n, 2) places, metres.
-        directions: (n,) where to go, radians.
-        step: Metres between the places that are looked at.
+        directions: (n,) directions, radians.
+        step: Metres between the sampled places.
 
     Returns:
-        (n,) metres; inf where the carriageway does not end within ``WIDEST``.
+        (n,) metres; inf if the carriageway does not end within ``WIDEST``.
     """
     steps = np.arange(step, WIDEST + 0.5 * step, step)
     ahead = np.stack((np.cos(directions), np.sin(directions)), axis=-1)

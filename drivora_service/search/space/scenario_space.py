@@ -1,4 +1,4 @@
-"""The scenarios that a campaign searches: a seed scenario, and what of it may vary."""
+"""The scenarios that a campaign searches: a seed scenario and its variable parts."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ class ScenarioSpace:
         network: Its road network.
         genes: All genes with their bounds.
         routes: The routes that egos choose from; with one ego, the seed's.
-        paths: The ways that NPC vehicles choose from.
+        paths: The paths that NPC vehicles choose from.
     """
 
     def __init__(self, seed: Scenario, network: RoadNetwork, options: SpaceOptions) -> None:
         """Prepares the space.
 
         Raises:
-            SearchError: If the options contradict each other or the seed, or if there is no place
-                around the seed's egos for what is to vary.
+            SearchError: The options contradict one another or the seed, or there is no place
+                around the seed's egos for the variable actors.
         """
         check_options(seed, options)
         self.seed, self.network, self._options = seed, network, options
@@ -81,20 +81,20 @@ class ScenarioSpace:
 
     @cached_property
     def conflicts(self) -> BoolArray | None:
-        """(n, n) which routes meet in a junction; ``None`` where the egos' routes do not vary."""
+        """(n, n) which routes meet in a junction; ``None`` if the egos' routes do not vary."""
         if self._options.egos == 1:
             return None
         return meeting_matrix(self.network, [route.path.route.line for route in self.routes])
 
     def repair(self, values: FloatArray) -> FloatArray:
-        """Brings values within the bounds and moves actors apart that would start too near.
+        """Clips values to the bounds and moves actors apart that would start too near.
 
         Args:
-            values: (d,) genes; left as they are.
+            values: (d,) genes; not changed.
 
         Returns:
-            (d,) genes. Repaired once more they stay the same. What has no free place stays where
-            it is: :func:`scenario_problems` tells whether the scenario is valid all the same.
+            (d,) genes. Repairing them again changes nothing. An actor without a free place is not
+            moved: :func:`scenario_problems` checks whether the scenario is valid nevertheless.
         """
         repaired = self.genes.clip(values)
         taken = [*self._seed_starts, *(ego.place().start for ego in self._fixed_egos)]
@@ -106,7 +106,7 @@ class ScenarioSpace:
         return repaired
 
     def scenario(self, values: FloatArray) -> Scenario:
-        """Returns the scenario that values (d,) within the bounds stand for."""
+        """Returns the scenario that values (d,) within the bounds encode."""
         egos = self._placed_egos(values)
         seed = self.seed
         return replace(

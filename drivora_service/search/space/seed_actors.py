@@ -1,4 +1,4 @@
-"""The seed scenario's own actors: where they appear, and what they are called."""
+"""The seed scenario's own actors: their starts and ids."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivora_service.search.space.starts import Start
 
 
 def seed_starts(seed: Scenario, network: RoadNetwork) -> tuple[Start, ...]:
-    """Returns where the seed's vehicles, walkers and obstacles appear; egos are left out."""
+    """Returns the starts of the seed's vehicles, walkers and obstacles; egos are left out."""
     actors, _ = place_actors(seed, FrameTransform())
     starts = []
     for actor in actors:
@@ -38,7 +38,7 @@ def seed_starts(seed: Scenario, network: RoadNetwork) -> tuple[Start, ...]:
 
 
 class ActorNames:
-    """Ids for new actors that none of the seed's has."""
+    """Ids for new actors, different from those of the seed's."""
 
     def __init__(self, seed: Scenario) -> None:
         self._used = {
@@ -53,7 +53,7 @@ class ActorNames:
         }
 
     def free(self, name: str) -> str:
-        """Returns ``name``, or where it is taken ``name.1``, ``name.2`` and so on, and takes it."""
+        """Takes and returns ``name`` or, if it is taken, ``name.1``, ``name.2`` and so on."""
         found, number = name, 0
         while found in self._used:
             number += 1

@@ -1,7 +1,7 @@
-"""Where actors appear, and whether two of them appear too near to one another.
+"""The starts of actors, and whether two of them are too near to one another.
 
-Nobody may be doomed by the way a scenario begins: boxes keep a clear distance, and who starts at
-speed has the room that it needs to brake for who is ahead of it.
+No collision may be unavoidable at the start of a scenario: boxes keep a clear distance, and an
+actor that starts at speed has the room to brake for the actor ahead.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.search.space.driven_path import DrivenPath, Pose
 
 CLEAR_AHEAD = 2.0
-"""Metres that two vehicles keep between their boxes, lengthwise."""
+"""Least lengthwise distance of the boxes of two vehicles, metres."""
 CLEAR_OF_EGO = 7.0
-"""Metres that others keep ahead of and behind the start of an ego."""
+"""Metres that other actors keep ahead of and behind the start of an ego."""
 _CLEAR_BESIDE = 0.3
 _BRAKING = 3.0
-"""m/s² that a vehicle brakes with for who starts ahead of it: comfortable for a car."""
+"""Deceleration of a vehicle for an actor that starts ahead of it, m/s²: comfortable for a car."""
 _REACTION = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Start:
-    """Where and how an actor appears.
+    """The place, time and speed at which an actor appears.
 
     Attributes:
         pose: Centre of its box.
         length: Metres.
         width: Metres.
-        appears: Seconds at which it is there first.
-        until: Seconds up to which it stays there; ``appears`` for what moves at once.
-        speed: m/s at which it begins.
-        path: Its way; ``None`` for what does not follow lanes.
+        appears: Time of its appearance, seconds.
+        until: Time up to which it stays there, seconds; ``appears`` if it moves at once.
+        speed: Initial speed, m/s.
+        path: Its path; ``None`` for actors that do not follow lanes.
         s: Arc length on ``path``, metres.
-        clear: Metres that others keep ahead of and behind it.
+        clear: Metres that other actors keep ahead of and behind it.
     """
 
     pose: Pose
@@ -50,7 +50,7 @@ class Start:
 
 
 def too_near(one: Start, other: Start) -> bool:
-    """Returns whether two actors may not appear as they would."""
+    """Returns whether two starts are too near to each other."""
     if one.appears > other.until or other.appears > one.until:
         return False
     if _boxes_too_near(one, other):
@@ -78,7 +78,7 @@ def _boxes_too_near(one: Start, other: Start) -> bool:
 
 
 def _cannot_stop(one: Start, other: Start) -> bool:
-    """Returns whether ``other`` is ahead of ``one``, slower, and nearer than it takes to brake."""
+    """Returns whether ``other`` is ahead of ``one``, slower, and within its braking distance."""
     if one.path is None or one.speed <= 0.0:
         return False
     along = other.speed * max(math.cos(other.pose.yaw - one.pose.yaw), 0.0)

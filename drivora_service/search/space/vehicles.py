@@ -1,4 +1,4 @@
-"""Genes of an NPC vehicle, and the vehicle that they stand for."""
+"""Genes of an NPC vehicle, and their decoding."""
 
 from __future__ import annotations
 
@@ -29,21 +29,20 @@ MODELS = (
 )
 """Small and large cars, vans, a truck and a motorcycle, all narrower than any lane."""
 LEAST_SPEED = 2.0
-"""m/s: whoever drives behind a vehicle at this speed still arrives within 0.8 s a metre, the time
-that an ego has."""
+"""m/s: an ego behind a vehicle at this speed still arrives within 0.8 s a metre, its time limit."""
 MAX_SHIFT = 12.0
-"""Metres by which a waypoint may be moved along the path."""
+"""Greatest move of a waypoint along the path, metres."""
 _LEAST_SPACING = 15.0
-"""Metres between waypoints, where there is room: enough for a lane change."""
+"""Metres between waypoints, if there is room: enough for a lane change."""
 _LEAST_STEP = 2.0
-"""Metres between waypoints at the least."""
+"""Least distance between waypoints, metres."""
 _CHANGE_ROOM = 12.0
 """Metres that a waypoint on the neighbouring lane keeps from the waypoints before and behind it,
 and from the ends of its lane, so that it can be reached and left on the way."""
 _TURN = 1.3
-"""How much longer than a straight line a way may be that a straight line stands for."""
+"""Ratio of lengths up to which a straight line may stand for a path."""
 _REPLAY_SPACING = 4.0
-"""Metres between the waypoints of a vehicle that joins them by straight lines."""
+"""Metres between the waypoints of a vehicle that follows straight lines between them."""
 
 
 def vehicle_genes(options: SpaceOptions, paths: Sequence[NpcPath]) -> list[Gene]:
@@ -65,14 +64,14 @@ def vehicle_genes(options: SpaceOptions, paths: Sequence[NpcPath]) -> list[Gene]
 
 
 def _neighbour(path: DrivenPath, side: int) -> bool:
-    """Whether any lane of a path has a neighbour on a side."""
+    """Returns whether any lane of a path has a neighbour on a side."""
     lanes = [path.network.lanes[lane] for lane, _, _ in path.lane_ranges]
     return any((lane.left if side > 0 else lane.right) >= 0 for lane in lanes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Stop:
-    """A waypoint to be: arc length on the path, lane to the side (-1, 0, 1), wanted speed."""
+    """A planned waypoint: arc length on the path, lane to the side (-1, 0, 1), desired speed."""
 
     s: float
     side: int
@@ -96,11 +95,11 @@ class VehicleDecoder:
         self._shifts = list(block.indices("along"))
 
     def is_present(self, values: FloatArray) -> bool:
-        """Whether the vehicle is there."""
+        """Returns whether the vehicle is present."""
         return bool(values[self._present] > 0.5)
 
     def path(self, values: FloatArray) -> NpcPath:
-        """Returns the path that it chose."""
+        """Returns the chosen path."""
         return self._paths[int(values[self.path_gene])]
 
     def shift_room(self, values: FloatArray) -> float:
@@ -108,7 +107,7 @@ class VehicleDecoder:
         return self.path(values).start_room
 
     def start(self, values: FloatArray) -> Start:
-        """Returns where it appears."""
+        """Returns its appearance."""
         chosen, model = self.path(values), self._model_of(values)
         s = chosen.start_at(float(values[self.shift_gene]))
         return Start(
@@ -148,13 +147,13 @@ class VehicleDecoder:
     def _stops(
         self, values: FloatArray, path: DrivenPath, model: ActorModel, begin: float
     ) -> list[_Stop]:
-        """Returns the waypoints behind the start."""
+        """Returns the waypoints after the start."""
         places = self._places(values, path, begin)
         stops = []
         for k, s in enumerate(places):
             before = places[k - 1] if k else begin
             if s - before < 0.5 * _LEAST_STEP:
-                # The road ends before all waypoints had room on it.
+                # The road ends before the last waypoints.
                 continue
             behind = places[k + 1] if k + 1 < len(places) else math.inf
             room = min(s - before, behind - s)
@@ -171,8 +170,8 @@ class VehicleDecoder:
     def _places(self, values: FloatArray, path: DrivenPath, begin: float) -> list[float]:
         """Returns the arc lengths of the waypoints: evenly spaced, shifted, in order, on roads.
 
-        None is inside a junction, where lanes lie upon one another and the planner might take it
-        for one on another lane.
+        None is inside a junction, where lanes overlap and the planner might match it to another
+        lane.
         """
         count = len(self._shifts)
         spacing = (path.length - begin) / count
@@ -188,7 +187,7 @@ class VehicleDecoder:
 
 
 def _has_room_beside(path: DrivenPath, s: float, side: int) -> bool:
-    """Whether a waypoint may lie on the lane to the side, and be reached and left again."""
+    """Returns whether a waypoint on the lane to the side can be reached and left again."""
     if side == 0:
         return False
     index, low, high = path.lane_ranges[path.range_at(s)]
@@ -210,12 +209,12 @@ def _offset(path: DrivenPath, stop: _Stop) -> float:
 def _joined(
     path: DrivenPath, stops: Sequence[_Stop], allowed: Callable[[float, float], float]
 ) -> tuple[Waypoint, ...]:
-    """Returns waypoints between which the planner finds the path again.
+    """Returns waypoints between which the planner reproduces the path.
 
     Args:
-        path: On which they lie.
-        stops: The waypoints that genes have placed.
-        allowed: Returns the speed at an arc length for one that is wanted there.
+        path: Their path.
+        stops: The waypoints placed by genes.
+        allowed: Returns the speed at an arc length, given the desired one.
     """
     route = [_waypoint(path, stops[0])]
     for before, stop in pairwise(stops):
@@ -227,11 +226,11 @@ def _joined(
 
 
 def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
-    """Returns the places to pass between two waypoints, so that there is no other way.
+    """Returns the places to pass between two waypoints, so that the path is unique.
 
-    Where the waypoints are on roads that do not follow each other, it is the middle of the longest
-    road between them; where they are so near to one another that they would be joined by a straight
-    line, though the path takes a turn, the middle of the turn.
+    For waypoints on roads that are not adjacent, it is the middle of the longest road between them;
+    for waypoints so near to one another that a straight line would join them although the path
+    turns, the middle of the turn.
     """
     first, last = path.range_at(begin), path.range_at(end)
     roads = [

@@ -1,4 +1,4 @@
-"""Finding the ways around given routes, and choosing among them."""
+"""Finding the walks around given routes, and choosing among them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,13 @@ from drivora_service.search.space.relations import (
 )
 
 START_ROOM = 80.0
-"""Metres between the places at which ways begin on the same lane."""
+"""Metres between the starts of walks on the same lane."""
 _LEAST_STRETCH = 20.0
-"""Metres of a lane on which another way begins at the least: what is left over belongs to the way
-before."""
+"""Least length of a lane for another walk, metres: a shorter rest belongs to the walk before."""
 _CLEAR_OF_START = 8.0
-"""Metres ahead of a route's start where the ways begin that lead."""
+"""Metres ahead of a route's start where leading walks begin."""
 _CELL = 20.0
-"""Metres by which ways are compared with one another."""
+"""Length of the cells by which walks are compared, metres."""
 
 T = TypeVar("T")
 
@@ -40,13 +39,13 @@ def find_walks(
     length: float,
     most: int,
 ) -> dict[Relation, list[LaneWalk]]:
-    """Enumerates the ways that come near routes, by their relation to them.
+    """Enumerates the walks that come near routes, by their relation to them.
 
     They begin on roads within ``reach`` metres of a route, are ``length`` metres long and lead
     through junctions in every permitted direction.
 
     Returns:
-        At most ``most`` of each relation that there is, those first that differ most.
+        At most ``most`` of each relation, the most different first.
     """
     surroundings = [RouteSurroundings(network, route, reach) for route in routes]
     walks: dict[Relation, list[LaneWalk]] = {relation: [] for relation in Relation}
@@ -68,13 +67,13 @@ def take_in_turns(
     count: int,
     accept: Callable[[LaneWalk, Relation], T | None],
 ) -> tuple[T, ...]:
-    """Takes ways of one relation after the other, over and over, until there are enough.
+    """Takes walks of one relation after another, cyclically, until there are enough.
 
     Args:
-        walks: Ways by relation, the best first.
+        walks: Walks by relation, the best first.
         turns: Relations in the order of their turns; one may have several.
-        count: How many are wanted.
-        accept: Returns what is to be made of a way; ``None`` refuses it.
+        count: Number of walks to take.
+        accept: Returns the result for a walk; ``None`` refuses it.
     """
     queues = {relation: iter(found) for relation, found in walks.items()}
     taken: list[T] = []
@@ -99,7 +98,7 @@ def _roots(
     surroundings: Sequence[RouteSurroundings],
     reach: float,
 ) -> Iterator[tuple[int, float]]:
-    """Returns the lanes near the routes, and places on them a starting room apart."""
+    """Returns the lanes near the routes, with the starts of walks on them."""
     for lane in network.lanes:
         if not lane.drivable or lane.is_internal:
             continue

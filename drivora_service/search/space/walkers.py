@@ -1,4 +1,4 @@
-"""Genes of a walker who crosses an ego's way, and the walker that they stand for."""
+"""Genes of a walker that crosses an ego's way, and their decoding."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ MODEL = "walker.pedestrian.0001"
 SPEEDS = (1.25, 3.0)
 """m/s, from walking to running (DoppelTest, Huai et al. 2023)."""
 MAX_ANGLE = 0.7
-"""Radians off the perpendicular."""
+"""Deviation from the perpendicular, radians."""
 AHEAD_OF_EGO = 12.0
 """Metres ahead of an ego's start where the first walker crosses."""
 _LONGEST = 1.5
-"""How much longer a slanting way across may be than the straight one; a longer one leads along the
-road or into a junction, and the walker crosses straighter."""
+"""Greatest length of an oblique crossing over the perpendicular one; a longer one leads along the
+road or into a junction, and the walker crosses at a steeper angle."""
 _SLANTS = (1.0, 0.5, 0.0)
 
 
@@ -58,7 +58,7 @@ class WalkerDecoder:
         self._speed, self._start_time = block.index("speed"), block.index("start_time")
 
     def is_present(self, values: FloatArray) -> bool:
-        """Whether the walker is there."""
+        """Returns whether the walker is present."""
         return bool(values[self._present] > 0.5)
 
     def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
@@ -67,7 +67,7 @@ class WalkerDecoder:
         return float(places[-1] - places[0])
 
     def start(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Start:
-        """Returns where the walker appears."""
+        """Returns the walker's appearance."""
         begin, _ = self._way(egos, values)
         time = float(values[self._start_time])
         size = self._model.length
@@ -105,9 +105,9 @@ class WalkerDecoder:
 def _edges(
     network: RoadNetwork, middle: Pose, angle: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Returns directions across a road, and how far its edges are ahead and behind in each.
+    """Returns directions across a road, with the distances of its edges ahead and behind.
 
-    A walker is asked for where it appears, again and again while others are moved, and for its way.
+    Cached, as a walker's appearance is computed repeatedly while other actors are moved.
     """
     angles = middle.yaw + 0.5 * math.pi + angle * np.array(_SLANTS)
     count = len(angles)
