@@ -34,7 +34,7 @@ def _of_campaigns(folder: Path) -> None:
         file = shipped_campaigns() / f"{name}.yaml"
         _run("-m", "drivora_service.cli", "campaign", "run", file, "--out", found)
         trace = found / f"{discovery.number:06d}.trace.parquet"
-        rule = discovery.key.partition("|")[0]
+        rule = discovery.kind.partition("|")[0]
         picture = _IMAGES / f"{name}.png"
         _run("-m", "drivora_service.cli", "plot", trace, "--rule", rule, "--out", picture)
 
