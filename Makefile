@@ -16,9 +16,9 @@ DEV_STAMP := $(VENV)/.installed-dev
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
 
-install: $(RUN_STAMP) ## Prepare .venv with what running needs
+install: $(RUN_STAMP) ## Prepare .venv for running
 
-install-dev: $(DEV_STAMP) ## Prepare .venv with the development tools as well
+install-dev: $(DEV_STAMP) ## Prepare .venv with the development tools, too
 
 $(BIN)/python:
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Drivora needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
@@ -41,14 +41,14 @@ test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, genera
 	$(BIN)/drivora schema --check
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults"
 
-test-slow: $(DEV_STAMP) ## The slow tests, which CI runs as well
+test-slow: $(DEV_STAMP) ## The slow tests, which CI runs, too
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
 
 INPUTS ?= 1000000
-fuzz: $(DEV_STAMP) ## Fuzz the parsers for long: INPUTS=1000000, PARSER=name for one
+fuzz: $(DEV_STAMP) ## Fuzz the parsers: INPUTS=1000000, PARSER=name for one
 	$(BIN)/python -m tests.fuzzing --inputs $(INPUTS) $(if $(PARSER),--parser $(PARSER))
 
-# Each process of these tests has a service with two workers of its own, which mostly wait.
+# Each process of these tests has a service with two workers of its own, which are mostly idle.
 test-faults: $(DEV_STAMP) ## Faults injected into a real service; TRIALS=20 at other random moments
 	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 2 --dist worksteal \
 	  -m faults tests/faults
@@ -63,23 +63,23 @@ types: $(DEV_STAMP)
 contracts: $(DEV_STAMP)
 	$(BIN)/lint-imports
 
-schema: $(DEV_STAMP) ## Write the JSON Schema again
+schema: $(DEV_STAMP) ## Regenerate the JSON Schemas
 	$(BIN)/drivora schema --write
 
-protocol: $(DEV_STAMP) ## Generate the code of the protocol for ADSs again
+protocol: $(DEV_STAMP) ## Regenerate the code of the protocol for ADSs
 	$(BIN)/python -m grpc_tools.protoc -I. --python_out=. --pyi_out=. --grpc_python_out=. \
 	  drivora_service/agents/remote/agent.proto
 
-networks: $(DEV_STAMP) ## Build the shipped networks again from their plain-XML sources
+networks: $(DEV_STAMP) ## Rebuild the shipped networks from their plain-XML sources
 	$(BIN)/python -m drivora_service.networks.build
 
-docs-numbers: $(DEV_STAMP) ## Write what commands print into README and tutorial again
+docs-numbers: $(DEV_STAMP) ## Rewrite the output of commands in README and tutorial
 	$(BIN)/python -m tests.docs.rewrite
 
-api-examples: $(DEV_STAMP) ## Record what the API's documentation shows as answers again
+api-examples: $(DEV_STAMP) ## Record the answers in the API's documentation again
 	$(BIN)/python -m tests.api.record_examples
 
-pictures: $(DEV_STAMP) ## Draw the pictures of the documentation again
+pictures: $(DEV_STAMP) ## Redraw the pictures of the documentation
 	$(BIN)/python -m tests.docs.pictures
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again
@@ -90,11 +90,11 @@ lock: $(DEV_STAMP) ## Resolve the pinned packages again
 	    pyproject.toml --output-file requirements/$$set.txt; \
 	done
 
-# Without --strict, packages that an index knows nothing of would count as free of faults.
+# Without --strict, packages that are unknown to the index would count as free of vulnerabilities.
 ADVISORIES := https://api.osv.dev
 audit: $(DEV_STAMP) ## Compare the pinned packages with known vulnerabilities (needs the internet)
 	@$(BIN)/python -c "import httpx; httpx.get('$(ADVISORIES)', timeout=20)" 2>/dev/null || \
-	  { echo "audit: NOT DONE: $(ADVISORIES), the service of advisories, is not reached. Run it where it is"; exit 3; }
+	  { echo "audit: NOT DONE: $(ADVISORIES), the service of advisories, cannot be reached. Run it on a machine with access"; exit 3; }
 	for set in run dev; do \
 	  $(BIN)/uv tool run --from pip-audit==2.10.0 pip-audit --strict --disable-pip --require-hashes \
 	    --progress-spinner off --vulnerability-service osv -r requirements/$$set.txt || exit 1; \

@@ -245,7 +245,7 @@ def run(options: argparse.Namespace) -> None:
             left -= 1
             continue
         done += 1
-        # Opened anew for each line: whoever is killed leaves a file that can be read.
+        # Reopened for each line: a kill leaves a readable file.
         with _open(options.out, "at") as file:
             file.write(json.dumps(line) + "\n")
         figures = line["figures"]
