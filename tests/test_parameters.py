@@ -35,7 +35,7 @@ class Sample:
     choice: tuple[int, ...] | Annotated[str, Field(max_length=3)] | None = None
 
 
-def test_every_problem_is_told_with_place_value_and_what_is_allowed() -> None:
+def test_every_problem_has_place_value_and_allowed_values() -> None:
     written = {"rat": 1, "rate": 2, "size": 0, "mode": "Fast", "names": ["a", 1], "a/b": None}
     problems = parameter_problems(Sample, written, of="sample")
     assert [(problem.pointer, problem.code) for problem in problems] == [

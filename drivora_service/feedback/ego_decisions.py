@@ -186,12 +186,12 @@ def _precedence(
     ]
     if entries[0] == entries[1]:
         return
-    who = 0 if entries[0] < entries[1] else 1
-    first, second = pair[who], pair[1 - who]
-    place = meeting.zones[1 - who][0] - 0.5 * second.actor.length
-    begin = int(entries[who])
-    left = _step_at(first, meeting.zones[who][1] + 0.5 * first.actor.length)
-    end = int(min(left, entries[1 - who], first.first + first.count - 1))
+    earlier = 0 if entries[0] < entries[1] else 1
+    first, second = pair[earlier], pair[1 - earlier]
+    place = meeting.zones[1 - earlier][0] - 0.5 * second.actor.length
+    begin = int(entries[earlier])
+    left = _step_at(first, meeting.zones[earlier][1] + 0.5 * first.actor.length)
+    end = int(min(left, entries[1 - earlier], first.first + first.count - 1))
     end = min(end, second.first + second.count - 1)
     if begin < second.first or end < begin:
         return

@@ -189,7 +189,7 @@ def test_versions_are_those_of_the_packages() -> None:
 
 @pytest.mark.usefixtures("installed_package")
 @pytest.mark.parametrize("name", ["broken", "gone"])
-def test_a_broken_plug_in_is_told_of_and_spoils_nothing_else(name: str) -> None:
+def test_a_broken_plug_in_is_reported_and_affects_no_other(name: str) -> None:
     catalogue = AgentCatalogue()
     entries = {entry.name: entry for entry in catalogue.entries()}
     assert not entries[name].installed

@@ -48,7 +48,7 @@ class Values:
 
 
 def perform(spec: RunSpec) -> RunReport:
-    """Computes what comes of a run; one in seven violates a rule, one in six fails."""
+    """Computes the report of a run; one in seven violates an oracle, one in six fails."""
     unit = small_space().to_unit(np.array(json.loads(spec.document)))
     first, second = float(unit[2]), float(np.mean(unit[5:15]))
     if unit[1] > 0.9:
@@ -123,7 +123,7 @@ class Computed:
 
 @dataclass(slots=True)
 class Climber:
-    """A small tester that depends on all that it is told: it walks from the best so far."""
+    """A small tester that depends on all evaluations: it mutates the best so far."""
 
     space: GeneSpace
     random: np.random.Generator
@@ -194,7 +194,7 @@ def run(
 
 
 def sequence(records: Sequence[EvaluationRecord]) -> list[tuple[object, ...]]:
-    """All of evaluations that must not depend on the circumstances."""
+    """Returns the parts of evaluations that must not depend on the circumstances."""
     return [
         (
             record.number,

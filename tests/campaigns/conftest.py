@@ -1,4 +1,4 @@
-"""What campaigns are made of."""
+"""Parts of campaigns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivora_service.store.database import Database, open_database
 
 @pytest.fixture
 def content() -> dict[str, Any]:
-    """A small campaign, as a document; its rules are broken often."""
+    """A small campaign, as a document; its oracles are violated often."""
     return {
         "name": "crossing",
         "tester": {"name": "random"},

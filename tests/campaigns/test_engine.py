@@ -86,7 +86,7 @@ def test_resuming_after_any_evaluation_gives_the_same_campaign(
         assert all(number >= known for number in evaluator.submitted)
 
 
-def test_what_is_told_is_the_same_from_a_run_and_from_the_journal(
+def test_a_replayed_evaluation_equals_that_of_the_run(
     whole: list[EvaluationRecord],
 ) -> None:
     live, resumed = climber(), climber()
@@ -107,7 +107,7 @@ def test_only_the_campaigns_oracles_and_the_egos_own_faults_count(
         assert all(v.oracle == "collision" and v.at_fault for v in record.violations)
 
 
-def test_a_tester_is_told_only_of_judged_runs_what_came_of_them() -> None:
+def test_a_tester_gets_measurements_of_judged_runs_only() -> None:
     tester = climber()
     run(MemoryJournal(), tester=tester)
     for evaluation in tester.told:
@@ -142,14 +142,14 @@ def test_a_request_stops_between_evaluations_and_the_campaign_can_be_resumed(
     assert sequence(list(journal.evaluations())) == sequence(whole)
 
 
-def test_observers_see_what_was_replayed(whole: list[EvaluationRecord]) -> None:
+def test_callbacks_get_replayed_evaluations(whole: list[EvaluationRecord]) -> None:
     told: list[Told] = []
     run(MemoryJournal(whole[:20]), on_told=told.append)
     assert [t.replayed for t in told] == [True] * 20 + [False] * (len(whole) - 20)
 
 
 class Broken:
-    """A tester whose first proposals are none that can be run."""
+    """A tester with invalid first proposals."""
 
     def __init__(self, *values: FloatArray) -> None:
         self._proposals = tuple(Proposal(values=each, origin="initial") for each in values)
@@ -169,9 +169,7 @@ class Broken:
         ((np.zeros(GENES - 1),), f"needed are {GENES} numbers"),
     ],
 )
-def test_what_a_tester_may_not_propose_ends_the_campaign(
-    values: tuple[FloatArray, ...], says: str
-) -> None:
+def test_invalid_proposals_end_the_campaign(values: tuple[FloatArray, ...], says: str) -> None:
     with pytest.raises(CampaignError, match=says):
         run(MemoryJournal(), tester=Broken(*values))
 
@@ -179,7 +177,7 @@ def test_what_a_tester_may_not_propose_ends_the_campaign(
 def test_the_testers_time_is_counted_once(
     whole: list[EvaluationRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What it takes to tell it again what is known is no part of the next evaluation."""
+    """The time of telling known evaluations again is no part of the next evaluation."""
     now = 0.0
 
     class Slow(Climber):
@@ -211,7 +209,7 @@ def test_too_many_invalid_candidates_end_the_campaign() -> None:
     assert 100 < len(list(journal.evaluations())) <= 111
 
 
-def test_a_campaign_none_of_whose_runs_can_be_judged_is_given_up() -> None:
+def test_a_campaign_without_a_judged_run_fails() -> None:
     def broken(spec: RunSpec) -> RunReport:
         failure = RunFailure(cause="agent_raised", message="no such parameter")
         return RunReport(run_id=spec.run_id, status=RunStatus.AGENT_FAILED, failure=failure)

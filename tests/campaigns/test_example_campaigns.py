@@ -1,4 +1,4 @@
-"""The campaigns that are shipped find the failures that their page tells of."""
+"""The shipped campaigns find the failures on their page."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "failures-found.md"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discovery:
-    """What a campaign finds, and by which evaluation.
+    """A failure that a campaign finds, and its evaluation.
 
     Attributes:
         kind: Kind of the failure.

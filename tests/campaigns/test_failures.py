@@ -1,4 +1,4 @@
-"""Which failures are the same, and which are alike."""
+"""Kinds and groups of failures."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def keys(catalogues: Catalogues) -> FailureKinds:
     return FailureKinds(catalogues.networks.get("tee-town"))
 
 
-def test_a_key_names_rule_place_and_relation(keys: FailureKinds) -> None:
+def test_a_kind_names_oracle_place_and_relation(keys: FailureKinds) -> None:
     network = keys.network
     road = next(lane for lane in network.lanes if lane.drivable and not lane.is_internal)
     x, y, _ = road.position_at(0.5 * float(road.arc[-1]))
@@ -106,7 +106,7 @@ def test_groups_are_within_an_oracle() -> None:
 
 
 @pytest.mark.parametrize(("least", "label"), [(1, 0), (2, -1)])
-def test_a_failure_like_no_other_is_a_group_if_one_is_enough(least: int, label: int) -> None:
+def test_a_failure_without_neighbours_is_a_group_if_one_is_enough(least: int, label: int) -> None:
     grouping = Grouping(least=least)
     alone = violation(location=(0.0, 90.0), time=30.0)
     assert grouping.label([alone]) == (label,)
@@ -119,7 +119,7 @@ def test_small_differences_are_not_stretched() -> None:
     assert set(Grouping().label(nearly)) == {0}
 
 
-def test_words_of_a_fixed_set_count_and_texts_for_people_do_not() -> None:
+def test_words_of_a_fixed_set_are_features_and_messages_are_not() -> None:
     one = situation_features(
         [violation(face="front", reason="a"), violation(face="side", reason="b")]
     )

@@ -51,7 +51,7 @@ def test_what_was_appended_is_read_again(journal: Journal, records: list[Evaluat
     assert [r.report for r in read] == [r.report for r in records]
 
 
-def test_a_campaign_goes_on_from_what_was_written(
+def test_a_campaign_is_resumed_from_its_journal(
     database: Database, records: list[EvaluationRecord]
 ) -> None:
     for known in (0, 1, 17, len(records)):

@@ -48,7 +48,7 @@ def test_the_rate_is_of_simulations_and_says_what_is_left() -> None:
     assert left[-1] == pytest.approx(15.0)
 
 
-def test_what_was_replayed_says_nothing_of_the_rate() -> None:
+def test_replayed_evaluations_do_not_count_for_the_rate() -> None:
     whole = MemoryJournal()
     run(whole)
     meter = ProgressMeter(60)

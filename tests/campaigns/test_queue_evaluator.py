@@ -125,7 +125,7 @@ def the_campaign(database: Database) -> CampaignRecord:
 
 
 def again(database: Database, tmp_path: Path) -> QueueEvaluator:
-    """The evaluator of a process that goes on with the campaign."""
+    """The evaluator of a process that resumes the campaign."""
     return QueueEvaluator(database, the_campaign(database), TraceFolder(tmp_path / "traces"))
 
 
@@ -172,7 +172,7 @@ def test_what_is_queued_runs_or_has_ended_is_not_queued_again(
 
 
 @pytest.mark.parametrize("how", ["cancelled", "lost"])
-def test_a_run_that_says_nothing_is_run_again(
+def test_a_run_without_a_result_is_repeated(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path, how: str
 ) -> None:
     evaluate.submit(0, spec(0))
@@ -214,7 +214,7 @@ def test_a_run_of_another_scenario_is_no_answer(
     assert successor.wait(0.0) == ()
 
 
-def test_no_more_runs_wait_than_the_campaign_wants_workers(
+def test_no_more_runs_wait_than_the_campaign_has_workers(
     database: Database, tmp_path: Path
 ) -> None:
     evaluator = QueueEvaluator(
@@ -282,7 +282,7 @@ def test_a_campaign_that_waits_is_cancelled_with_its_runs(
     assert [job.status for job in jobs(database)] == [RunStatus.CANCELLED]
 
 
-def test_a_trace_that_is_gone_is_no_reason_to_stop(
+def test_a_missing_trace_does_not_stop_the_report(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path
 ) -> None:
     wanted = tmp_path / "campaign" / "trace.parquet"

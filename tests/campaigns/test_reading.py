@@ -208,7 +208,7 @@ def test_workers_that_would_be_idle_are_told_of(
     assert "at most 4 of 5 workers" in note
 
 
-def test_whom_the_scenario_names_does_not_matter_where_the_campaign_names_the_agent(
+def test_the_campaigns_agent_overrides_that_of_the_scenario(
     content: dict[str, Any], catalogues: Catalogues
 ) -> None:
     (ego,) = content["scenario"]["ego_vehicles"]

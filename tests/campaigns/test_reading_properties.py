@@ -1,4 +1,4 @@
-"""What holds for every campaign document, valid or not."""
+"""Properties of every campaign document, valid or not."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ campaigns = st.fixed_dictionaries(
 
 
 def read(content: Any, catalogues: Catalogues, **language: Any) -> ValidCampaign | None:
-    """Returns the campaign; of what is refused, checks every place."""
+    """Returns the campaign, or ``None`` after a check of the places of all problems."""
     try:
         return read_campaign(content, catalogues, **language)
     except InvalidDocument as error:

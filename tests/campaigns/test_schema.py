@@ -1,4 +1,4 @@
-"""The JSON Schema of campaigns: current, documented, and of one mind with the documents."""
+"""The JSON Schema of campaigns: current, documented, and consistent with the documents."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.campaigns.test_reading import WRONG
 
 BEYOND_THE_SCHEMA = frozenset(
     {
-        # What only the catalogues, the network or the other end of the wire know.
+        # Problems that only the catalogues, the network or the server can find.
         "unknown tester",
         "tester's parameters",
         "unknown mutation",

@@ -89,7 +89,7 @@ def campaigns(database: Database, catalogues: Catalogues, tmp_path: Path) -> Cam
 
 
 def after(count: int) -> tuple[Watcher, Callable[[], int]]:
-    """A watcher that wants a pause after so many new evaluations."""
+    """A watcher that requests a pause after so many new evaluations."""
     told: list[int] = []
     watcher = Watcher(
         requested=lambda: PAUSE if len(told) >= count else NONE,
@@ -141,7 +141,7 @@ def test_failures_are_confirmed_and_their_traces_kept(
 
 
 @pytest.mark.slow
-def test_a_campaign_that_cannot_go_on_says_why(
+def test_a_campaign_that_fails_states_the_reason(
     database: Database, content: dict[str, Any], tmp_path: Path
 ) -> None:
     manifest = tmp_path / "agents" / "mute" / "agent.yaml"
@@ -203,14 +203,14 @@ def test_a_campaign_on_a_changed_network_is_refused(
     assert campaigns.record(campaign_id).state is CampaignState.FAILED
 
 
-def test_a_campaign_begun_with_other_versions_does_not_go_on(
+def test_a_campaign_of_other_versions_cannot_be_resumed(
     campaigns: Campaigns, content: dict[str, Any]
 ) -> None:
     new = new_campaign(read_campaign(content, campaigns.catalogues))
     older = replace(new, versions={**new.versions, "libsumo": "1.2.3"})
     with campaigns.database.write() as transaction:
         campaign_id = transaction.campaigns.create(older).id
-    # Nothing is evaluated yet: no version has left a mark.
+    # No evaluation yet: no version has had an effect.
     assert campaigns.run(campaign_id, 1, after(3)[0]).state is CampaignState.PAUSED
     before = campaigns.record(campaign_id).counts
     with pytest.raises(CampaignError, match=r"libsumo was 1\.2\.3 and is") as refusal:
@@ -220,7 +220,7 @@ def test_a_campaign_begun_with_other_versions_does_not_go_on(
 
 
 @pytest.mark.slow
-def test_a_campaign_does_not_go_on_with_another_version_of_its_ads(
+def test_a_campaign_with_another_version_of_its_ads_cannot_be_resumed(
     campaigns: Campaigns, content: dict[str, Any]
 ) -> None:
     agents = campaigns.root / "agents"
@@ -236,7 +236,7 @@ def test_a_campaign_does_not_go_on_with_another_version_of_its_ads(
         campaigns.run(campaign_id, 1)
 
 
-def test_what_is_over_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:
+def test_an_ended_campaign_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:
     campaign_id = campaigns.create(content)
     ask_for(campaigns.database, campaign_id, campaigns.folder(campaign_id), CampaignRequest.CANCEL)
     with pytest.raises(Conflict, match="cancelled"):

@@ -1,4 +1,4 @@
-"""Engines in processes of their own, without anybody who runs what they queue."""
+"""Engines in processes of their own, without workers for their queued runs."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Service:
         return self.record(campaign_id)
 
     def engine(self, campaign_id: str) -> int:
-        """The process that runs a campaign, once it has queued all that may wait."""
+        """Returns the process of a campaign, once it has queued as many runs as may wait."""
         wait_until(lambda: self.queued_runs(campaign_id) == 8)
         return int((self.setup.folder(campaign_id).path / "lock").read_text())
 
@@ -138,7 +138,7 @@ def test_an_engine_queues_runs_and_never_loads_the_simulator(
     assert service.record(campaign).state is RUNNING
 
 
-def test_a_campaign_goes_on_with_the_next_supervisor_and_queues_nothing_twice(
+def test_the_next_supervisor_resumes_a_campaign_and_queues_nothing_twice(
     service: Service, content: dict[str, Any]
 ) -> None:
     campaign = service.post(content)
@@ -179,9 +179,7 @@ def test_campaigns_of_commands_are_left_alone(service: Service, content: dict[st
     service.until(RUNNING, held)
 
 
-def test_what_was_wanted_while_the_service_was_down_is_done(
-    service: Service, content: dict[str, Any]
-) -> None:
+def test_requests_during_a_downtime_are_followed(service: Service, content: dict[str, Any]) -> None:
     campaign = service.post(content)
     with service.database.write() as transaction:
         transaction.campaigns.begin(campaign)
@@ -241,7 +239,7 @@ def test_a_campaign_whose_engine_always_dies_has_failed(
     assert service.setup.log(campaign).read_text().count("about to die") == 4
 
 
-def test_what_an_engine_says_itself_is_kept(service: Service, content: dict[str, Any]) -> None:
+def test_the_message_of_an_engine_is_kept(service: Service, content: dict[str, Any]) -> None:
     campaign = service.post(content)
     with service.database.write() as transaction:
         transaction.session.connection().exec_driver_sql(

@@ -1,4 +1,4 @@
-"""What a package could bring: agents and a feedback that do what they should not."""
+"""Plug-ins of a package: agents and a feedback that misbehave."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Saboteur:
 
 @dataclass(frozen=True, slots=True)
 class Moody:
-    """A feedback that misbehaves as it is told."""
+    """A feedback that misbehaves as its parameter says."""
 
     mood: str
     objectives: tuple[str, ...] = ("gap",)

@@ -1,4 +1,4 @@
-"""An agent that drives well, and changes what judges it."""
+"""An agent that drives well, and changes the code that judges it."""
 
 from __future__ import annotations
 

@@ -259,7 +259,7 @@ def test_a_run_whose_trace_cannot_be_written_goes_back_unharmed_if_the_storage_i
     with serving(database, tmp_path) as dispatcher:
         runs = submit(database, *["writes-trace 0.3"] * 4)
         wait_until_running(database, 4)
-        # At one moment, whatever is written into it meanwhile.
+        # At once, also while a file is written into it.
         folder.rename(tmp_path / "aside")
         folder.write_text("in the way")
         wait_for(lambda: statuses(database)[RunStatus.QUEUED] == 4)
@@ -309,7 +309,7 @@ def test_a_locked_database_loses_no_end(tmp_path: Path) -> None:
 
 
 class Faulty:
-    """An executor that fails now and then, or always, at what a test chooses."""
+    """An executor with chosen methods that fail sometimes or always."""
 
     def __init__(self, inner: LocalExecutor, name: str, *, times: int) -> None:
         self._inner, self._name, self._times = inner, name, times
@@ -324,7 +324,7 @@ class Faulty:
 
 
 @pytest.mark.parametrize("name", ["submit", "wait", "slots", "cancel", "fault", "withdraw"])
-def test_whatever_the_executor_raises_runs_go_on(
+def test_runs_continue_after_any_exception_of_the_executor(
     database: Database, tmp_path: Path, name: str
 ) -> None:
     def wrap(executor: LocalExecutor) -> Executor:

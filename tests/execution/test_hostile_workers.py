@@ -1,4 +1,4 @@
-"""Workers whose code does its worst: to the channel, the board, the log, and with processes."""
+"""Workers with hostile code: attacks on the channel, the board, the log, and with processes."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def worker_of(executor: LocalExecutor) -> int:
 
 
 def wait_for_phase(executor: LocalExecutor, phase: str) -> int:
-    """Waits until the worker is in a phase and gives its process id."""
+    """Waits until the worker is in a phase and returns its process id."""
     limit = time.monotonic() + 30.0
     while time.monotonic() < limit:
         (slot,) = executor.slots()
@@ -130,7 +130,7 @@ def test_what_is_no_report_ends_the_worker_and_harms_nothing_else(
     assert worker_of(executor)
 
 
-def test_a_breach_outside_of_an_agent_is_not_laid_to_it(start: Start) -> None:
+def test_a_breach_outside_of_an_agent_is_not_attributed_to_it(start: Start) -> None:
     executor = start()
     end = run(executor, "sends other-run")
     assert outcome(end) == (RunStatus.INFRASTRUCTURE_FAILED, "worker_protocol")
@@ -267,7 +267,7 @@ def test_runs_survive_the_fork_server(start: Start) -> None:
     assert worker_of(executor)
 
 
-def test_the_loss_of_a_keeper_is_laid_to_nobody(start: Start, tmp_path: Path) -> None:
+def test_the_loss_of_a_keeper_is_infrastructure_failed(start: Start, tmp_path: Path) -> None:
     executor = start()
     executor.submit(RunSpec(run_id="run", document="agent-sleeps 60"))
     worker = wait_for_phase(executor, "in_agent")
@@ -318,7 +318,7 @@ def test_a_keeper_that_was_stopped_is_replaced(start: Start) -> None:
         ("simulator_crashed", False),
     ],
 )
-def test_a_worker_has_no_run_after_one_that_may_have_left_a_mark(
+def test_a_worker_is_replaced_after_a_run_that_may_have_changed_its_state(
     start: Start, report: str, stays: bool
 ) -> None:
     executor = start()

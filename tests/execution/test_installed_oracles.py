@@ -1,4 +1,4 @@
-"""Oracles of packages in the workers: they judge, and what goes wrong with them stays theirs."""
+"""Oracles of packages in the workers: they judge, and their errors affect only their runs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def document() -> str:
 
 
 def reports(folder: Path, *specs: RunSpec) -> tuple[list[RunReport], int]:
-    """Runs on one worker; gives the reports in their order and how often it was replaced."""
+    """Runs on one worker; returns the reports in order and the number of replacements."""
     setup = WorkerSetup(shipped_networks=shipped_networks())
     with LocalExecutor(slots=1, setup=setup, folder=folder / "workers") as executor:
         found = {report.run_id: report for report in run_all(executor, specs)}
@@ -56,7 +56,7 @@ def test_a_broken_oracle_fails_its_run_and_no_other(
     (raised, left, empty, odd, wrote, fine), restarts = reports(
         tmp_path, *specs, replace(plain, run_id="fine")
     )
-    # What failed may have left something behind, and what follows finds a worker of its own.
+    # A failed run may have changed the worker's state, and the next run gets a new worker.
     assert restarts == 4
 
     assert fine.status is RunStatus.FINISHED
@@ -79,14 +79,14 @@ def test_a_broken_oracle_fails_its_run_and_no_other(
         assert said in report.failure.message
         assert not report.verdicts
         assert not report.metrics
-        # What was recorded is there to be looked into.
+        # The recording is kept for inspection.
         assert report.trace_sha256
         assert report.steps == expected.steps
         assert (tmp_path / f"{report.run_id}.parquet").is_file()
     assert raised.failure is not None
     assert "foreign_oracles.py" in raised.failure.log
 
-    # Who writes into the trace changes nothing of what the others have seen.
+    # An oracle that writes into the trace does not affect the input of the others.
     assert wrote.status is RunStatus.FINISHED
     assert wrote.metrics == expected.metrics
     assert wrote.verdicts[:-1] == tuple(

@@ -67,7 +67,7 @@ def assert_usable(executor: LocalExecutor) -> None:
     assert run(executor, "sleep 0").report.status is RunStatus.FINISHED
 
 
-def test_each_way_to_die_is_told_apart_and_the_slot_stays_usable(start: Start) -> None:
+def test_each_cause_of_death_is_distinguished_and_the_slot_stays_usable(start: Start) -> None:
     executor = start()
     for document, status, cause, signal_name in (
         ("segfault", RunStatus.SIMULATOR_CRASHED, "signal", "SIGSEGV"),
@@ -88,7 +88,7 @@ def test_each_way_to_die_is_told_apart_and_the_slot_stays_usable(start: Start) -
     assert "SIGKILL" in slot.last_crash
 
 
-def test_a_crash_is_never_taken_for_a_loss_however_early_it_comes(start: Start) -> None:
+def test_an_early_crash_is_not_taken_for_a_loss(start: Start) -> None:
     executor = start()
     ends = [run(executor, "segfault") for _ in range(25)]
     assert {(end.report.status, end.signal) for end in ends} == {
@@ -96,7 +96,7 @@ def test_a_crash_is_never_taken_for_a_loss_however_early_it_comes(start: Start) 
     }
 
 
-def test_the_last_words_of_a_crash_are_kept(start: Start) -> None:
+def test_the_last_output_before_a_crash_is_kept(start: Start) -> None:
     failure = failure_of(run(start(), "segfault").report)
     assert "about to touch address zero" in failure.log
     assert "Segmentation fault" in failure.log
@@ -131,7 +131,7 @@ def test_a_run_that_grows_is_ended(start: Start) -> None:
     assert_usable(executor)
 
 
-def test_a_worker_killed_from_outside_is_lost_through_nobodys_fault(start: Start) -> None:
+def test_a_worker_killed_from_outside_is_lost_to_the_infrastructure(start: Start) -> None:
     executor = start()
     assert_usable(executor)
     executor.submit(RunSpec(run_id="run", document="hangs"))
@@ -198,7 +198,7 @@ def test_what_a_dead_worker_started_dies_with_it(start: Start) -> None:
 
 def _lives_in(group: int, process: psutil.Process) -> bool:
     with contextlib.suppress(ProcessLookupError, PermissionError, psutil.NoSuchProcess):
-        # Of a dead one, its entry may stay until somebody asks how it ended.
+        # The entry of a dead one may stay until it is reaped.
         return os.getpgid(process.pid) == group and process.status() != psutil.STATUS_ZOMBIE
     return False
 
@@ -213,7 +213,7 @@ def test_a_slot_survives_the_loss_of_its_folder(start: Start, tmp_path: Path) ->
     assert_usable(executor)
 
 
-def test_closing_leaves_no_process_behind(tmp_path: Path) -> None:
+def test_closing_ends_every_process(tmp_path: Path) -> None:
     executor = LocalExecutor(
         slots=2, setup=None, folder=tmp_path, limits=LIMITS, perform=TASKS, warm_up=""
     )
@@ -247,7 +247,7 @@ def test_three_bad_runs_among_fifty_do_not_disturb_the_others(start: Start) -> N
     assert {end.worker for end in wait_for(executor, 2)} == {"slot-0", "slot-1"}
 
 
-def test_a_crash_is_repeated_once_and_only_then_believed(start: Start, tmp_path: Path) -> None:
+def test_a_crash_is_confirmed_by_one_repetition(start: Start, tmp_path: Path) -> None:
     executor = start()
     specs = [
         RunSpec(run_id="always", document="segfault"),
@@ -259,7 +259,7 @@ def test_a_crash_is_repeated_once_and_only_then_believed(start: Start, tmp_path:
 
 
 def pid_of(executor: LocalExecutor, run_id: str) -> int:
-    """Waits until a run is going on and gives the process that does it."""
+    """Waits until a run is running and returns its process."""
     limit = time.monotonic() + 30
     while time.monotonic() < limit:
         for slot in executor.slots():

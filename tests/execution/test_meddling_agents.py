@@ -1,4 +1,4 @@
-"""An agent that changes what judges it costs its own run, and no other run of the worker."""
+"""An agent that changes the judging code loses its own run, and no other run of the worker."""
 
 from __future__ import annotations
 

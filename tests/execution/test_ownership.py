@@ -55,7 +55,7 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
     clock[0] += SILENCE_S
     mine.beat(())
     assert status(database, run_id) is RunStatus.QUEUED
-    # It was only slow: from its next heartbeat on it owns what it claims.
+    # It was only slow: from its next heartbeat on it owns the runs that it claims.
     other.beat(())
     with database.read() as transaction:
         assert other.owner_id in transaction.workers.heartbeats(me=mine.owner_id)
@@ -63,7 +63,7 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
 
 
 def queued(database: Database, owner_id: str) -> str:
-    """Queues a run that is for one process alone."""
+    """Queues a run that is reserved for one process."""
     with database.write() as transaction:
         batch = transaction.batches.create(name="b", priority=Priority.CI, owner_id=owner_id)
         return transaction.jobs.submit([new_run("{0}")], batch_id=batch.id)[0]
@@ -87,7 +87,7 @@ def test_runs_of_a_command_are_for_the_command_alone(tmp_path: Path) -> None:
     assert claimed(database, mine) == (own,)
     other.beat(())
     assert status(database, own) is RunStatus.RUNNING
-    # It stops in an orderly way: what it leaves behind is nobody's any more.
+    # It stops cleanly: its runs have no owner any more.
     mine.leave([own])
     assert status(database, own) is RunStatus.CANCELLED
     database.close()

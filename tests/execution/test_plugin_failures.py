@@ -58,7 +58,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def judged(folder: Path, *specs: RunSpec) -> tuple[list[RunReport], int]:
-    """Runs on one worker; gives the reports in their order, and how many attempts there were."""
+    """Runs on one worker; returns the reports in order, and the number of attempts."""
     setup = WorkerSetup(shipped_networks=shipped_networks(), agent_deadline_s=DEADLINE_S)
     limits = Limits(agent_deadline_s=DEADLINE_S)
     with LocalExecutor(slots=1, setup=setup, folder=folder / "workers", limits=limits) as executor:
@@ -101,7 +101,7 @@ def test_a_feedback_that_fails_fails_its_run_once_and_no_other(
     assert "No module named 'feedbacks_that_are_gone'" in said[-1][1]
     assert failures[0] is not None
     assert "foreign_plugins.py" in failures[0].log
-    # What was recorded is there to be looked into.
+    # The recording is kept for inspection.
     assert reports[0].trace_sha256 == fine.trace_sha256
     assert not reports[0].verdicts
 

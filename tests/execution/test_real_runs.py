@@ -58,7 +58,7 @@ def test_results_do_not_depend_on_slots_or_order(documents: list[str], tmp_path:
 
 
 @pytest.mark.slow
-def test_a_town_that_is_gone_makes_the_run_invalid(documents: list[str], tmp_path: Path) -> None:
+def test_a_missing_town_makes_the_run_invalid(documents: list[str], tmp_path: Path) -> None:
     moved = documents[0].replace("tee-town", "no-town")
     with executor(tmp_path, 1) as one:
         (report,) = run_all(one, [RunSpec(run_id="run", document=moved)])

@@ -1,5 +1,5 @@
-"""Workers that really cannot start: the simulator's library cannot be loaded, or the code is not
-there, or the process dies."""
+"""Workers that really cannot start: the simulator's library cannot be loaded, the code is missing,
+or the process dies."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ QUICK = Backoff(first_s=0.001, longest_s=0.002, failures=4)
 
 
 class Flaky:
-    """Raises what it was given, turn after turn, and then works until it has had enough."""
+    """Raises the given exceptions, one each turn, and then works for a number of turns."""
 
     def __init__(self, errors: list[Exception]) -> None:
         self.errors: Iterator[Exception] = iter(errors)

@@ -1,4 +1,4 @@
-"""Slots that go on whatever befalls their workers, and cancelling that meets the right run."""
+"""Slots that continue after any fault of their workers, and cancels of the right run."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def test_a_fault_in_the_sink_does_not_end_the_slot(
 
 
 def test_each_cancel_meets_its_own_run(executor: LocalExecutor) -> None:
-    """Cancels are sent at any moment of a run: none may be lost, none may meet the next one."""
+    """Cancels are sent at any moment of a run: none may be lost or affect the next run."""
     cancelled = set(range(0, 24, 3))
     statuses: dict[int, RunStatus] = {}
     for number in range(24):

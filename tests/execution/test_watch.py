@@ -19,7 +19,7 @@ def outcome(breach: Breach | None) -> tuple[RunStatus, str] | None:
 
 
 class Worker:
-    """A worker that is looked at five times a second."""
+    """A worker that is sampled five times a second."""
 
     def __init__(self) -> None:
         self.watch = Watch(LIMITS, now=0.0)
@@ -96,7 +96,7 @@ def test_an_agent_that_computes_is_charged_its_processor_time() -> None:
     assert Worker().live(4.6, spins, state="R", share=4.0) is None
 
 
-def test_what_the_worker_did_not_have_itself_is_not_laid_to_the_agent() -> None:
+def test_time_that_the_worker_did_not_have_is_not_attributed_to_the_agent() -> None:
     call = reading(RunPhase.IN_AGENT, step=3)
     for state, share in (("T", 0.0), ("D", 0.0), ("R", 0.02)):
         worker = Worker()
@@ -107,7 +107,7 @@ def test_what_the_worker_did_not_have_itself_is_not_laid_to_the_agent() -> None:
         )
 
 
-def test_a_server_that_was_held_up_blames_no_worker() -> None:
+def test_a_delayed_server_attributes_no_time_to_workers() -> None:
     worker = Worker()
     call = reading(RunPhase.IN_AGENT, step=3)
     assert worker.live(600.0, call, every=200.0) is None

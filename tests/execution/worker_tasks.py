@@ -1,4 +1,4 @@
-"""What the workers of the tests do: the document of a spec names it."""
+"""Tasks of the workers of the tests, named by the document of a spec."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from drivora_service.worker.progress import ProgressBoard
 
 
 def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
-    """Does what the first word of the document says, with the second as its argument."""
+    """Performs the task of the document's first word, with the second as its argument."""
     word, _, argument = spec.document.partition(" ")
     board.cells[3] += 1
     board.cells[4] = 0
@@ -238,7 +238,7 @@ def _finished(spec: RunSpec, versions: dict[str, str]) -> RunReport:
 
 
 def start_if_there(needed: Path) -> None:
-    """A warm-up that fails as long as a file is not there."""
+    """A warm-up that fails as long as a file is missing."""
     if not needed.exists():
         raise OSError(f"a worker needs {needed.name}")
 

@@ -1,4 +1,4 @@
-"""The service that the rows of the fault matrix share, and the table of what came of them."""
+"""The service that the rows of the fault matrix share, and the table of their results."""
 
 from __future__ import annotations
 

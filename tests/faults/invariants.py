@@ -38,7 +38,7 @@ class Judgement:
 
 
 def judge(service: Service, work: Work, hashes: Hashes, *, seconds: float = 100.0) -> Judgement:
-    """Waits until all work has ended, and judges what came of it."""
+    """Waits until all work has ended, and checks the results."""
     back, notes = True, []
     try:
         service.wait_until_ended(work, len(work.runs), seconds=seconds)

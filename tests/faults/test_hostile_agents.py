@@ -27,7 +27,7 @@ NOT_FINISHED = {
     }.items()
     for cause in causes
 }
-"""How a run may end whose agent does to its worker what also comes from outside."""
+"""Possible ends of a run with an agent that imitates faults from outside."""
 
 ENDS = {
     "hanger": HUNG,

@@ -1,4 +1,4 @@
-"""Descriptors, processes and memory run short and come back; nothing buries the dead."""
+"""Descriptors, processes and memory run short temporarily; PID 1 reaps no orphans."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_more_clients_than_descriptors(own_service: Service, check: Judge, trial
 
 
 INIT = "import subprocess, sys, time; subprocess.Popen(sys.argv[1:]); time.sleep(10 ** 6)"
-"""A first process that starts a server and buries nothing."""
+"""A first process that starts a server and reaps nothing."""
 
 
 def test_a_first_process_that_does_not_reap(own_service: Service, check: Judge, trial: int) -> None:

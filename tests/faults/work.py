@@ -26,7 +26,7 @@ class Run:
     """A run that a test posts.
 
     Attributes:
-        agent: Who drives.
+        agent: Name of the agent.
         kind: Which of the scenarios.
         seed: Makes a hostile run's scenario one of its own, so that no quarantine concerns another.
     """

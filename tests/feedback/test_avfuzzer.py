@@ -1,4 +1,4 @@
-"""AVFuzzer's feedback: gap, safety potential, and of whom."""
+"""AVFuzzer's feedback: gap, safety potential, and the actors that count."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def other(x: float, y: float, speed: float = 10.0, **fields: Any) -> SyntheticAc
     return SyntheticActor(**{"motion": motion, **fields})
 
 
-def margin(*everyone: SyntheticEgo | SyntheticActor) -> float | None:
-    egos = [one for one in everyone if isinstance(one, SyntheticEgo)]
-    others = [one for one in everyone if isinstance(one, SyntheticActor)]
+def margin(*actors: SyntheticEgo | SyntheticActor) -> float | None:
+    egos = [one for one in actors if isinstance(one, SyntheticEgo)]
+    others = [one for one in actors if isinstance(one, SyntheticActor)]
     measured = AvfuzzerFeedback().measure(RunView(make_trace(egos, others), ROAD))
     assert tuple(measured.objectives) == AvfuzzerFeedback().objectives
     return measured.objectives[SAFETY_MARGIN]
@@ -119,7 +119,7 @@ def test_a_walker_in_the_way_is_a_leader() -> None:
     assert margin(ego(), walker) == pytest.approx(0.5 * 8.0 + 0.5 * (8.0 - 7.2947))
 
 
-def test_on_another_level_nobody_leads() -> None:
+def test_an_actor_on_another_level_does_not_lead() -> None:
     bridge = other(15.0, 0.0)
     bridge.motion.states[:, Col.Z] = 6.0
     assert margin(ego(), bridge, other(0.0, 50.0)) == pytest.approx(0.5 * 48.2 + 0.5 * FAR)

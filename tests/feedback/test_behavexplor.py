@@ -1,4 +1,4 @@
-"""The degree of violation, part by part, and whose behaviour is described."""
+"""The degree of violation, term by term, and the ego that is described."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo,
 ROAD = straight_road()
 STEPS = 200
 FAR = {"line_scale": 0.01, "edge_scale": 0.01}
-"""Scales by which an ego that keeps to its lane is as far from all borders as can be."""
+"""Scales by which an ego that keeps to its lane scores 1 for all borders."""
 
 
 def ego(**fields: Any) -> SyntheticEgo:

@@ -49,7 +49,7 @@ def test_every_built_in_feedback_is_under_contract() -> None:
 
 @dataclass(kw_only=True)
 class Duration:
-    """Measures how long a run was, with one mistake or none."""
+    """Measures the duration of a run, with one mistake or none."""
 
     mistake: str
     measured: list[float] = field(default_factory=list)

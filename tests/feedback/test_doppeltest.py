@@ -1,4 +1,4 @@
-"""What DoppelTest measures: distances, decisions and conflicts of several egos."""
+"""The feedback of DoppelTest: distances, decisions and conflicts of several egos."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_the_distance_is_that_of_looking_at_every_pair_at_every_step(seed: int, 
     assert least_ego_distance(RunView(trace, CROSSING)) == min(every)
 
 
-def test_whoever_is_on_a_bridge_is_not_near() -> None:
+def test_an_actor_on_a_bridge_is_not_near() -> None:
     above = northwards("b", -50.0, STEADY)
     above.motion.states[:, Col.Z] = 5.0
     found = measured(eastwards("a", -50.0, STEADY), above)
@@ -124,7 +124,7 @@ def test_egos_that_both_have_ended_come_no_nearer() -> None:
     found = measured(
         eastwards("a", -100.0, STEADY, **ended), northwards("b", -100.0, STEADY, **ended)
     )
-    # After 5 s each is 50 m from the crossing of their ways.
+    # After 5 s each is 50 m from the crossing of their paths.
     assert found.objectives["ego_distance"] == pytest.approx(np.hypot(1, 1) * 46.85, abs=0.01)
 
 
@@ -157,7 +157,7 @@ def test_a_stop_at_a_signal(light: Light, stops: bool) -> None:
 
 
 @pytest.mark.parametrize("role", [Role.NPC_VEHICLE, Role.NPC_OBSTACLE])
-def test_a_stop_behind_somebody_in_a_queue_at_a_signal(role: Role) -> None:
+def test_a_stop_behind_a_vehicle_in_a_queue_at_a_signal(role: Role) -> None:
     ego = eastwards("a", -100.0, HALTING, light=Light.RED, light_distance=57.0 - HALTING)
     lead = SyntheticActor(motion=Motion.steady(-42.0, 0.0, steps=len(TIMES)), role=role)
     assert decisions(measured(ego, others=(lead,))) == {(0, Decision.STOP_BEHIND_VEHICLE)}
@@ -178,7 +178,7 @@ def test_a_stop_for_a_walker_on_or_beside_the_way(y: float, expected: Decision |
     assert found == {(0, expected or Decision.STOP_ELSEWHERE)}
 
 
-def test_whoever_is_behind_or_beside_is_no_reason_to_stop() -> None:
+def test_actors_behind_or_beside_are_no_reason_to_stop() -> None:
     follower = SyntheticActor(motion=Motion.along(-110.0 + HALTING, 0.0, yaw=0.0))
     beside = SyntheticActor(motion=Motion.steady(-43.0, 3.5, steps=len(TIMES)), id="beside")
     found = decisions(measured(eastwards("a", -100.0, HALTING), others=(follower, beside)))
@@ -199,7 +199,7 @@ def test_leaving_the_lanes_is_no_change() -> None:
 
 
 def passing(*, side: float, speed: float = 4.0, yaw: float = 0.0) -> set[tuple[int, Decision]]:
-    """Lets an ego pass ``side`` metres from somebody who is 40 m before it."""
+    """Lets an ego pass ``side`` metres from an actor that is 40 m ahead."""
     ego = eastwards("a", -100.0, STEADY)
     x = np.interp(TIMES, [0, 2, 4, 30], [0, 0, side, side])
     states = ego.motion.states.copy()
@@ -210,11 +210,11 @@ def passing(*, side: float, speed: float = 4.0, yaw: float = 0.0) -> set[tuple[i
     return decisions(measured(replace(ego, motion=Motion(states=states)), others=(slow,)))
 
 
-def test_overtaking_somebody_who_was_before_it_in_its_lane() -> None:
+def test_overtaking_a_vehicle_that_was_ahead_in_its_lane() -> None:
     assert passing(side=3.5) == {(0, Decision.OVERTAKE)}
 
 
-def test_passing_somebody_far_aside_or_oncoming_is_no_overtaking() -> None:
+def test_passing_a_vehicle_far_aside_or_oncoming_is_no_overtaking() -> None:
     assert passing(side=20.0) == set()
     assert passing(side=3.5, yaw=np.pi, speed=1.0) == set()
 
@@ -237,24 +237,24 @@ def test_slowing_down_is_yielding_too() -> None:
     assert decisions(found) == {(0, Decision.GO_FIRST), (1, Decision.YIELD)}
 
 
-def test_who_comes_later_at_an_even_speed_does_not_yield() -> None:
+def test_an_ego_that_arrives_later_at_constant_speed_does_not_yield() -> None:
     found = measured(eastwards("a", -60.0, STEADY), northwards("b", -80.0, STEADY))
     assert decisions(found) == {(0, Decision.GO_FIRST)}
 
 
-def test_who_is_far_away_is_no_matter() -> None:
+def test_a_distant_ego_does_not_yield() -> None:
     found = measured(eastwards("a", -60.0, STEADY), northwards("b", -120.0, STEADY))
     assert decisions(found) == set()
     assert found.objectives["conflicts"] == -1.0
 
 
-def test_who_is_held_by_a_signal_does_not_yield() -> None:
+def test_an_ego_held_by_a_signal_does_not_yield() -> None:
     held: dict[str, Any] = {"light": Light.RED, "light_distance": 55.0 - STOPPING - 2.25}
     found = measured(eastwards("a", -70.0, STEADY), northwards("b", -60.0, STOPPING, **held))
     assert decisions(found) == {(1, Decision.STOP_AT_SIGNAL)}
 
 
-def test_who_has_not_started_does_not_yield() -> None:
+def test_an_ego_that_has_not_started_does_not_yield() -> None:
     waiting = drive([(0, 0), (20, 0), (22, 10), (30, 10)])
     found = measured(
         eastwards("a", -70.0, STEADY), northwards("b", -20.0, waiting, start_time=20.0)

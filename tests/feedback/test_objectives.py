@@ -47,7 +47,7 @@ def test_a_collision_course_scores_its_time() -> None:
     assert found == pytest.approx((30.0 - 4.5 - 399 * 0.05) / 10.0)
 
 
-def test_nobody_on_a_collision_course_is_the_safest() -> None:
+def test_no_actor_on_a_collision_course_is_the_safest() -> None:
     assert scores(ego(), at=(50.0, 20.0))["time_to_collision"] == 1.0
 
 

@@ -39,13 +39,13 @@ def ego(**fields: Any) -> SyntheticEgo:
 
 
 def beside(y: float, role: Role = Role.NPC_VEHICLE, **fields: Any) -> SyntheticActor:
-    """Somebody of the ego's size who stands beside its way, 20 m on."""
+    """An actor of the ego's size that stands beside its path, 20 m ahead."""
     return SyntheticActor(motion=Motion.steady(20.0, y, steps=STEPS), role=role, **fields)
 
 
-def measure(*everyone: SyntheticEgo | SyntheticActor, **made: Any) -> dict[str, float | None]:
-    egos = [one for one in everyone if isinstance(one, SyntheticEgo)]
-    others = [one for one in everyone if isinstance(one, SyntheticActor)]
+def measure(*actors: SyntheticEgo | SyntheticActor, **made: Any) -> dict[str, float | None]:
+    egos = [one for one in actors if isinstance(one, SyntheticEgo)]
+    others = [one for one in actors if isinstance(one, SyntheticActor)]
     trace = make_trace(egos, others, **made)
     return dict(SamotaFeedback().measure(RunView(trace, ROAD)).objectives)
 
@@ -86,7 +86,7 @@ def test_farther_is_farther_however_far() -> None:
     assert found == sorted(set(found), key=lambda value: value or 0.0)
 
 
-def test_nobody_is_near_after_the_egos_end_or_on_another_level() -> None:
+def test_no_actor_is_near_after_the_egos_end_or_on_another_level() -> None:
     passing = ego(end=TerminalEvent.COLLISION, end_step=20)
     assert measure(passing, beside(6.8))["vehicle_distance"] == score(np.hypot(10.5, 5.0), 10.0)
     bridge = Motion.steady(20.0, 0.0, steps=STEPS)
@@ -94,7 +94,7 @@ def test_nobody_is_near_after_the_egos_end_or_on_another_level() -> None:
     assert measure(ego(), SyntheticActor(motion=bridge))["vehicle_distance"] is None
 
 
-def test_who_was_never_there_together_with_the_ego_is_nobody() -> None:
+def test_an_actor_never_present_together_with_the_ego_does_not_count() -> None:
     gone = beside(6.8, present=np.zeros(STEPS, dtype=bool))
     assert measure(ego(), gone)["vehicle_distance"] is None
 
@@ -123,7 +123,7 @@ def test_off_every_lane_it_agrees_with_the_oracle(y: float, is_violated: bool) -
     assert (verdicts[0].outcome is Outcome.VIOLATED) is is_violated
 
 
-def test_a_lane_of_the_other_direction_is_no_lane_to_be_in() -> None:
+def test_a_lane_of_the_other_direction_violates_lane_keeping() -> None:
     assert measure(ego(lane=WEST, lane_heading=np.pi))["lane_centre"] == 0.0
 
 

@@ -1,4 +1,4 @@
-"""Every parser withstands inputs that nobody wrote, and those that it once did not."""
+"""Every parser withstands generated inputs, and those that once failed."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def test_only_the_given_rows_count() -> None:
     assert len(near.time_to_collision) == 41
 
 
-def test_absent_actors_are_not_there() -> None:
+def test_absent_actors_are_left_out() -> None:
     ego = SyntheticEgo(motion=Motion.steady(0.0, 0.0, steps=STEPS))
     present = np.arange(STEPS) >= 100
     ghost = SyntheticActor(motion=Motion.steady(10.0, 0.0, steps=STEPS, speed=1.0), present=present)

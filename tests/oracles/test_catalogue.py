@@ -70,7 +70,7 @@ def test_without_packages_there_are_the_built_in_ones_in_their_order() -> None:
     assert (entry.package, entry.reason) == ("", "")
 
 
-def test_an_unknown_name_is_told_with_those_that_are_known() -> None:
+def test_an_unknown_name_is_reported_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match=r"oracle 'crash'; known: .*collision"):
         OracleCatalogue().oracle("crash")
     with pytest.raises(UnknownName, match="oracle 'crash'"):

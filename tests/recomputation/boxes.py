@@ -1,4 +1,4 @@
-"""Who touched whom, by the outlines of the boxes."""
+"""Contacts of actors, by the outlines of the boxes."""
 
 from __future__ import annotations
 

@@ -175,7 +175,7 @@ class Comparison:
                 yield self._differ(ego, "speed limit", stored, own)
 
     def collisions(self) -> Iterator[Disagreement]:
-        """Compares who was hit, and in which step."""
+        """Compares the actors that were hit, and the steps."""
         for ego in self.egos:
             stored = {v.counterpart: v.step for v in self._violations("collision", ego)}
             if stored != ego.collisions:

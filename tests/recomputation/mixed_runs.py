@@ -148,7 +148,7 @@ def _over(way: Way, begin: float, speed: float) -> list[list[float]]:
 
 
 def at_long_reds(n: int, random: Random) -> Document:
-    """A driver on a short way who waits longer than the way may take."""
+    """A driver on a short route that waits longer than the route's time limit."""
     town = "signal-grid"
     network = read_town(town)
     first = _before_signal(network, random)
@@ -261,7 +261,7 @@ def astray(n: int, random: Random) -> Document:
 
 
 def too_fast(n: int, random: Random) -> Document:
-    """A driver who takes limits for too low."""
+    """A driver that exceeds speed limits."""
     town = TOWNS[n % len(TOWNS)]
     way = find_way(read_town(town), random, 300.0)
     agent, parameters = ("idm", {"speed_factor": 1.2 + 0.1 * (n % 6)})

@@ -51,7 +51,7 @@ def test_an_error_that_sumo_reports_is_final_at_once() -> None:
     assert (first.state.status, first.report, first.quarantine) == (error.status, error, False)
 
 
-def test_a_crash_that_does_not_come_again_is_forgiven() -> None:
+def test_a_crash_that_is_not_repeated_does_not_quarantine() -> None:
     crash, finish = report(RunStatus.SIMULATOR_CRASHED), report(RunStatus.FINISHED)
     first = lifecycle.end(running(), crash, RetryPolicy())
     second = lifecycle.end(lifecycle.start(first.state), finish, RetryPolicy())

@@ -85,7 +85,7 @@ def test_the_built_in_testers_are_complete_and_have_names_of_their_own() -> None
         assert plugin.parameters() == read_parameters(plugin.parameters, {}, of="tester")
 
 
-def test_an_unknown_name_is_told_with_those_that_are_known() -> None:
+def test_an_unknown_name_is_reported_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match=r"tester 'chaos'.*random"):
         TesterCatalogue().create("chaos", context(), {}, Components())
     with pytest.raises(UnknownName, match="mutation 'chaos'"):
@@ -155,7 +155,7 @@ def test_a_package_does_not_replace_a_built_in_tester() -> None:
         ("misnamed", "is the tester 'other'"),
     ],
 )
-def test_a_broken_plug_in_is_told_of_and_spoils_nothing_else(name: str, message: str) -> None:
+def test_a_broken_plug_in_is_reported_and_affects_no_other(name: str, message: str) -> None:
     catalogue = TesterCatalogue()
     with pytest.raises(SearchError, match=message):
         catalogue.plugin(name)

@@ -1,4 +1,4 @@
-"""Crossovers: what children take from whom."""
+"""Crossovers: the genes that children take from each parent."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_what_one_child_has_not_the_other_has(crossover: Crossover, seed: int) -
 
 
 @pytest.mark.parametrize("crossover", ALL)
-def test_children_of_twins_are_twins(crossover: Crossover) -> None:
+def test_children_of_equal_parents_are_equal(crossover: Crossover) -> None:
     first, _, random = parents(0)
     for child in crossover(first, first.copy(), SPACE, random):
         assert np.allclose(child, first, rtol=0, atol=1e-9)

@@ -47,8 +47,8 @@ class TestRedrawSlice(MutationContract):
     plugin = REDRAW_SLICE
 
 
-def everyone(random: np.random.Generator) -> FloatArray:
-    """Returns a candidate in which nobody is absent."""
+def all_present(random: np.random.Generator) -> FloatArray:
+    """Returns a candidate in which every actor is present."""
     values = SPACE.sample(random)
     for block in SPACE.blocks:
         if block.is_optional:
@@ -85,7 +85,7 @@ def test_redrawn_whole_genes_have_another_value_and_the_rest_stays(seed: int) ->
 def test_redrawing_draws_all_other_values_alike() -> None:
     random = np.random.default_rng(0)
     path = VEHICLE.index("path")
-    values = everyone(random)
+    values = all_present(random)
     values[path] = 4.0
     drawn = [redrawn(values, SPACE, random, all_genes())[path] for _ in range(9000)]
     counts = np.bincount(np.array(drawn, dtype=np.int64), minlength=10)
@@ -107,7 +107,7 @@ def test_shifting_stays_within_and_moves_whole_genes_by_at_least_one(
 
 def test_a_shift_has_the_deviation_that_was_asked_for() -> None:
     random = np.random.default_rng(0)
-    values = everyone(random)
+    values = all_present(random)
     speed, along = VEHICLE.index("speed_1"), VEHICLE.index("along_1")
     values[[speed, along]] = 9.0, 0.0
     sigma = np.zeros(len(SPACE))
@@ -121,7 +121,7 @@ def test_a_shift_has_the_deviation_that_was_asked_for() -> None:
 def test_bounds_do_not_fill_up() -> None:
     random = np.random.default_rng(0)
     speed = VEHICLE.index("speed_1")
-    values = everyone(random)
+    values = all_present(random)
     values[speed] = SPACE.highs[speed] - 0.1
     child = [shifted(values, SPACE, random, all_genes(), 2.0)[speed] for _ in range(500)]
     assert max(child) < SPACE.highs[speed]
@@ -135,7 +135,7 @@ def test_gaussian_moves_magnitudes_at_its_rate_by_its_share_of_the_range() -> No
     paths = np.flatnonzero(SPACE.is_category)
     moves = []
     for _ in range(300):
-        parent = everyone(random)
+        parent = all_present(random)
         moves.append(mutation.mutate(parent, SPACE, random) - parent)
     changes = np.array(moves)
     assert (changes[:, paths] == 0).all()
@@ -151,7 +151,7 @@ def test_gaussian_redraws_categories_at_their_rate() -> None:
     paths = np.flatnonzero(SPACE.is_category)
     shares = []
     for _ in range(300):
-        parent = everyone(random)
+        parent = all_present(random)
         shares.append(np.mean((mutation.mutate(parent, SPACE, random) != parent)[paths]))
     assert np.mean(shares) == pytest.approx(0.2, abs=0.03)
 
@@ -181,7 +181,7 @@ def test_strength_is_the_number_of_genes() -> None:
     random = np.random.default_rng(0)
     counts = []
     for _ in range(500):
-        parent = everyone(random)
+        parent = all_present(random)
         counts.append(np.sum(RedrawGene().mutate(parent, SPACE, random, strength=2.5) != parent))
     assert set(counts) == {2, 3}
     assert np.mean(counts) == pytest.approx(2.5, abs=0.1)
@@ -200,7 +200,7 @@ def test_every_actor_and_every_slice_of_it_is_redrawn_as_often() -> None:
     blocks = np.zeros(len(SPACE.blocks))
     groups = slices_of(VEHICLE, SPACE.varies)
     hits = np.zeros(len(groups))
-    parent = everyone(random)
+    parent = all_present(random)
     for _ in range(6000):
         changed = int(np.flatnonzero(RedrawSlice().mutate(parent, SPACE, random) != parent)[0])
         blocks[next(i for i, b in enumerate(SPACE.blocks) if b.start <= changed < b.stop)] += 1

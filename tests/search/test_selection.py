@@ -1,4 +1,4 @@
-"""Selections: the contract, and whom each one prefers."""
+"""Selections: the contract, and the preferences of each."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def dominates(one: FloatArray, other: FloatArray) -> bool:
 
 
 @given(OBJECTIVES)
-def test_fronts_hold_everybody_once_and_nobody_who_is_dominated_within(
+def test_fronts_contain_each_candidate_once_and_none_dominated_within(
     objectives: FloatArray,
 ) -> None:
     found = fronts(objectives)
@@ -74,7 +74,7 @@ def test_fronts_hold_everybody_once_and_nobody_who_is_dominated_within(
 
 
 @given(OBJECTIVES)
-def test_the_order_holds_everybody_and_nobody_before_one_that_dominates(
+def test_the_order_contains_each_candidate_and_respects_dominance(
     objectives: FloatArray,
 ) -> None:
     order = best_first(objectives)
@@ -149,7 +149,7 @@ def test_equals_have_equal_chances() -> None:
     assert Roulette().chances(np.full((2, 1), np.nan)) == pytest.approx([0.5, 0.5])
 
 
-def test_chance_takes_nobody_twice_before_everybody_once() -> None:
+def test_random_selection_is_without_replacement_until_exhausted() -> None:
     objectives = np.arange(5.0)[:, None]
     random = np.random.default_rng(0)
     assert sorted(RandomSelection().select(objectives, 5, random)) == [0, 1, 2, 3, 4]

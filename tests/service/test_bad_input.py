@@ -1,4 +1,4 @@
-"""Every broken document over HTTP: refused, the place named, and nobody else harmed."""
+"""Every broken document over HTTP: refused, the place named, and no other request affected."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_the_service_refuses_every_broken_document(service_url: str) -> None:
             problem = answer.json()
             is_problem = answer.headers["Content-Type"].startswith("application/problem+json")
             pointers = [p["pointer"] for p in problem.get("problems", [])]
-            # A body beyond the limit is refused before anybody looks inside.
+            # A body beyond the limit is refused before it is read.
             named = answer.status_code == 413 or pointer in pointers
             if not (400 <= answer.status_code < 500 and is_problem and named):
                 wrong.append((name, answer.status_code, pointers))

@@ -57,7 +57,7 @@ def document(tester: str, simulations: int = SIMULATIONS, **changes: Any) -> dic
 
 
 def embedded(content: dict[str, Any], folder: Path) -> list[EvaluationRecord]:
-    """What an uninterrupted campaign without a server evaluates, on one worker."""
+    """The evaluations of an uninterrupted campaign without a server, on one worker."""
     catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
     search = prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="embedded")
     context = EvaluatorContext(
@@ -106,7 +106,7 @@ def state(client: httpx.Client, campaign_id: str) -> dict[str, Any]:
 
 
 def follow(client: httpx.Client, campaign_id: str, *, until: str) -> list[dict[str, Any]]:
-    """Looks at a campaign until it is in a state; gives all that was seen."""
+    """Polls a campaign until it is in a state; returns all answers."""
     seen = [state(client, campaign_id)]
     deadline = time.monotonic() + _LONG_S
     while seen[-1]["state"] != until:

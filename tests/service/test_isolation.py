@@ -33,7 +33,7 @@ def install_rogues(site: Path) -> None:
 
 
 def batch_lines(networks: NetworkCatalogue) -> list[str]:
-    """Returns 50 drives; three have a rogue at the wheel, the crasher where nobody can walk."""
+    """Returns 50 drives; three have rogue agents, the crasher where no walker can walk."""
 
     def seeds(town: str, count: int) -> list[ScenarioDocument]:
         found = generate_seeds(

@@ -1,4 +1,4 @@
-"""The drill of docs/how-to/operate-the-service.md: a destroyed data folder comes back whole."""
+"""The drill of docs/how-to/operate-the-service.md: a destroyed data folder is fully restored."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def evaluation(
     avoidable: Answer | None = None,
     undetermined: bool = False,
 ) -> EvaluationRecord:
-    """An evaluation whose scenario is its number; ``violated`` says who was at fault."""
+    """An evaluation with its number as its scenario; ``violated`` has the faults."""
     verdicts = tuple(
         Verdict(
             oracle="collision",
@@ -291,7 +291,7 @@ def test_cancelling_is_not_weakened_to_pausing(database: Database) -> None:
         assert asked.request is CampaignRequest.CANCEL
 
 
-def test_a_failed_campaign_says_why_and_may_go_on(database: Database) -> None:
+def test_a_failed_campaign_states_the_reason_and_can_be_resumed(database: Database) -> None:
     campaign_id = create(database)
     with database.write() as transaction:
         transaction.campaigns.begin(campaign_id)
@@ -382,7 +382,7 @@ def test_pruning_runs_leaves_the_scenarios_of_evaluations(
         assert transaction.evaluations.document(campaign_id, 0) == "0"
 
 
-def test_what_is_no_id_is_refused_with_those_that_may_have_been_meant(database: Database) -> None:
+def test_an_unknown_id_is_refused_with_similar_ones(database: Database) -> None:
     refused = pytest.raises(UnknownName, match=r"unknown campaign 'a'; known: none$")
     with database.read() as transaction, refused:
         transaction.campaigns.get("a")

@@ -53,7 +53,7 @@ filters = st.builds(
 
 
 class Store(RuleBasedStateMachine):
-    """A service with two owners of leases, whose runs meet every end."""
+    """A service with two owners of leases and runs with every kind of end."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -171,7 +171,7 @@ class Store(RuleBasedStateMachine):
 
     @rule(place=st.integers(0, 30), text=st.sampled_from("01"))
     def put_again(self, place: int, text: str) -> None:
-        """What a campaign that goes on does with the runs that it had queued."""
+        """Submits the queued runs of a resumed campaign again."""
         jobs = [
             job
             for job in self._jobs()

@@ -1,4 +1,4 @@
-"""Locks of files: who has one, and when it is let go of."""
+"""Locks of files: their holders and their release."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ os.write(file, str(os.getpid()).encode())
 
 @contextmanager
 def holder(path: Path, code: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Has another process hold a lock; it is killed in the end."""
+    """Lets another process hold a lock; kills it in the end."""
     program = f"import sys, time\n{code}\nprint('held', flush=True); time.sleep(3600)"
     with subprocess.Popen(
         [sys.executable, "-c", program, str(path)], stdout=subprocess.PIPE
@@ -67,7 +67,7 @@ def test_looking_at_a_lock_never_keeps_it_from_being_taken(tmp_path: Path) -> No
         looking.join()
 
 
-def test_those_who_look_do_not_take_one_another_for_a_holder(tmp_path: Path) -> None:
+def test_processes_that_check_a_lock_do_not_count_as_holders(tmp_path: Path) -> None:
     path = tmp_path / "lock"
     FileLock(path, refusal=str).release()
     seen: set[bool] = set()

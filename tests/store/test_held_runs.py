@@ -1,4 +1,4 @@
-"""Runs that were going on at several deaths of the server."""
+"""Runs that were interrupted by several deaths of the server."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ POLICY = RetryPolicy()
 
 
 def die_with(database: Database, run: str, *, times: int) -> None:
-    """Has servers die one after another while the run is going on."""
+    """Lets servers die one after another during the run."""
     for _ in range(times):
         owner = register(database)
         assert claim(database, owner, 1) == (run,)
@@ -43,7 +43,7 @@ def has_work(database: Database) -> bool:
         return QueueRepository(transaction.session).has_work()
 
 
-def test_a_run_of_three_deaths_waits_and_goes_after_all_others(database: Database) -> None:
+def test_a_run_of_three_deaths_waits_and_runs_after_all_others(database: Database) -> None:
     (suspect,) = submit(database, 1)
     die_with(database, suspect, times=3)
     assert status(database, suspect) is RunStatus.QUEUED
@@ -59,7 +59,7 @@ def test_a_run_of_three_deaths_waits_and_goes_after_all_others(database: Databas
     assert status(database, suspect) is RunStatus.FINISHED
 
 
-def test_suspects_go_one_at_a_time(database: Database) -> None:
+def test_held_runs_run_one_at_a_time(database: Database) -> None:
     first, second = submit(database, 2)
     for _ in range(3):
         owner = register(database)
@@ -75,7 +75,7 @@ def test_suspects_go_one_at_a_time(database: Database) -> None:
     assert claim(database, owner, 2) == tuple({first, second} - {one})
 
 
-def test_a_clock_that_goes_back_makes_no_run_wait_for_ever(database: Database) -> None:
+def test_a_clock_that_is_set_back_does_not_hold_a_run_for_ever(database: Database) -> None:
     (suspect,) = submit(database, 1)
     die_with(database, suspect, times=3)
     end_waits(database, datetime.now(UTC) + timedelta(days=3))

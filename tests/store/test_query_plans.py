@@ -1,4 +1,4 @@
-"""How SQLite looks for what lists ask: by an index, whatever the filters."""
+"""The query plans of lists: by an index, for all filters."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ RUN_FILTERS: dict[str, Any] = {
     "scenario_sha256": new_run("0").scenario_sha256,
     "batch_id": "",
 }
-"""A value for each documented filter that lets something through; the batch's id comes later."""
+"""A value for each documented filter that some rows pass; the batch's id is set later."""
 
 UNBOUNDED = ("runs", "verdicts", "evaluations", "failures", "reports", "documents", "attempts")
 
 
 @pytest.fixture
 def batch_id(database: Database) -> str:
-    """A batch of nine runs; one has broken a rule, one runs."""
+    """A batch of nine runs; one has a violation, one is running."""
     with database.write() as transaction:
         batch = transaction.batches.create(name="b", priority=Priority.CAMPAIGN)
         transaction.jobs.submit([new_run(str(n)) for n in range(9)], batch_id=batch.id)
@@ -167,7 +167,7 @@ def test_evaluations_and_failures_are_found_by_an_index_whatever_the_filters(
 
 
 def _several(wanted: Filter) -> Iterator[Filter]:
-    """Makes the filter with all and with each choice of its restrictions."""
+    """Yields the filter with all and with each choice of its restrictions."""
     names = wanted.__slots__
     defaults = type(wanted)()
     for size in range(len(names) + 1):
@@ -188,7 +188,7 @@ Query = tuple[str, tuple[object, ...]]
 
 @contextmanager
 def queries(database: Database) -> Iterator[list[Query]]:
-    """Collects what the database is asked, with the values."""
+    """Collects the queries with their values."""
     asked: list[Query] = []
 
     def note(
@@ -203,7 +203,7 @@ def queries(database: Database) -> Iterator[list[Query]]:
 
 
 def plan(database: Database, statement: str, values: tuple[object, ...]) -> list[str]:
-    """What SQLite would do, step by step; the same however many rows there are."""
+    """Returns SQLite's query plan, which does not depend on the number of rows."""
     with database.engine.connect() as connection:
         rows = connection.exec_driver_sql("EXPLAIN QUERY PLAN " + statement, values)
         return [row.detail for row in rows]

@@ -128,7 +128,7 @@ def test_a_confirmed_crash_quarantines_the_scenario(database: Database) -> None:
     assert status(database, third) is RunStatus.QUEUED
 
 
-def test_lost_workers_are_made_good_a_limited_number_of_times(database: Database) -> None:
+def test_lost_attempts_are_repeated_a_limited_number_of_times(database: Database) -> None:
     (run,) = submit(database, 1)
     owner = register(database)
     for _ in range(POLICY.infrastructure_failures):

@@ -1,4 +1,4 @@
-"""What is kept for how long, and that nobody waits for the removal."""
+"""Retention times, and writers that need not wait for the removal."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def campaign_traces(tmp_path: Path) -> CampaignTraces:
 
 @pytest.fixture
 def runs(database: Database, traces: TraceFolder) -> tuple[str, ...]:
-    """One that passed, one that broke a rule, one whose agent failed, one that waits."""
+    """One passed run, one with a violation, one with a failed agent, one queued."""
     ids = submit(database, 4, priority=Priority.CI)
     owner = register(database)
     claim(database, owner, 3)
@@ -61,14 +61,14 @@ def runs(database: Database, traces: TraceFolder) -> tuple[str, ...]:
 
 
 def left(database: Database, traces: TraceFolder) -> tuple[set[str], set[str]]:
-    """Returns the runs and the traces that are there."""
+    """Returns the existing runs and traces."""
     assert list(verify(database, traces)) == []
     with database.read() as transaction:
         jobs = transaction.jobs.page(limit=500).items
     return {job.id for job in jobs}, set(traces.run_ids())
 
 
-def test_everything_is_kept_unless_it_is_said(
+def test_everything_is_kept_by_default(
     database: Database,
     traces: TraceFolder,
     campaign_traces: CampaignTraces,
@@ -93,7 +93,7 @@ def test_everything_is_kept_unless_it_is_said(
         ),
     ],
 )
-def test_what_is_of_interest_is_kept_for_longer(
+def test_failing_runs_are_kept_for_longer(
     database: Database,
     traces: TraceFolder,
     campaign_traces: CampaignTraces,
@@ -220,7 +220,7 @@ def test_an_old_file_is_rewritten_so_that_it_can_become_shorter(database: Databa
         assert connection.scalar(text("PRAGMA auto_vacuum")) == 2
 
 
-def test_a_service_removes_by_itself_what_is_too_old(
+def test_a_service_removes_expired_runs_automatically(
     database: Database,
     traces: TraceFolder,
     campaign_traces: CampaignTraces,

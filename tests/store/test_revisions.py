@@ -1,4 +1,4 @@
-"""Databases of every revision of the schema, made by the code of their time, are read today."""
+"""Databases of every revision of the schema, made by the code of that revision, can be read."""
 
 from __future__ import annotations
 

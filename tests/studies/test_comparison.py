@@ -58,7 +58,7 @@ def test_a_method_that_finds_more_is_better() -> None:
     assert (row.repetitions, row.baseline_repetitions) == (20, 20)
 
 
-def test_chance_is_not_called_better() -> None:
+def test_a_difference_by_chance_is_undecided() -> None:
     (row,) = compare_campaigns(study(0), "random", [measure("at_fault")])
     assert not row.is_better
 
@@ -74,7 +74,7 @@ def test_fewer_simulations_to_the_first_failure_are_better() -> None:
     assert row.baseline_median == 101.0
 
 
-def test_who_ends_early_without_a_failure_was_not_early_to_find_one() -> None:
+def test_a_tester_that_ends_early_without_a_failure_did_not_find_one_early() -> None:
     found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.method == "random"]
     ended = [
         replace(f, simulations=30, budget=100, first_failure=None)
@@ -139,7 +139,7 @@ def test_at_equal_time_seconds_to_the_first_failure_count_in_place_of_simulation
         (0.99, 0.05, "undecided"),
     ],
 )
-def test_the_judgement_says_who_is_better_and_how_much(
+def test_the_judgement_states_the_better_method_and_the_size(
     a12: float, p: float, judgement: str
 ) -> None:
     (row,) = compare_campaigns(study(1), "random", [measure("at_fault")])
@@ -156,13 +156,13 @@ def test_the_judgement_says_who_is_better_and_how_much(
         ([*study(1), figures("samota", 0, 1)], "random", "one campaign of 'samota' only"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
+def test_campaigns_that_cannot_be_compared_are_refused(
     campaigns: list[CampaignFigures], baseline: str, message: str
 ) -> None:
     with pytest.raises(CampaignError, match=message):
         compare_campaigns(campaigns, baseline)
 
 
-def test_an_unknown_measure_is_named_with_those_there_are() -> None:
+def test_an_unknown_measure_is_reported_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match="at_fault"):
         measure("beauty")

@@ -1,4 +1,4 @@
-"""The share of the road network that scenarios took place on."""
+"""The share of the road network that scenarios use."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_an_ego_covers_its_route(network: RoadNetwork, catalogues: Catalogues) -
 
 @pytest.mark.parametrize("town", ["tee-town", "signal-grid"])
 def test_ways_are_those_that_vehicles_are_driven_along(catalogues: Catalogues, town: str) -> None:
-    """Each way is planned lane by lane; the exact plans are what it must agree with."""
+    """Each path is planned lane by lane and must agree with the exact plan."""
     network = catalogues.networks.get(town)
     (document,) = generate_seeds(
         network, count=1, min_length=120, max_length=250, seed=1, agent="idm"

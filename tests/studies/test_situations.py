@@ -21,7 +21,7 @@ def test_alike_violations_are_one_situation_and_others_are_not() -> None:
     assert count_situations([near, far, near + far, []]) == (1, 1, 2, 0)
 
 
-def test_another_rule_is_another_situation() -> None:
+def test_another_oracle_is_another_situation() -> None:
     assert count_situations([[violation(0.0), violation(0.0, oracle="speeding")]]) == (2,)
 
 
@@ -32,7 +32,7 @@ def test_what_fills_a_scenario_evenly_stays_apart() -> None:
     assert many == 4
 
 
-def test_who_found_it_does_not_matter() -> None:
+def test_the_order_of_campaigns_does_not_matter() -> None:
     random = np.random.default_rng(5)
     found = [violation(x, time=t) for x, t in random.uniform(0.0, 100.0, (60, 2))]
     one, other = found[:30], found[30:]
@@ -42,7 +42,7 @@ def test_who_found_it_does_not_matter() -> None:
     assert max(count_situations([one, other])) <= together
 
 
-def test_without_features_all_of_a_rule_are_one() -> None:
+def test_without_features_all_of_an_oracle_are_one_group() -> None:
     bare = Verdict(oracle="destination", ego="ego_0", outcome=Outcome.VIOLATED, message="")
     assert count_situations([[bare, bare], [bare]]) == (1, 1)
 

@@ -69,7 +69,7 @@ def test_holm_never_lowers_and_keeps_the_order(values: list[float]) -> None:
     assert np.all(np.diff(np.array(corrected)[order]) >= 0.0)
 
 
-def test_samples_that_say_nothing_are_refused() -> None:
+def test_unusable_samples_are_refused() -> None:
     with pytest.raises(CampaignError, match="1 repetitions"):
         compare_samples([1.0], [1.0, 2.0])
     with pytest.raises(CampaignError, match="not finite"):

@@ -58,7 +58,7 @@ def method(name: str = "avfuzzer", **changes: Any) -> dict[str, Any]:
     return {"name": name, **changes}
 
 
-def test_groups_are_called_like_their_testers(catalogues: Catalogues) -> None:
+def test_methods_are_named_after_their_testers(catalogues: Catalogues) -> None:
     found = methods(
         catalogues,
         record(1),
@@ -101,7 +101,7 @@ def test_parameters_of_a_tester_that_is_not_here_are_told_apart(catalogues: Cata
     assert found == ["gone (speed default)", "gone (speed 2)"]
 
 
-def test_components_and_lookahead_set_groups_apart(catalogues: Catalogues) -> None:
+def test_components_and_lookahead_make_different_methods(catalogues: Catalogues) -> None:
     found = methods(
         catalogues,
         record(1, tester=method()),
@@ -124,7 +124,7 @@ def test_scenarios_of_one_town_are_told_apart_by_what_is_in_them(catalogues: Cat
         [record(1), record(2, scenario=other), record(3, scenario=driven)], catalogues.testers
     )
     names = [campaign.subject.scenario for campaign in compared]
-    # Who drives is the campaign's choice, and no part of the scenario.
+    # The agent is the campaign's choice, and no part of the scenario.
     assert names[0] == names[2] != names[1]
     assert all(name.startswith("tee-town (") for name in names)
     assert compared_campaigns([record(1)], catalogues.testers)[0].subject.scenario == "tee-town"
@@ -139,7 +139,7 @@ def test_scenarios_of_one_town_are_told_apart_by_what_is_in_them(catalogues: Cat
         ({"agent": {"name": "idm", "parameters": {"time_gap": 2}}}, "agent parameters: .*time_gap"),
     ],
 )
-def test_what_differs_in_more_than_the_method_is_refused(
+def test_campaigns_that_differ_in_more_than_the_method_are_refused(
     catalogues: Catalogues, changes: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(CampaignError, match=f"id-1 .* and id-2 .* the method: {message}"):

@@ -1,4 +1,4 @@
-"""What an agent changes of the code that simulates and judges is found, and named."""
+"""Changes by an agent to the code that simulates and judges are found, and named."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _FTZ_AND_DAZ = 0x8040
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """Something that code can do to its process, how to undo it, and how it is named then."""
+    """A change that code can make to its process, its undoing, and its name."""
 
     do: Callable[[], object]
     undo: Callable[[], object]
@@ -340,7 +340,9 @@ def test_a_feedback_that_changes_its_judge_is_told_from_the_agent(
     assert not report.verdicts
 
 
-def test_an_agent_that_makes_our_code_raise_is_to_blame(drive: Callable[..., RunReport]) -> None:
+def test_an_exception_caused_by_an_agent_is_attributed_to_it(
+    drive: Callable[..., RunReport],
+) -> None:
     change = replaced(
         trace_assembly, next(iter(functions_of(trace_assembly))), None, "trace_assembly"
     )

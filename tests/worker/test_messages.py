@@ -211,7 +211,7 @@ def test_nothing_is_waited_for() -> None:
     writing.close()
 
 
-def test_a_message_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_message_that_does_not_end_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(channel, "_WHOLE_WITHIN_S", 0.05)
     ours, theirs = socket.socketpair()
     reading = Channel(ours)

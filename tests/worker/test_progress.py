@@ -1,4 +1,4 @@
-"""The board is read as a file: whatever is done to it, the reader goes on."""
+"""The board is read as a file: no change of it stops the reader."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several egos from genes: on routes near the seed's that get in one another's way."""
+"""Several egos from genes: on conflicting routes near the seed's."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_egos_of_the_seed_keep_their_ids() -> None:
     ids = [ego.id for ego in space.scenario(values).ego_vehicles]
     # The third would be ego_2, which is taken.
     assert ids == ["mine", "ego_2", "ego_2.1"]
-    # Who looks a violation's actors up among the genes finds the right ones.
+    # The actors of a violation can be found among the genes.
     assert [block.actor for block in space.genes.of(Part.EGO)] == ids
 
 
@@ -113,7 +113,7 @@ def test_routes_that_meet_are_preferred() -> None:
     assert conflicts[0].sum() >= 4
 
 
-def test_it_says_so_where_there_is_no_further_route() -> None:
+def test_a_missing_further_route_is_an_error() -> None:
     seed = seed_scenario("tee-town")
     far = MapRegion(
         town="tee-town", region_segment=Region(min_x=-2.0, max_x=-1.0, min_y=-2.0, max_y=-1.0)

@@ -1,4 +1,4 @@
-"""The ways that NPC vehicles choose from."""
+"""The paths that NPC vehicles choose from."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_no_way_leaves_the_region_of_the_seed() -> None:
         assert (path.path.line <= high).all()
 
 
-def test_it_says_so_where_there_is_no_way() -> None:
+def test_a_missing_path_is_an_error() -> None:
     route = space_around("tee-town").routes[0].path
     nowhere = Region(min_x=-1.0, max_x=1.0, min_y=-1.0, max_y=1.0)
     with pytest.raises(SearchError, match=r"within 80 m of the egos' routes .*raise `reach`"):

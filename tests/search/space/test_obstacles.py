@@ -1,4 +1,4 @@
-"""Obstacles from genes: near an ego's way, never in it."""
+"""Obstacles from genes: near an ego's path, never on it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How ways lie to a route, on a road whose lanes are known."""
+"""The relations of walks to a route, on a road with known lanes."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_lanes_of_one_road(lane: int, start: float, end: float, relation: Relati
     assert closest_relation(walk, [surroundings()]) is relation
 
 
-def test_how_much_of_a_lane_is_near() -> None:
+def test_the_length_of_a_lane_within_reach() -> None:
     around = surroundings()
     low, high = around.stretch_within(EAST) or (0.0, 0.0)
     assert (low, high) == pytest.approx((450.0, 750.0), abs=2.1)

@@ -59,7 +59,7 @@ def test_a_fast_car_has_room_to_brake_for_a_slow_one() -> None:
     assert not too_near(car(0.0), car(room - 1.5, speed=12.0))
 
 
-def test_who_appears_when_the_other_has_left_is_not_near() -> None:
+def test_an_ego_that_appears_after_the_other_has_left_is_not_near() -> None:
     later = Start(pose=Pose(x=0.0, y=0.0, yaw=0.0), length=1.0, width=1.0, appears=3.0, until=3.0)
     waiting = Start(pose=Pose(x=0.0, y=0.0, yaw=0.0), length=4.0, width=2.0, until=5.0)
     assert not too_near(later, car(0.0))
@@ -75,7 +75,7 @@ def mover(room: float = 100.0, alternatives: tuple[tuple[int, float], ...] = ())
     return Mover(start=start, room=lambda _values: room, shift_gene=0, alternatives=alternatives)
 
 
-def test_who_is_free_stays() -> None:
+def test_an_actor_at_a_free_place_stays() -> None:
     values, taken = np.array([0.5, 0.0]), [car(0.0)]
     settle(values, mover(), taken)
     assert values.tolist() == [0.5, 0.0]
@@ -104,7 +104,7 @@ def test_an_alternative_is_taken_where_the_whole_path_is_taken() -> None:
     assert values.tolist() == [0.3, 3.5]
 
 
-def test_what_cannot_be_placed_stays_as_it_was() -> None:
+def test_an_actor_without_a_free_place_is_not_moved() -> None:
     values, taken = np.array([0.3, 0.0]), [car(0.0)]
     settle(values, mover(4.0, alternatives=((1, 0.5),)), taken)
     assert values.tolist() == [0.3, 0.0]

@@ -26,7 +26,7 @@ def test_samples_run_to_their_end() -> None:
     for town in ("tee-town", "signal-grid", "roundabout"):
         for report in reports(space_around(town), 4):
             assert report.status is RunStatus.FINISHED
-            # Nobody was doomed by the way it began.
+            # No collision was unavoidable from the start.
             assert report.sim_time_s > 3.0
 
 

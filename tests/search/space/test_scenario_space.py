@@ -88,7 +88,7 @@ def test_a_decoded_scenario_is_what_its_document_validates_to(number: int, town:
 
 @settings(max_examples=25)
 @given(number=st.integers(0, 2**32 - 1), town=st.sampled_from(SHIPPED))
-def test_nobody_starts_near_an_ego_or_in_another(number: int, town: str) -> None:
+def test_no_actor_starts_near_an_ego_or_in_another_actor(number: int, town: str) -> None:
     space = space_around(town, replace(ONE_EGO, vehicles=6))
     plan = plan_episode(space.scenario(drawn(space, number)), space.network)
     (ego,) = plan.egos
@@ -145,7 +145,7 @@ def test_blocks_are_named_and_laid_out_as_agreed() -> None:
     }  # fmt: skip
 
 
-def test_absent_actors_are_not_there() -> None:
+def test_absent_actors_are_left_out() -> None:
     space = space_around("tee-town", FULL)
     values = drawn(space, 1)
     for block in space.genes.blocks:

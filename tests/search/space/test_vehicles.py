@@ -74,7 +74,7 @@ def test_the_planned_way_is_the_path_in_real_towns(shared_data: Path) -> None:
 
 
 @pytest.mark.parametrize("town", ["tee-town", "arterial"])
-def test_every_path_is_driven_by_somebody(town: str) -> None:
+def test_every_path_is_driven_by_a_vehicle(town: str) -> None:
     space = space_around(town, ONE)
     for number, path in enumerate(space.paths):
         values = with_genes(space, middle(space), path=number, start=0.0)

@@ -64,7 +64,7 @@ def play(
     parameters: Mapping[str, Any] | None = None,
     components: Components | None = None,
 ) -> list[Evaluation]:
-    """Returns the first evaluations of a search in which a scenario costs what is said."""
+    """Returns the first evaluations of a search with given costs of scenarios."""
     context = TesterContext(space=SPACE, random=np.random.default_rng(seed), budget=count)
     settings = replace(AvfuzzerParameters(), **(parameters or {}))
     tester: Tester = AVFUZZER.create(context, settings, components or Components())
@@ -86,7 +86,7 @@ def play(
 
 
 def by_generation(*bests: float) -> Cost:
-    """Returns costs by generation; those after the last are as the last."""
+    """Returns costs by generation; later ones equal the last."""
 
     def cost(number: int, proposal: Proposal) -> float:
         return bests[min(proposal.generation, len(bests) - 1)]
@@ -172,7 +172,7 @@ def test_pairs_are_crossed_at_their_rate() -> None:
 
 
 class KeepAll:
-    """Keeps everybody."""
+    """Keeps all candidates."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
         return np.arange(count)
@@ -189,7 +189,7 @@ def test_only_scenarios_that_changed_are_run_again() -> None:
 
 
 def test_what_was_not_run_again_keeps_its_cost() -> None:
-    """With the best chosen always, nothing else than the best can be a parent."""
+    """If the best is always chosen, only the best is a parent."""
     told = play(random_cost, 120, components=Components(selection=BestOnly()))
     best = min(told[:4], key=lambda e: measured(e))
     first, second = generations(told)[1:3]
@@ -200,7 +200,7 @@ def test_what_was_not_run_again_keeps_its_cost() -> None:
 
 
 class BestOnly:
-    """Takes the best as often as is wanted."""
+    """Takes the best ``count`` times."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
         return np.full(count, int(np.argmin(objectives[:, 0])))
@@ -224,7 +224,7 @@ def test_parents_are_drawn_by_roulette() -> None:
     assert counts / counts.sum() == pytest.approx(chances, abs=0.06)
 
 
-def test_where_nothing_gets_better_it_starts_again_after_five_generations() -> None:
+def test_it_restarts_after_five_generations_without_improvement() -> None:
     told = play(by_generation(5.0), 80, parameters=ALWAYS)
     assert origins(told)[:14] == [
         "initial",
@@ -286,19 +286,19 @@ def test_a_restart_draws_as_many_candidates_as_is_said() -> None:
 FALLING = by_generation(*np.arange(20.0, 0.0, -1.0))
 
 
-def test_a_new_best_is_searched_around_at_the_earliest_after_two_generations() -> None:
+def test_local_searches_start_at_the_earliest_after_two_generations() -> None:
     told = play(FALLING, 60, parameters=ALWAYS)
     expected = ["initial", *["mutation"] * 3, *["local mutation"] * 5, "mutation"]
     assert origins(told)[:10] == expected
 
 
-def test_a_new_best_right_after_a_restart_is_not_searched_around() -> None:
+def test_no_local_search_starts_right_after_a_restart() -> None:
     cost = by_generation(*[5.0] * 6, 4.0, 3.0, 2.0, 1.0, 0.0)
     told = play(cost, 70, parameters=ALWAYS)
     assert origins(told)[6:11] == ["restart", *["mutation"] * 3, "local mutation"]
 
 
-def test_what_is_no_new_best_is_not_searched_around() -> None:
+def test_no_local_search_starts_without_a_new_best() -> None:
     told = play(by_generation(5.0, 5.0, 5.0, 5.0, 5.0, 5.0), 24, parameters=ALWAYS)
     assert not any("local" in origin for origin in origins(told))
 
@@ -325,7 +325,7 @@ def test_a_local_search_mutates_one_and_a_half_times_as_often() -> None:
 
 
 @pytest.mark.parametrize(("found", "replaces"), [(-5.0, True), (30.0, False)])
-def test_what_a_local_search_finds_replaces_the_best_if_it_is_better(
+def test_the_result_of_a_local_search_replaces_the_best_if_it_is_better(
     found: float, replaces: bool
 ) -> None:
     costs = by_generation(20.0, 19.0, 18.0, 17.0, found, 30.0, 30.0, 30.0, 30.0, 16.0)
@@ -338,7 +338,7 @@ def test_what_a_local_search_finds_replaces_the_best_if_it_is_better(
     assert replaces or parent in [e.number for e in groups[3]]
 
 
-def test_what_a_local_search_found_is_no_new_best_once_more() -> None:
+def test_the_result_of_a_local_search_starts_no_further_one() -> None:
     costs = by_generation(20.0, 19.0, 18.0, 17.0, -5.0, 30.0, 30.0, 30.0, 30.0, 16.0, 15.0)
     told = play(costs, 48, parameters=ALWAYS)
     assert origins(told)[9:11] == ["mutation", "mutation"]
@@ -381,7 +381,7 @@ class Nothing:
         return values.copy()
 
 
-def test_a_mutation_that_changes_nothing_does_not_make_it_turn_for_ever() -> None:
+def test_a_mutation_that_changes_nothing_does_not_loop_for_ever() -> None:
     nothing = Components(mutation=Nothing())
     assert len(play(random_cost, 60, parameters={"crossover_rate": 0.0}, components=nothing)) >= 60
 

@@ -1,4 +1,4 @@
-"""BehAVExplor: what is asked when, who joins the corpus, and what a telling changes."""
+"""BehAVExplor: the order of proposals, the corpus, and the effects of evaluations."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class TestBehavexplor(TesterContract):
 
 
 class Play:
-    """Asks a tester and tells it what a test wants it to hear."""
+    """Asks a tester and tells it given evaluations."""
 
     def __init__(
         self,
@@ -93,7 +93,7 @@ class Play:
         self.told += 1
 
     def begin(self, *words: str, degree: float = 0.5) -> list[Seed]:
-        """Tells the first candidates; gives the corpus."""
+        """Tells the first candidates; returns the corpus."""
         self.ask(len(words))
         for word in words:
             self.tell(word, degree)
@@ -206,7 +206,7 @@ def test_a_kept_child_starts_with_its_gain_and_novelty() -> None:
     assert seed.energy == pytest.approx(1.0 + 0.5 * (0.2 + 0.5))
 
 
-def test_a_telling_changes_the_energy_of_the_parent_alone() -> None:
+def test_an_evaluation_changes_the_energy_of_the_parent_alone() -> None:
     play = begun("aaaa", "aaaa", "aaaa")
     (child,) = play.ask()
     play.tell("aaaa", 0.5)
@@ -270,7 +270,7 @@ def test_asking_for_several_does_not_change_the_corpus() -> None:
     assert [seed.energy for seed in play.tester.corpus] == before
 
 
-def test_a_seed_without_energy_is_left_alone_while_others_have_some() -> None:
+def test_a_seed_without_energy_is_not_drawn_while_others_have_some() -> None:
     play = begun("aaaa", "bbbb")
     play.tester.corpus[0].energy = 0.0
     assert {p.parents for p in play.ask(40)} == {(1,)}

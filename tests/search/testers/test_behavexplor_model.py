@@ -1,4 +1,4 @@
-"""Label sequences, their distance, and the clusters that they are made of."""
+"""Label sequences, their distance, and their clusters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""DoppelTest: the contract of testers, survival, and what is told apart as new."""
+"""DoppelTest: the contract of testers, survival, and new violations."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class TestDoppelTest(TesterContract):
 def play_generation(
     method: DoppelTest, objectives: list[tuple[float | None, ...]]
 ) -> tuple[list[int], tuple[Proposal, ...]]:
-    """Evaluates the seeds; gives the numbers of the survivors of all, and the children."""
+    """Evaluates the seeds; returns the numbers of the survivors of all, and the children."""
     script = method.script()
     seeds = next(script)
     children = script.send(tuple(evaluated(i, seed, objectives[i]) for i, seed in enumerate(seeds)))
@@ -129,7 +129,7 @@ def test_the_best_of_parents_and_children_survive() -> None:
     assert {parent for child in grown for parent in child.parents} <= {0, 2, 4, 6}
 
 
-def test_whoever_is_best_in_anything_survives() -> None:
+def test_the_best_of_any_objective_survives() -> None:
     small = DoppelTestParameters(population=3, offspring=3)
     method = DoppelTest(context(), small, Components())
     survivors, _ = play_generation(
@@ -172,7 +172,7 @@ def test_what_is_not_measurable_is_worst() -> None:
     assert sorted(survivors) == [1, 2]
 
 
-def test_who_was_not_judged_is_nobodys_parent() -> None:
+def test_a_candidate_that_was_not_judged_is_no_parent() -> None:
     method = DoppelTest(context(), DoppelTestParameters(), Components())
     script = method.script()
     seeds = next(script)
@@ -277,7 +277,7 @@ LOG_VALUES = SPACE.lows.copy()
 
 
 def at_paths(*paths: int, walker: int = 0) -> FloatArray:
-    """Returns genes of egos on paths, and of a first walker who crosses an ego's way."""
+    """Returns genes of egos on paths, and of a first walker that crosses an ego's path."""
     values = LOG_VALUES.copy()
     for block, path in zip(SPACE.of(Part.EGO), paths, strict=False):
         values[block.index("path")] = path
@@ -304,7 +304,7 @@ def test_the_same_violation_on_the_same_routes_is_not_new() -> None:
     ) == [1, 0, 1]
 
 
-def test_another_rule_is_new_on_the_same_route() -> None:
+def test_another_oracle_is_a_new_violation_on_the_same_route() -> None:
     assert news(
         (at_paths(1), violated("red_light", "ego_0")),
         (at_paths(1), violated("speeding", "ego_0")),

@@ -1,4 +1,4 @@
-"""DoppelTest's sections, seeds, crossover and mutation: what they change, and how often."""
+"""DoppelTest's sections, seeds, crossover and mutation: their changes and probabilities."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class TestSections:
         egos.add(values, np.array([1.0, 5.0, 0.5, 0.0]))
         assert [path for path, _, _ in egos_of(values)] == [1, 2, 5, 4]
 
-    def test_taking_one_away_moves_nobody_else(self) -> None:
+    def test_removing_an_actor_does_not_move_the_others(self) -> None:
         egos, values = self.section()
         egos.remove(values, 2)
         assert egos.taken(values) == [0, 1, 3]
@@ -121,7 +121,7 @@ class TestSections:
         CHROMOSOME.egos.remove(other, 2)
         assert np.array_equal(one, other)
 
-    def test_how_few_and_how_many_there_may_be(self) -> None:
+    def test_numbers_of_egos_at_the_limits(self) -> None:
         assert (CHROMOSOME.egos.least, CHROMOSOME.egos.most) == (2, 5)
         assert (CHROMOSOME.walkers.least, CHROMOSOME.walkers.most) == (0, 4)
 
@@ -239,7 +239,7 @@ class TestMutation:
             assert np.array_equal(child[kept], values[kept])
             assert (child[drawn] != values[drawn]).all()
 
-    def test_where_nobody_walks_somebody_begins_to(self) -> None:
+    def test_a_walker_is_added_if_there_is_none(self) -> None:
         values = candidate((1, 0.5, 0), (2, 0.5, 3))
         children = [c for c in mutated(values) if changed_parts(values, c) == {Part.WALKER}]
         assert {len(walkers_of(child)) for child in children} == {1}
@@ -273,7 +273,7 @@ class TestMutation:
 
 
 class TestCrossover:
-    """A section of one parent has to do with the other's."""
+    """One section of a parent is changed by the other's."""
 
     FIRST = candidate((1, 0.1, 0), (2, 0.2, 3), walkers=1, seed=1)
     SECOND = candidate((4, 0.6, 0), (5, 0.7, 4), (3, 0.8, 6), walkers=2, seed=5)
@@ -323,7 +323,7 @@ class TestCrossover:
             assert len(set(paths)) == len(paths)
             assert set(paths) <= pool
 
-    def test_nobody_is_added_to_five(self) -> None:
+    def test_no_ego_is_added_to_five(self) -> None:
         full = candidate(*[(float(i), 0.1 * i, float(i)) for i in range(5)])
         other = candidate((5, 0.5, 0), (5, 0.6, 2))
         assert all(2 <= len(egos_of(child)) <= 5 for child in crossed(full, other))

@@ -28,7 +28,7 @@ class TestSamota(TesterContract):
 
 
 class TestSamotaWithItsOwnObjectives(TesterContract):
-    """Six objectives, of which nobody ever measures one, and one never changes."""
+    """Six objectives; one is never measurable, and one never changes."""
 
     plugin = SAMOTA
     objectives = SamotaFeedback().objectives
@@ -48,7 +48,7 @@ Objectives = Callable[[FloatArray], dict[str, float | None]]
 
 
 class Campaign:
-    """Plays a search phase by phase."""
+    """Runs a search phase by phase."""
 
     def __init__(
         self,
@@ -190,7 +190,7 @@ def test_both_ends_of_every_gene_come_up() -> None:
 
 
 class _Calls:
-    """A mutation and a selection that count how often they are asked."""
+    """A mutation and a selection that count their calls."""
 
     def __init__(self) -> None:
         self.mutations = self.selections = 0
@@ -229,7 +229,7 @@ class TestAdaptiveRandom:
         plain = [space.sample(random, 20) for _ in range(20)]
         assert _nearest(spread) > np.mean([_nearest(points) for points in plain]) * 1.5
 
-    def test_a_pool_of_one_is_plain_random(self) -> None:
+    def test_a_pool_of_one_is_random_testing(self) -> None:
         space = line(2)
         adaptive, random = AdaptiveRandom(space, pool=1), np.random.default_rng(1)
         drawn = np.stack([adaptive.draw(random) for _ in range(5)])

@@ -56,7 +56,7 @@ class TestPreferenceSorting:
         assert preferred_rows(np.array([[0.5, 0.5], [0.0, 0.0]])).tolist() == [1]
 
     @given(hnp.arrays(float, (8, 3), elements=st.floats(0.0, 1.0)), st.integers(1, 8))
-    def test_the_best_of_each_objective_come_first_and_nobody_twice(
+    def test_the_best_of_each_objective_come_first_and_each_row_once(
         self, objectives: FloatArray, count: int
     ) -> None:
         order = PreferenceSorting().select(objectives, count, np.random.default_rng(0))
@@ -153,7 +153,7 @@ class TestMosa:
         self.search(threshold=100.0, predict=predict)
         assert calls == [40]
 
-    def test_what_is_known_is_not_wanted(self) -> None:
+    def test_known_candidates_are_left_out(self) -> None:
         found = self.search(known=lambda values: values[0] < 1.0)
         for values in (*found.best, *found.uncertain):
             assert values is not None

@@ -43,7 +43,7 @@ def test_a_generation_is_proposed_as_there_is_room_and_waited_for() -> None:
     assert seen == [(0, 1, 2), (), (3,)]
 
 
-def test_refused_asking_and_telling_spoils_nothing() -> None:
+def test_refused_ask_and_tell_change_nothing() -> None:
     tester = ScriptedTester(script([]))
     with pytest.raises(SearchError, match="room"):
         tester.ask(0)

@@ -129,8 +129,8 @@ def _changed(
     one: Offspring, values: FloatArray, origin: str, parents: Population = ()
 ) -> Offspring:
     origins = one.origins if origin in one.origins else (*one.origins, origin)
-    everyone = {parent.number: parent for parent in (*one.parents, *parents)}
-    return Offspring(values=values, origins=origins, parents=tuple(everyone.values()))
+    unique = {parent.number: parent for parent in (*one.parents, *parents)}
+    return Offspring(values=values, origins=origins, parents=tuple(unique.values()))
 
 
 def proposal(offspring: Offspring, generation: int, prefix: str = "") -> Proposal:
