@@ -14,7 +14,7 @@ EVERY_S = 60.0
 
 
 @dataclass(slots=True)
-class _Said:
+class _FaultState:
     """The state of a fault in the log.
 
     Attributes:
@@ -49,7 +49,7 @@ class FaultLog:
             clock: Returns seconds that never go backwards.
         """
         self._log, self._every_s, self._clock = log, every_s, clock
-        self._said: dict[str, _Said] = {}
+        self._said: dict[str, _FaultState] = {}
         self._lock = threading.Lock()
 
     def error(self, fault: str, **values: object) -> None:
@@ -64,7 +64,7 @@ class FaultLog:
             if said is not None and now - said.at < self._every_s:
                 said.left_out += 1
                 return
-            self._said[fault] = _Said(at=now)
+            self._said[fault] = _FaultState(at=now)
         if said is not None and said.left_out:
             values["left_out"] = said.left_out
         self._log.error(fault, **values)

@@ -43,7 +43,7 @@ delay all others: with 40, health was answered after 180 ms, with 12 after 100 m
 _SHUTDOWN_S = 20.0
 """Seconds in which the server must shut down once nothing is running; then it is ended."""
 
-_HURRY_S = 5.0
+_SECOND_SIGNAL_S = 5.0
 """The same after a second signal."""
 
 _NOT_DONE = 3
@@ -185,7 +185,7 @@ class _Server(uvicorn.Server):
             threading.Thread(target=self._drain, args=(sig, frame), name="drain").start()
             return
         self._service.hurry()
-        self._ending.within(_HURRY_S)
+        self._ending.within(_SECOND_SIGNAL_S)
         self.config.timeout_graceful_shutdown = 1
         super().handle_exit(sig, frame)
 

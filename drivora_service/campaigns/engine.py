@@ -298,9 +298,9 @@ def _compare(waiting: _Waiting, stored: EvaluationRecord) -> None:
     else:
         return
     raise CampaignError(
-        f"evaluation {waiting.number} has {what} than when it was first made: the program, a "
-        "plug-in or the road network has changed since. Resume the campaign with what it was begun "
-        "with, or begin a new one"
+        f"evaluation {waiting.number} has {what} than the stored one: the program, a plug-in or "
+        "the road network has changed since. Resume the campaign with the original versions, or "
+        "start a new one"
     )
 
 

@@ -22,7 +22,7 @@ from drivora_service.store.database import open_database
 from drivora_service.store.traces import TraceFolder
 from drivora_service.worker.parent_death import die_with_parent
 
-NOT_MINE = 75
+CANNOT_RUN = 75
 """Exit code of a process that cannot run its campaign now: another process runs it, it is not
 queued, or the database cannot be used."""
 
@@ -117,7 +117,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         print(f"campaign {campaign_id}: {error}", flush=True)
         if isinstance(error, PluginError):
             print(error.log, flush=True)
-        sys.exit(NOT_MINE if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
+        sys.exit(CANNOT_RUN if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
     finally:
         database.close()
     print(f"campaign {campaign_id} is {ended.state}", flush=True)

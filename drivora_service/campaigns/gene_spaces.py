@@ -6,7 +6,7 @@ import threading
 from collections import OrderedDict
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.ground import ground_of
+from drivora_service.campaigns.searched_space import searched_space_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.search.genes import GeneSpace
 from drivora_service.store.campaign_records import CampaignRecord
@@ -43,6 +43,6 @@ class GeneSpaces:
 
     def _build(self, record: CampaignRecord) -> GeneSpace | None:
         try:
-            return ground_of(record, self._catalogues).space
+            return searched_space_of(record, self._catalogues).space
         except (CampaignError, InvalidDocument, NetworkError, SearchError):
             return None

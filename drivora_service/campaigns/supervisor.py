@@ -12,7 +12,7 @@ from multiprocessing.process import BaseProcess
 
 import structlog
 
-from drivora_service.campaigns.engine_process import NOT_MINE, EngineSetup, log_tail, run_engine
+from drivora_service.campaigns.engine_process import CANNOT_RUN, EngineSetup, log_tail, run_engine
 from drivora_service.campaigns.stored import hand_over
 from drivora_service.execution.deaths import signal_name
 from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
@@ -150,7 +150,7 @@ class CampaignSupervisor:
         now = time.monotonic()
         if now >= self._look_at:
             self._look_at = now + _LOOK_S
-            self._look(now)
+            self._poll(now)
 
     def _listen(self) -> bool:
         """Waits for a message or the next poll; returns whether runs were queued."""
@@ -172,7 +172,7 @@ class CampaignSupervisor:
                     words[one].queued = None
         return queued
 
-    def _look(self, now: float) -> None:
+    def _poll(self, now: float) -> None:
         """Starts campaigns for the free room, and ends stopped ones without an engine."""
         with self._database.read() as transaction:
             wanted = transaction.campaigns.to_run()
@@ -180,13 +180,13 @@ class CampaignSupervisor:
             if campaign.id in self._engines or now < self._not_before.get(campaign.id, 0.0):
                 continue
             try:
-                self._look_at_one(campaign.id, campaign.request)
+                self._update_campaign(campaign.id, campaign.request)
             except OSError as error:
                 # An error of its folder or lock must not hold up the other campaigns.
                 self._faults.error("campaign_not_started", campaign=campaign.id, error=repr(error))
                 self._not_before[campaign.id] = now + _RETRY_S
 
-    def _look_at_one(self, campaign_id: str, request: CampaignRequest) -> None:
+    def _update_campaign(self, campaign_id: str, request: CampaignRequest) -> None:
         if self._setup.folder(campaign_id).is_running:
             # A command runs it.
             return
@@ -219,10 +219,10 @@ class CampaignSupervisor:
         with self._database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
         if record.state in (CampaignState.QUEUED, CampaignState.RUNNING):
-            if code == NOT_MINE:
+            if code == CANNOT_RUN:
                 self._not_before[campaign_id] = time.monotonic() + _RETRY_S
             else:
-                self._note_death(campaign_id, code, record.counts.evaluations)
+                self._count_death(campaign_id, code, record.counts.evaluations)
         else:
             _log.info("campaign_ended", campaign=campaign_id, state=record.state)
             self._deaths.pop(campaign_id, None)
@@ -232,7 +232,7 @@ class CampaignSupervisor:
         if engine.queued is not None:
             engine.queued.close()
 
-    def _note_death(self, campaign_id: str, code: int, evaluations: int) -> None:
+    def _count_death(self, campaign_id: str, code: int, evaluations: int) -> None:
         known = self._deaths.get(campaign_id)
         before = known.count if known is not None and known.evaluations == evaluations else 0
         deaths = _Deaths(count=before + 1, evaluations=evaluations)

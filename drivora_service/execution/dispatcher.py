@@ -149,7 +149,7 @@ class Dispatcher:
 
     def _turn(self) -> None:
         self._collect()
-        self._look_for_a_fault()
+        self._withdraw_on_fault()
         self._release_withdrawn()
         if self._unwritten or self._has_room_and_work():
             self._write_and_claim()
@@ -241,7 +241,7 @@ class Dispatcher:
             self._executor.submit(spec)
             self._claimed.popleft()
 
-    def _look_for_a_fault(self) -> None:
+    def _withdraw_on_fault(self) -> None:
         """Withdraws runs that cannot be started."""
         fault = self._executor.fault
         if fault:

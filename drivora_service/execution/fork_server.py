@@ -30,10 +30,10 @@ ENVIRONMENT = {
 }
 """Environment variables with which every process must be started."""
 
-_GONE_S = 5.0
+_EXIT_S = 5.0
 """Seconds within which a process that was killed is gone."""
 
-_TOLD_S = 0.2
+_END_REPORT_S = 0.2
 """Seconds within which a fork server reports the end of a process."""
 
 _log = structlog.get_logger(__name__)
@@ -88,7 +88,7 @@ def _end_stopped_server() -> None:
     if server.is_stopped:
         _log.warning("fork_server_stopped", pid=pid)
         server.kill()
-        until = time.monotonic() + _GONE_S
+        until = time.monotonic() + _EXIT_S
         while server.lives and time.monotonic() < until:
             time.sleep(0.01)
     server.close()
@@ -129,7 +129,7 @@ def kill_process(process: BaseProcess) -> None:
 def forget_process(process: BaseProcess) -> None:
     """Releases a process that has ended; does nothing while its end is not known."""
     # A stopped fork server does not report the end of its children.
-    if wait([process.sentinel], _TOLD_S):
+    if wait([process.sentinel], _END_REPORT_S):
         with _looking:
             process.join()
             process.close()

@@ -18,11 +18,11 @@ from drivora_service.fault_log import FaultLog
 Probe = Callable[[], None]
 """Tries to write; raises ``OSError`` or ``StoreError`` if it cannot."""
 
-_WELL_S = 5.0
-_FAULTY_S = (0.5, 1.0, 2.0, 4.0, 5.0)
+_PROBE_S = 5.0
+_RETRY_S = (0.5, 1.0, 2.0, 4.0, 5.0)
 """Seconds between the probes without and with a fault."""
 
-_SILENT_S = 30.0
+_HANG_S = 30.0
 """Seconds after which a probe that has not returned counts as failed: a network drive hangs."""
 
 _FREE_BYTES = 16 << 20
@@ -80,8 +80,8 @@ class Infrastructure:
     def conditions(self) -> tuple[Condition, ...]:
         """Returns the last result of each probe."""
         begun = self._begun_at
-        silent = begun is not None and time.monotonic() - begun > _SILENT_S
-        hung = f"writing has not ended for {_SILENT_S:g} s; look at its disk" if silent else ""
+        silent = begun is not None and time.monotonic() - begun > _HANG_S
+        hung = f"writing has not ended for {_HANG_S:g} s; look at its disk" if silent else ""
         return tuple(
             Condition(name=name, fault=fault or hung) for name, fault in self._found.items()
         )
@@ -132,7 +132,7 @@ class Infrastructure:
         self._again.clear()
         self._probe()
         failures = self._failures
-        pause = _FAULTY_S[min(failures, len(_FAULTY_S)) - 1] if failures else _WELL_S
+        pause = _RETRY_S[min(failures, len(_RETRY_S)) - 1] if failures else _PROBE_S
         self._again.wait(pause)
 
     def _try(self, name: str, probe: Probe) -> str:

@@ -109,7 +109,7 @@ class KeptWorker:
         try:
             frame = self._channel.read()
             if frame is None:
-                self._hear_keeper()
+                self._receive_keeper()
                 # Messages that it sent before it died count.
                 frame = None if self._exit_code is None else self._channel.read()
         except ChannelClosedError:
@@ -129,9 +129,9 @@ class KeptWorker:
                     raise ProtocolError("it closed its channel")
                 raise KeeperLostError(f"the keeper did not answer within {_ANSWER_S:g} s")
             wait_for((self._control,), _LOOK_S)
-            self._hear_keeper()
+            self._receive_keeper()
 
-    def _hear_keeper(self) -> None:
+    def _receive_keeper(self) -> None:
         try:
             while (frame := self._control.read()) is not None:
                 match message_of(frame):
@@ -168,7 +168,7 @@ class KeptWorker:
             if time.monotonic() > until or self._keeper.is_stopped:
                 raise KeeperLostError("the keeper does not answer")
             wait_for((self._control,), _LOOK_S)
-            self._hear_keeper()
+            self._receive_keeper()
         return self._leftovers or ()
 
     def descendants(self) -> list[int]:
@@ -203,7 +203,7 @@ class KeptWorker:
 
     def _has_begun(self) -> bool:
         with contextlib.suppress(KeeperLostError):
-            self._hear_keeper()
+            self._receive_keeper()
         return self.pid is not None
 
     def _ends(self) -> bool:
@@ -212,7 +212,7 @@ class KeptWorker:
         try:
             while time.monotonic() < until and not self._keeper.is_stopped:
                 wait_for((self._control,), _LOOK_S)
-                self._hear_keeper()
+                self._receive_keeper()
                 if self._exit_code is not None and not self._keeper.lives:
                     return True
         except KeeperLostError:

@@ -16,14 +16,14 @@ from drivora_service.store.database import Database
 from drivora_service.store.file_lock import FileLock
 from drivora_service.store.ids import new_id
 
-SILENCE_S = 30.0
+HEARTBEAT_TIMEOUT_S = 30.0
 """Seconds without a heartbeat after which another server's runs are taken over."""
 
 _log = structlog.get_logger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Seen:
+class _Heartbeat:
     """A heartbeat of another server, and when it was first seen, by the clock of this process."""
 
     heartbeat: datetime
@@ -60,7 +60,7 @@ class Ownership:
         """
         self._database, self._policy, self._commands = database, policy, commands
         self._exclusive, self._is_command, self._clock = exclusive, is_command, clock
-        self._seen: dict[str, _Seen] = {}
+        self._seen: dict[str, _Heartbeat] = {}
         self._lock: FileLock | None = None
         self.owner_id = new_id()
 
@@ -131,5 +131,5 @@ class Ownership:
         for owner_id in servers:
             seen, heartbeat = self._seen.get(owner_id), heartbeats[owner_id]
             if seen is None or seen.heartbeat != heartbeat:
-                self._seen[owner_id] = _Seen(heartbeat=heartbeat, at=now)
-        return dead + [one for one in servers if now - self._seen[one].at >= SILENCE_S]
+                self._seen[owner_id] = _Heartbeat(heartbeat=heartbeat, at=now)
+        return dead + [one for one in servers if now - self._seen[one].at >= HEARTBEAT_TIMEOUT_S]

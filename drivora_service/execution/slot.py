@@ -23,7 +23,7 @@ from drivora_service.execution.deaths import (
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
 from drivora_service.execution.starts import WorkerStarts
-from drivora_service.execution.watch import Look, Watch
+from drivora_service.execution.watch import Sample, Watch
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
@@ -233,7 +233,7 @@ class Slot:
                 return cancelled_report(run_id)
             now = time.monotonic()
             breach = watch.check(
-                Look(
+                Sample(
                     progress=child.progress(),
                     process=child.reading(),
                     descendant_memory=child.descendant_memory(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 
-_LOSSES = 3
+_MAX_LOST_STARTS = 3
 """Consecutive starts lost to a signal or a lack of memory before they count as a fault."""
 
 _FIRST_PAUSE_S = 1.0
@@ -66,7 +66,7 @@ class WorkerStarts:
         with self._lock:
             self._failures[slot] += 1
             failures = self._failures[slot]
-            if certain or failures >= _LOSSES:
+            if certain or failures >= _MAX_LOST_STARTS:
                 self._reasons[slot] = reason
             new = not self._fault and all(self._reasons.values())
             if new:

@@ -10,7 +10,7 @@ from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatu
 TRACE_NOT_WRITTEN = "trace_not_written"
 """Cause of a run whose trace could not be written."""
 
-_SIGNS = ("No space left on device", "Disk quota exceeded", "Read-only file system")
+_FULL_DISK_MESSAGES = ("No space left on device", "Disk quota exceeded", "Read-only file system")
 """Error messages of the operating system for storage that cannot be written to."""
 
 
@@ -22,7 +22,7 @@ def may_be_storage(report: RunReport) -> bool:
     if report.status is RunStatus.INFRASTRUCTURE_FAILED:
         return True
     failure = report.failure
-    return failure is not None and any(sign in failure.message for sign in _SIGNS)
+    return failure is not None and any(sign in failure.message for sign in _FULL_DISK_MESSAGES)
 
 
 def unpreparable_trace(spec: RunSpec, error: OSError) -> AttemptEnd:

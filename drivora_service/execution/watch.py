@@ -27,7 +27,7 @@ _SLEEPING = frozenset("SIKWPXx")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class Sample:
     """A sample of a worker in a run.
 
     Attributes:
@@ -69,41 +69,41 @@ class Watch:
         self._seen: Progress | None = None
         self._in_call = 0.0
 
-    def check(self, look: Look) -> Breach | None:
+    def check(self, sample: Sample) -> Breach | None:
         """Accounts for a sample; returns the first limit that is exceeded."""
-        own = self._account(look)
-        if look.progress != self._seen:
-            self._seen, self._in_call = look.progress, 0.0
+        own = self._account(sample)
+        if sample.progress != self._seen:
+            self._seen, self._in_call = sample.progress, 0.0
         else:
             self._in_call += own
-        in_agent = look.progress.phase is RunPhase.IN_AGENT
-        resident = 0 if look.process is None else look.process.memory_bytes
-        if resident + look.descendant_memory > self._limits.memory_bytes:
-            return self._memory_breach(look, resident)
+        in_agent = sample.progress.phase is RunPhase.IN_AGENT
+        resident = 0 if sample.process is None else sample.process.memory_bytes
+        if resident + sample.descendant_memory > self._limits.memory_bytes:
+            return self._memory_breach(sample, resident)
         if in_agent and self._in_call > self._limits.agent_deadline_s:
             return Breach(
                 status=RunStatus.AGENT_FAILED,
                 failure=RunFailure(
                     cause="agent_hung",
-                    message=f"the agent of ego number {look.progress.ego} did not return from "
-                    f"{look.progress.call} within {self._limits.agent_deadline_s:g} s",
+                    message=f"the agent of ego number {sample.progress.ego} did not return from "
+                    f"{sample.progress.call} within {self._limits.agent_deadline_s:g} s",
                 ),
             )
         if self._passed > self._limits.wall_time_s:
-            return self._time_breach(look.progress)
+            return self._time_breach(sample.progress)
         return None
 
-    def _account(self, look: Look) -> float:
-        """Returns the seconds since the last look that the worker had itself."""
-        elapsed = max(0.0, look.now - self._last)
+    def _account(self, sample: Sample) -> float:
+        """Returns the seconds of the worker's own time since the last sample."""
+        elapsed = max(0.0, sample.now - self._last)
         passed = min(elapsed, _LONGEST_GAP_S)
-        process = look.process
+        process = sample.process
         if process is None or process.state in _SLEEPING:
             own = passed
         else:
             # Several threads may have used more than the wall time.
             own = 0.0 if self._cpu_s is None else min(process.cpu_s - self._cpu_s, elapsed)
-        self._last = look.now
+        self._last = sample.now
         self._cpu_s = self._cpu_s if process is None else process.cpu_s
         self._passed += passed
         self._own += own
@@ -128,14 +128,14 @@ class Watch:
             ),
         )
 
-    def _memory_breach(self, look: Look, resident: int) -> Breach:
+    def _memory_breach(self, sample: Sample, resident: int) -> Breach:
         limit = self._limits.memory_bytes
         started = resident <= limit
-        by_agent = started or look.progress.phase is RunPhase.IN_AGENT
+        by_agent = started or sample.progress.phase is RunPhase.IN_AGENT
         grown = (
             f"the worker grew to {resident >> 20} MiB and the processes that were started in it to "
-            f"{look.descendant_memory >> 20} MiB"
-            if look.descendant_memory
+            f"{sample.descendant_memory >> 20} MiB"
+            if sample.descendant_memory
             else f"the worker grew to {resident >> 20} MiB"
         )
         return Breach(
@@ -143,7 +143,7 @@ class Watch:
             failure=RunFailure(
                 cause="memory_limit",
                 message=f"{grown}, beyond the limit of {limit >> 20} MiB; "
-                f"it was {_where(look.progress)}",
+                f"it was {_where(sample.progress)}",
             ),
         )
 

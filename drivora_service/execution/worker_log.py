@@ -9,7 +9,7 @@ from pathlib import Path
 
 _TAIL_BYTES = 16_384
 _TAIL_LINES = 40
-_KEPT = 256 << 10
+_KEPT_BYTES = 256 << 10
 """Bytes at the end of a log that are kept when it is cut."""
 
 
@@ -74,7 +74,7 @@ class WorkerLog:
         size = self._size()
         if size <= self._longest:
             return
-        kept = os.pread(self._file, _KEPT, size - _KEPT)
+        kept = os.pread(self._file, _KEPT_BYTES, size - _KEPT_BYTES)
         os.ftruncate(self._file, 0)
         line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
         os.write(self._file, line + kept)

@@ -66,7 +66,7 @@ class NewCampaign:
         town: Name of the road network, for lists.
         network_sha256: Hash of the network's file.
         budget: Simulations.
-        versions: Versions of what takes part in the search, by name.
+        versions: Versions of the software that determines the search, by name.
     """
 
     name: str
@@ -87,13 +87,13 @@ class CampaignCounts(Shape):
         evaluations: Candidates, simulated or not.
         judged: Candidates that were simulated and judged.
         invalid: Candidates that were no valid scenario; not simulated.
-        failed: Candidates whose run had no result.
+        failed: Candidates without a result of their run.
         violating: Candidates with at least one failure.
         at_fault: Candidates with a failure for which an ego is known to be responsible.
-        avoidable: Candidates with a failure that a careful and competent driver avoids; null where
+        avoidable: Candidates with a failure that a careful and competent driver avoids; null if
             the campaign was judged before this was recorded.
         unavoidable: Candidates at fault with no failure that this driver avoids.
-        undetermined: Candidates whose fault cannot be determined.
+        undetermined: Candidates with failures of undetermined fault only.
     """
 
     evaluations: int = 0
@@ -187,9 +187,9 @@ class CampaignRecord(CampaignSummary):
 
     Attributes:
         best: Best scores by the objectives of its tester's feedback.
-        document: As it was posted, defaults filled in.
+        document: As posted, with defaults filled in.
         network_sha256: Hash of the road network's file.
-        versions: Versions of what takes part in the search, by name.
+        versions: Versions of the software that determines the search, by name.
     """
 
     best: Mapping[str, BestScore] = field(default_factory=dict)
@@ -206,10 +206,10 @@ class EvaluationRecord:
         number: In the order of asking, from 0.
         proposal: The proposal with its repaired values.
         status: See ``search.tester``.
-        document_sha256: Hash of the canonical scenario; "" where the candidate is none.
+        document_sha256: Hash of the canonical scenario; "" if there is none.
         report: Report of its run; of an invalid candidate, its problems.
-        violations: Those that count as failures, in the order of their times.
-        failure_kinds: One a violation: kinds of failure, see ``campaigns.failure_kinds``.
+        violations: Violations that count as failures, in the order of their times.
+        failure_kinds: Kind of each violation, see ``campaigns.failure_kinds``.
         search_s: Seconds of the tester's work since the evaluation before.
         prepare_s: Seconds of repairing, decoding and checking.
     """
@@ -246,10 +246,10 @@ class EvaluationSummary(Shape):
         scenario_sha256: Empty if it is no valid scenario.
         violations: Number of failures.
         at_fault_violations: Those for which an ego is responsible.
-        accountability: The strongest of its failures; null without one, or where it was judged
-            before this was recorded.
+        accountability: The strongest of its failures; null without one, or if it was judged before
+            this was recorded.
         failure_kinds: Kind of each failure.
-        objectives: Of the tester's feedback, to be minimised, by name; null: not measurable.
+        objectives: Objectives of the tester's feedback, to be minimised; null: not measurable.
         cause: Why it has no result, as in `error`; empty if it has one.
         told_at: When the tester was told.
     """
@@ -296,14 +296,14 @@ class FailureKind(Shape):
     """Failures of one kind. All numbers but `violations` count simulations.
 
     Attributes:
-        kind: Oracle, place, and how the other actor stood to the ego.
+        kind: Oracle, place, and relation of the other actor to the ego.
         failures: Simulations with a failure of this kind, each once.
         violations: Violations of this kind in them.
         at_fault: Those with an ego at fault.
         avoidable: Those at an ego's fault that could be avoided.
-        confirmed: Those that happened again in an identical run.
-        flaky: Those that did not.
-        first: Number of the first evaluation that showed it.
+        confirmed: Those that an identical run confirmed.
+        flaky: Those that it did not.
+        first: Number of the first evaluation with it.
         groups: Groups of similar ones; null until they are grouped.
     """
 
@@ -320,13 +320,13 @@ class FailureKind(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure(Shape):
-    """A violation that a campaign found.
+    """A failure of a campaign.
 
     Attributes:
         evaluation: Number of the evaluation.
-        place: Among the failures of that evaluation, from 0.
-        kind: Oracle, place, and how the other actor stood to the ego.
-        confirmation: Whether it happened again in an identical run.
+        place: Place among the failures of that evaluation, from 0.
+        kind: Oracle, place, and relation of the other actor to the ego.
+        confirmation: Whether an identical run confirmed it.
         group: Number of the group of similar failures, within its oracle's; null until grouped.
         trace: Name of the file with the trace of the identical run; empty until then.
     """

@@ -1,4 +1,4 @@
-"""The runs of campaigns that the service runs: one batch a campaign, one run an evaluation."""
+"""The runs of campaigns on a service: one batch a campaign, one run an evaluation."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaigns import campaign_row
-from drivora_service.store.endings import forget_report
+from drivora_service.store.endings import reset_run
 from drivora_service.store.records import BatchState, NewRun, Priority
 from drivora_service.store.revisions import latest_revision
 from drivora_service.store.submitting import store_documents, submit_runs
 from drivora_service.store.tables import BatchRow, RunRow
 
-_SAYS_NOTHING = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
-"""Ends of runs that say nothing of what was run, so that it is to be run again."""
+_WITHOUT_RESULT = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
+"""Statuses of runs without a result of the scenario, which are run again."""
 
 
 class CampaignRunRepository:
@@ -29,10 +29,10 @@ class CampaignRunRepository:
         self._session = session
 
     def open(self, campaign_id: str) -> str:
-        """Has the runs of a campaign handed out from now on.
+        """Opens the batch of a campaign's runs.
 
         Returns:
-            The id of their batch, which is made if there is none.
+            The id of the batch, which is made if there is none.
 
         Raises:
             UnknownName: There is no such campaign.
@@ -49,14 +49,14 @@ class CampaignRunRepository:
         return campaign.batch_id
 
     def put(self, batch_id: str, run: NewRun) -> None:
-        """Queues a run under its own ``run_id``, unless that is queued, runs or has ended already.
+        """Queues a run under its own ``run_id``, unless it is queued, running or ended already.
 
-        One that ended without saying anything of the scenario, or that was another one when it was
-        queued, is queued again.
+        A run that ended without a result, or that had another scenario when it was queued, is
+        queued again.
 
         Raises:
             UnknownName: There is no such batch.
-            Conflict: It runs as another one.
+            Conflict: It is running with another scenario.
         """
         row = self._session.scalar(select(RunRow).where(RunRow.id == run.run_id))
         if row is None:
@@ -73,17 +73,17 @@ class CampaignRunRepository:
             row.document_sha256, row.feedback = run.scenario_sha256, feedback
             if row.status != RunStatus.QUEUED:
                 self._queue_again(row)
-        elif row.status in _SAYS_NOTHING:
+        elif row.status in _WITHOUT_RESULT:
             self._queue_again(row)
 
     def ended(self, run_ids: Sequence[str]) -> tuple[str, ...]:
-        """Returns those of some runs that have ended."""
+        """Returns the ids of the runs that have ended."""
         unfinished = (RunStatus.QUEUED, RunStatus.RUNNING)
         query = select(RunRow.id).where(RunRow.id.in_(run_ids), RunRow.status.not_in(unfinished))
         return tuple(self._session.scalars(query))
 
     def _queue_again(self, row: RunRow) -> None:
-        forget_report(self._session, row)
+        reset_run(self._session, row)
         row.status = RunStatus.QUEUED
         row.revision = latest_revision(self._session) + 1
         batch = self._session.get_one(BatchRow, row.batch_seq)

@@ -1,8 +1,8 @@
 """The tables of campaigns.
 
-``evaluations`` is the journal from which a campaign is resumed: rows are only ever added, in the
-order of their numbers. What is listed, counted or filtered has a column, the whole report lies in
-``report``.
+``evaluations`` is the journal from which a campaign is resumed: rows are only appended, in the
+order of their numbers. Values that are listed, counted or filtered have columns; ``report`` is the
+whole report.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class CampaignRow(Base):
 
 
 class EvaluationRow(Base):
-    """A candidate and what came of it."""
+    """A candidate and its result."""
 
     __tablename__ = "evaluations"
     __table_args__ = (
@@ -101,7 +101,7 @@ class EvaluationRow(Base):
 class FailureRow(Base):
     """A violation that counts as a failure.
 
-    The index has all that lists filter by, so that they read no verdict that they do not show.
+    The index covers all filters of lists, so that these read only the verdicts that they show.
     """
 
     __tablename__ = "failures"

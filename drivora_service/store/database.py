@@ -36,7 +36,7 @@ from drivora_service.store.workers import WorkerRepository
 PATIENCE_S = 30.0
 """Default of the seconds to wait for other writers."""
 
-_GLANCE_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 6
+_POLL_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 6
 """Seconds after which a thread that waits to write checks whether the current write takes too long;
 then only this many threads wait for its end, and the others are left for reading."""
 
@@ -189,7 +189,7 @@ class Database:
             self._waiting += 1
         try:
             while (left := until - time.monotonic()) > 0:
-                if writing.acquire(timeout=min(left, _GLANCE_S)):
+                if writing.acquire(timeout=min(left, _POLL_S)):
                     return True
                 stuck = time.monotonic() - self._writing_since > _STUCK_S
                 if stuck and self._waiting > _MOST_WAITING:

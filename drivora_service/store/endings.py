@@ -37,7 +37,7 @@ def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
     row.revision = revision
 
 
-def forget_report(session: Session, row: RunRow) -> None:
+def reset_run(session: Session, row: RunRow) -> None:
     """Resets an ended run to its state before the first attempt; its attempts stay on record."""
     session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
     session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))

@@ -31,11 +31,11 @@ from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 from drivora_service.store.traces import TraceFolder
 
 _UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
-_SAYS_NOTHING = (RunStatus.CANCELLED, RunStatus.INVALID, RunStatus.INFRASTRUCTURE_FAILED)
+_WITHOUT_RESULT = (RunStatus.CANCELLED, RunStatus.INVALID, RunStatus.INFRASTRUCTURE_FAILED)
 _READ_AT_ONCE = 2000
 _MOST_AT_ONCE = 400
 _LEAST_AT_ONCE = 10
-_AIM_S = 0.03
+_TRANSACTION_S = 0.03
 """Seconds that a transaction shall take at most; other writers wait meanwhile."""
 
 
@@ -130,7 +130,7 @@ def prune_chosen(
                 else:
                     removed = _drop_runs(transaction.session, chunk, ended_before)
             took = time.perf_counter() - begun
-            at_once = round(at_once * min(max(_AIM_S / max(took, 1e-6), 0.5), 1.5))
+            at_once = round(at_once * min(max(_TRANSACTION_S / max(took, 1e-6), 0.5), 1.5))
             at_once = min(max(at_once, _LEAST_AT_ONCE), _MOST_AT_ONCE)
             runs += len(removed)
             files += _remove_files(traces, removed)
@@ -213,7 +213,7 @@ def _candidates(
 
 def _facets(chosen: Chosen) -> list[ColumnElement[bool]]:
     conditions: list[ColumnElement[bool]] = [FacetRow.status.not_in(_UNFINISHED)]
-    passed = FacetRow.violated.is_(False) | FacetRow.status.in_(_SAYS_NOTHING)
+    passed = FacetRow.violated.is_(False) | FacetRow.status.in_(_WITHOUT_RESULT)
     match chosen:
         case Chosen.NOT_VIOLATED:
             conditions.append(FacetRow.violated.is_not(True))
@@ -221,7 +221,7 @@ def _facets(chosen: Chosen) -> list[ColumnElement[bool]]:
             conditions.append(passed)
         case Chosen.FAILING:
             conditions.append(
-                FacetRow.violated.is_not(False) & FacetRow.status.not_in(_SAYS_NOTHING)
+                FacetRow.violated.is_not(False) & FacetRow.status.not_in(_WITHOUT_RESULT)
             )
     return conditions
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import CampaignDocument
-from drivora_service.campaigns.ground import Ground, ground_of
+from drivora_service.campaigns.searched_space import SearchedSpace, searched_space_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.store.campaign_records import (
@@ -99,10 +99,10 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     figures, note = None, ""
     privileged: set[str] = set()
     try:
-        ground = ground_of(record, catalogues)
-        evaluations = check_genes(confirmed_evaluations(database, record.id), ground, record)
+        searched = searched_space_of(record, catalogues)
+        evaluations = check_genes(confirmed_evaluations(database, record.id), searched, record)
         privileged.update(ego for one in evaluations for ego in one.report.privileged)
-        figures = _figures(database, record, document, ground, groups, evaluations)
+        figures = _figures(database, record, document, searched, groups, evaluations)
     except (CampaignError, InvalidDocument, NetworkError, SearchError) as error:
         note = str(error)
     return CampaignReport(
@@ -130,7 +130,7 @@ def _figures(
     database: Database,
     record: CampaignRecord,
     document: CampaignDocument,
-    ground: Ground,
+    searched: SearchedSpace,
     groups: Sequence[FailureGroup],
     records: Sequence[EvaluationRecord],
 ) -> CampaignFigures:
@@ -145,12 +145,12 @@ def _figures(
     figures = figures_of(
         subject,
         records,
-        ground.space,
+        searched.space,
         groups=len(numbers) if are_grouped else None,
         situations=situations,
         budget=record.budget,
     )
     if not figures.simulations:
         return figures
-    covered = network_coverage(database, record.id, ground.network)
+    covered = network_coverage(database, record.id, searched.network)
     return replace(figures, network_coverage=covered)

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.ground import Ground, ground_of
 from drivora_service.campaigns.grouping import Grouping
+from drivora_service.campaigns.searched_space import SearchedSpace, searched_space_of
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError
 from drivora_service.networks.road_network import RoadNetwork
@@ -102,8 +102,8 @@ def compare_stored(
         evaluations = [confirmed_evaluations(database, c.record.id) for c in here]
         if equal_time:
             limits[scenario] = min(duration_s(one) for one in evaluations)
-        ground = ground_of(here[0].record, catalogues)
-        for found in _figures(database, here, evaluations, ground, limits.get(scenario)):
+        searched = searched_space_of(here[0].record, catalogues)
+        for found in _figures(database, here, evaluations, searched, limits.get(scenario)):
             figures[found.campaign] = found
     ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
     return Comparison(
@@ -172,7 +172,7 @@ def _figures(
     database: Database,
     campaigns: Sequence[Compared],
     evaluations: Sequence[Sequence[EvaluationRecord]],
-    ground: Ground,
+    searched: SearchedSpace,
     limit: float | None,
 ) -> list[CampaignFigures]:
     counted = [one if limit is None else within_time(one, limit) for one in evaluations]
@@ -182,14 +182,14 @@ def _figures(
     return [
         figures_of(
             campaign.subject,
-            check_genes(records, ground, campaign.record),
-            ground.space,
+            check_genes(records, searched, campaign.record),
+            searched.space,
             groups=groups,
             situations=places,
             network_coverage=network_coverage(
                 database,
                 campaign.record.id,
-                ground.network,
+                searched.network,
                 until=records[-1].number if records else -1,
             ),
             time_limit_s=limit,
@@ -202,7 +202,7 @@ def _figures(
 
 
 def check_genes(
-    records: Sequence[EvaluationRecord], ground: Ground, campaign: CampaignRecord
+    records: Sequence[EvaluationRecord], searched: SearchedSpace, campaign: CampaignRecord
 ) -> Sequence[EvaluationRecord]:
     """Returns the evaluations, after a check that their genes are those of the current space.
 
@@ -210,7 +210,7 @@ def check_genes(
         CampaignError: They are not.
     """
     for record in records:
-        if record.status is not EvaluationStatus.INVALID and not ground.space.within(
+        if record.status is not EvaluationStatus.INVALID and not searched.space.within(
             record.proposal.values
         ):
             raise CampaignError(

@@ -13,10 +13,10 @@ from drivora_service.shapes import Shape, combine
 from drivora_service.studies.figures import CampaignFigures, Subject
 from drivora_service.studies.statistics import compare_samples, holm
 
-NOTICEABLE = 0.71
+LARGE_EFFECT = 0.71
 """A12 from which an effect is called large (Vargha and Delaney 2000)."""
 SIGNIFICANT = 0.05
-_SIZES = ((NOTICEABLE, "large"), (0.64, "medium"), (0.56, "small"))
+_SIZES = ((LARGE_EFFECT, "large"), (0.64, "medium"), (0.56, "small"))
 """A12, or 1 minus A12, from which an effect has the name (Vargha and Delaney 2000)."""
 
 
@@ -186,7 +186,7 @@ class Difference(Shape):
     @property
     def is_better(self) -> bool:
         """Whether the method is better by a large and significant effect."""
-        return self.a12 >= NOTICEABLE and self.p_holm < SIGNIFICANT
+        return self.a12 >= LARGE_EFFECT and self.p_holm < SIGNIFICANT
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property

@@ -97,7 +97,7 @@ def _refuse_differences(first: Compared, other: Compared) -> None:
     differing = [name for name in mine if mine[name] != theirs[name]]
     if differing:
         what = "; ".join(
-            f"{name}: {_said(mine[name])} and {_said(theirs[name])}" for name in differing
+            f"{name}: {_text(mine[name])} and {_text(theirs[name])}" for name in differing
         )
         raise CampaignError(
             f"campaigns {first.record.id} ({first.record.name}) and {other.record.id} "
@@ -181,7 +181,7 @@ def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, s
     """Returns the traits in which campaigns of one tester may differ, as text by name."""
     tester = document.tester
     return {
-        **{name: _said(value) for name, value in _parameters(tester, testers).items()},
+        **{name: _text(value) for name, value in _parameters(tester, testers).items()},
         "mutation": tester.mutation or "its own",
         "selection": tester.selection or "its own",
         "lookahead": str(document.lookahead),
@@ -198,5 +198,5 @@ def _parameters(tester: TesterDocument, testers: TesterCatalogue) -> Mapping[str
     return asdict(known)
 
 
-def _said(value: object) -> str:
+def _text(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value, default=str)

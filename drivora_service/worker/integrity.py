@@ -23,10 +23,10 @@ import numpy as np
 
 from drivora_service.worker.watched import Kernel, Names, Uses, Watched, collect
 
-_NAMED = 5
+_MAX_NAMED = 5
 """Number of changes that a message names; the others are counted."""
 
-_ADDED_LATER = frozenset(
+_ADDED_ON_USE = frozenset(
     {
         "__abstractmethods__", "__annotations__", "__doc__", "__hash__",
         "__non_callable_proto_members__", "__protocol_attrs__", "__signature__",
@@ -154,8 +154,8 @@ def sentence(changes: tuple[str, ...], by: str) -> str:
         changes: Descriptions of the changes; never empty.
         by: The agent or plug-in that made them.
     """
-    named = ", ".join(changes[:_NAMED])
-    more = f" and {len(changes) - _NAMED} more" if len(changes) > _NAMED else ""
+    named = ", ".join(changes[:_MAX_NAMED])
+    more = f" and {len(changes) - _MAX_NAMED} more" if len(changes) > _MAX_NAMED else ""
     return (
         f"{by} changed what simulates and judges runs: {named}{more}. Nothing of it may be "
         "changed by code in the worker process: change copies, or run the agent in a process of "
@@ -185,7 +185,7 @@ def _counts(names: Names, key: object) -> bool:
     if not isinstance(key, str) or isinstance(names.space[key], ModuleType):
         return not isinstance(names.space[key], ModuleType)
     if names.is_closed:
-        return key not in _ADDED_LATER and not key.startswith(("__pydantic_", "_abc_"))
+        return key not in _ADDED_ON_USE and not key.startswith(("__pydantic_", "_abc_"))
     # Loaded code uses a new name only where it hides a built-in one.
     return names.owner != "builtins" and hasattr(builtins, key) and not key.startswith("__")
 

@@ -96,7 +96,7 @@ def keep(
     if worker == 0:
         for file in (woken, waker, held, control.detach()):
             os.close(file)
-        _be_worker(keeper, lifeline, channel, cells, task)
+        _become_worker(keeper, lifeline, channel, cells, task)
     for file in (lifeline, cells, channel.detach()):
         os.close(file)
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
@@ -115,7 +115,7 @@ def _print_to(log: int) -> None:
     os.close(log)
 
 
-def _be_worker(
+def _become_worker(
     keeper: int, lifeline: int, channel: socket.socket, board: int, task: WorkerTask
 ) -> NoReturn:
     """Becomes the worker; never returns into the code of the keeper."""
@@ -158,7 +158,7 @@ class _Keeper:
                 if file == self._woken:
                     with contextlib.suppress(BlockingIOError):
                         os.read(self._woken, 65536)
-                elif not self._obey():
+                elif not self._execute_command():
                     poll.unregister(self._control)
                     # Not reaped yet, so the id is the worker's own.
                     os.kill(self._worker, signal.SIGKILL)
@@ -172,7 +172,7 @@ class _Keeper:
                 if pid == self._worker:
                     self._exit_code = os.waitstatus_to_exitcode(status)
 
-    def _obey(self) -> bool:
+    def _execute_command(self) -> bool:
         """Executes a command of the slot; false if the worker must end."""
         try:
             frame = receive(self._control)

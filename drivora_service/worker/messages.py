@@ -16,7 +16,7 @@ from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.worker.channel import LONGEST_BODY, Frame, Kind, ProtocolError
 
-_SAID_BY_WORKERS = frozenset(
+_WORKER_STATUSES = frozenset(
     {
         RunStatus.FINISHED,
         RunStatus.INVALID,
@@ -30,7 +30,7 @@ _CAUSE = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _SHA256 = re.compile(r"([0-9a-f]{64})?")
 _MOST_STEPS = 2**31 - 1
 """Largest value of an INTEGER column of the database."""
-_QUOTED = 300
+_MAX_TEXT = 300
 """Number of characters of an error that are quoted."""
 
 
@@ -124,7 +124,7 @@ def frame_of_report(report: RunReport) -> Frame:
     failure = _as_text(
         RunFailure(
             cause="unwritable_report",
-            message=f"the report of the {report.status} run cannot be sent: {problem}"[:_QUOTED],
+            message=f"the report of the {report.status} run cannot be sent: {problem}"[:_MAX_TEXT],
         )
     )
     plain = _failure_report(report.run_id, RunStatus.INFRASTRUCTURE_FAILED, failure)
@@ -164,17 +164,17 @@ def report_of(frame: Frame, run_id: str) -> RunReport:
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         place = ".".join(map(str, first["loc"]))
-        raise ProtocolError(f"a report that is none: {place}: {first['msg']}"[:_QUOTED]) from None
+        raise ProtocolError(f"an invalid report: {place}: {first['msg']}"[:_MAX_TEXT]) from None
     problem = next(_problems(report, run_id), "")
     if problem:
-        raise ProtocolError(f"a report with {problem}"[:_QUOTED])
+        raise ProtocolError(f"a report with {problem}"[:_MAX_TEXT])
     return report
 
 
 def _problems(report: RunReport, run_id: str) -> Iterator[str]:
     if report.run_id != run_id:
         yield f"the run id {report.run_id!r}; asked was {run_id!r}"
-    if report.status not in _SAID_BY_WORKERS:
+    if report.status not in _WORKER_STATUSES:
         yield f"the status {report.status}, which no worker reports"
     if report.status is not RunStatus.FINISHED and report.failure is None:
         yield f"the status {report.status} and no failure"

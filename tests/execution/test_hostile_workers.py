@@ -102,14 +102,14 @@ LIES = (
     ("header", "did not end within"),
     ("huge", "a message of 4294967295 bytes; allowed: 16777216"),
     ("pickle {path}", "where a message begins"),
-    ("framed-pickle {path}", "a report that is none"),
+    ("framed-pickle {path}", "an invalid report"),
     ("kind", "the unknown kind 77"),
     ("ready", "the message READY where a report was expected"),
     ("other-run", "the run id 'another'; asked was 'run'"),
     ("not-final", "the status running, which no worker reports"),
     ("many-steps", "1208925819614629174706176 steps"),
-    ("no-schema", "a report that is none: run_id"),
-    ("deep", "a report that is none"),
+    ("no-schema", "an invalid report: run_id"),
+    ("deep", "an invalid report"),
     ("nothing-more", "closed its channel"),
 )
 

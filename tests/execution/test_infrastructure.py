@@ -74,7 +74,7 @@ def test_the_thread_finds_that_a_fault_has_come_and_gone(tmp_path: Path) -> None
 
 
 def test_a_probe_that_hangs_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_SILENT_S", 0.1)
+    monkeypatch.setattr(module, "_HANG_S", 0.1)
     hanging, let_go = threading.Event(), threading.Event()
 
     def hang() -> None:

@@ -5,7 +5,7 @@ import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from drivora_service.execution.ownership import SILENCE_S, Ownership
+from drivora_service.execution.ownership import HEARTBEAT_TIMEOUT_S, Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.command_locks import CommandLocks
@@ -47,12 +47,12 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
     jump(database, other.owner_id, timedelta(hours=1))
     mine.register()
     for _ in range(5):
-        clock[0] += 0.9 * SILENCE_S
+        clock[0] += 0.9 * HEARTBEAT_TIMEOUT_S
         jump(database, other.owner_id, timedelta(hours=1))
         mine.beat(())
     assert status(database, run_id) is RunStatus.RUNNING
 
-    clock[0] += SILENCE_S
+    clock[0] += HEARTBEAT_TIMEOUT_S
     mine.beat(())
     assert status(database, run_id) is RunStatus.QUEUED
     # It was only slow: from its next heartbeat on it owns the runs that it claims.

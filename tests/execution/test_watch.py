@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from drivora_service.execution.executor import Limits
-from drivora_service.execution.watch import Breach, Look, Watch
+from drivora_service.execution.watch import Breach, Sample, Watch
 from drivora_service.runs.report import RunStatus
 from drivora_service.simulation.phase import SETTING_UP, RunPhase
 from drivora_service.worker.processes import ProcessReading
@@ -31,8 +31,10 @@ class Worker:
         process = ProcessReading(
             state=state, cpu_s=self.cpu_s, memory_bytes=memory, started=1.0, name="python"
         )
-        look = Look(progress=progress, process=process, descendant_memory=descendants, now=self.now)
-        return self.watch.check(look)
+        sample = Sample(
+            progress=progress, process=process, descendant_memory=descendants, now=self.now
+        )
+        return self.watch.check(sample)
 
     def live(
         self,

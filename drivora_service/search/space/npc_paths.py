@@ -13,7 +13,7 @@ from drivora_service.search.space.lane_walks import LaneWalk
 from drivora_service.search.space.relations import Relation
 from drivora_service.search.space.walk_choice import START_ROOM, find_walks, take_in_turns
 
-JOURNEYS = (60.0, 200.0)
+PATH_LENGTHS = (60.0, 200.0)
 """Least and greatest length of an NPC vehicle's path, metres. Between them it is that of the
 longest ego route, so that the vehicle drives for about as long as the egos."""
 _TRAILING_SHARE = 0.1
@@ -73,7 +73,7 @@ def find_npc_paths(
     Raises:
         SearchError: There is none.
     """
-    journey = min(max([route.length for route in routes] + [JOURNEYS[0]]), JOURNEYS[1])
+    journey = min(max([route.length for route in routes] + [PATH_LENGTHS[0]]), PATH_LENGTHS[1])
     walks = find_walks(network, routes, reach=reach, length=journey + START_ROOM, most=2 * count)
     most = max(round(_TRAILING_SHARE * count), 1)
     walks[Relation.TRAILING] = walks.get(Relation.TRAILING, [])[:most]

@@ -119,7 +119,7 @@ class ObstacleDecoder:
         return Pose(x=place.x, y=place.y, yaw=place.yaw + turn)
 
 
-def shuts_a_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
+def blocks_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
     """Returns whether an obstacle leaves an ego too little clearance in the middle of its lane."""
     pose = start.pose
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)

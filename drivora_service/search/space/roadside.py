@@ -17,7 +17,7 @@ OFF_ROAD = 2.0
 WIDEST = 25.0
 """Metres from the route's line to the edge of the carriageway, at most."""
 _STEP = 0.5
-_AROUND = 10.0
+_REACH = 10.0
 _STRAIGHT = 0.2
 """Radians by which a road may turn 10 metres before and after a place that counts as straight."""
 _JUNCTION_MARGIN = 4.0
@@ -51,7 +51,7 @@ class Roadside:
         """(n,) arc lengths of the open places around which the road is straight, or nearly so."""
         s, path = self.open_road, self.path
         yaw = np.column_stack(
-            [np.interp(s + aside, path.arc, path.yaw) for aside in (-_AROUND, 0.0, _AROUND)]
+            [np.interp(s + aside, path.arc, path.yaw) for aside in (-_REACH, 0.0, _REACH)]
         )
         turn: FloatArray = np.ptp(yaw, axis=1)
         return s[turn <= _STRAIGHT]

@@ -21,7 +21,7 @@ from drivora_service.search.space.ego_routes import routes_of_egos
 from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
 from drivora_service.search.space.layout import Layout
 from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
-from drivora_service.search.space.obstacles import ObstacleDecoder, obstacle_genes, shuts_a_lane
+from drivora_service.search.space.obstacles import ObstacleDecoder, blocks_lane, obstacle_genes
 from drivora_service.search.space.option_checks import check_options
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.repair import Mover, other_choices, settle
@@ -203,7 +203,7 @@ class ScenarioSpace:
                     room=partial(obstacle.shift_room, egos),
                     shift_gene=obstacle.shift_gene,
                     alternatives=obstacle.other_sides(values),
-                    is_refused=lambda start: shuts_a_lane(start, egos),
+                    is_refused=lambda start: blocks_lane(start, egos),
                 )
         for walker in self._walkers:
             if walker.is_present(values):

@@ -75,7 +75,7 @@ class AvfuzzerSearch:
             if found.cost < best.cost:
                 best = found
                 if len(bests) - 1 > settings.local_after:
-                    local = yield from self._search_around(best)
+                    local = yield from self._search_locally(best)
                     population = _replaced(population, best, local)
                     best = local
 
@@ -84,7 +84,7 @@ class AvfuzzerSearch:
         stall = self._parameters.stall
         return len(bests) > stall and float(np.mean(bests[-stall - 1 : -1])) <= bests[-1]
 
-    def _search_around(
+    def _search_locally(
         self, best: Individual
     ) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], Individual]:
         """Breeds some generations from copies of a scenario; returns the best of all of them."""

@@ -17,7 +17,7 @@ _FAILURE_WEIGHT = 0.1
 _COST = 0.05
 """Energy that every child takes from its parent."""
 
-_TINY = 1e-10
+_EPSILON = 1e-10
 """Keeps the gain's divisor from 0 if a child's behaviour is entirely new."""
 
 
@@ -63,7 +63,7 @@ class Seed:
         self.successes += is_success
         rate = self.successes / self.children
         success = rate if is_success else -_FAILURE_WEIGHT * (1.0 - rate)
-        slope = float(np.tanh(gain / (1.0 - novelty + _TINY)))
+        slope = float(np.tanh(gain / (1.0 - novelty + _EPSILON)))
         self.spend(_COST - 0.5 * success - 0.5 * slope)
 
     def spend(self, energy: float) -> None:

@@ -14,14 +14,14 @@ from drivora_service.store.campaign_records import CampaignRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ground:
+class SearchedSpace:
     """The common parts of campaigns on one seed scenario."""
 
     network: RoadNetwork
     space: GeneSpace
 
 
-def ground_of(record: CampaignRecord, catalogues: Catalogues) -> Ground:
+def searched_space_of(record: CampaignRecord, catalogues: Catalogues) -> SearchedSpace:
     """Returns the network and the genes of a campaign.
 
     Raises:
@@ -36,4 +36,4 @@ def ground_of(record: CampaignRecord, catalogues: Catalogues) -> Ground:
             "its gene space is no longer known; restore the old network, or leave the campaign out"
         )
     space = ScenarioSpace(valid.seed, valid.network, valid.campaign.space)
-    return Ground(network=valid.network, space=space.genes)
+    return SearchedSpace(network=valid.network, space=space.genes)
