@@ -191,7 +191,7 @@ class TesterContract:
         tester = self.create()
         first = tester.ask(2)
         assert first
-        with pytest.raises(SearchError, match="turn"):
+        with pytest.raises(SearchError, match="is expected"):
             tester.tell(self.judged(5, first[0]))
 
     def test_telling_what_was_not_asked_is_refused(self) -> None:
