@@ -137,7 +137,7 @@ class CampaignDocument(EntityDocument):
     name: Annotated[str, Field(strict=True, min_length=1, max_length=200)] = Field(
         description="For people."
     )
-    tester: TesterDocument = Field(description="The testing method.")
+    tester: TesterDocument = Field(description="The tester of the campaign.")
     agent: AgentDocument | None = Field(
         None, description="The ADS of every ego; without it, as in the scenario."
     )

@@ -49,7 +49,7 @@ def test_refused_ask_and_tell_change_nothing() -> None:
         tester.ask(0)
     asked = tester.ask(3)
     assert len(asked) == 3
-    with pytest.raises(SearchError, match="turn"):
+    with pytest.raises(SearchError, match="is expected"):
         tester.tell(evaluation(1, asked[1]))
     for number, what in enumerate(asked):
         tester.tell(evaluation(number, what))
