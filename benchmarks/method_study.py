@@ -18,7 +18,7 @@ import json
 import multiprocessing
 import tempfile
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -187,7 +187,7 @@ def run_campaign(
         "failures": [
             {
                 "evaluation": failure.evaluation,
-                "key": failure.kind,
+                "kind": failure.kind,
                 "oracle": failure.verdict.oracle,
                 "at_fault": failure.verdict.at_fault,
                 "time": failure.verdict.time,
@@ -257,11 +257,25 @@ def run(options: argparse.Namespace) -> None:
         )
 
 
+_FORMER_NAMES = {"group": "method", "rules": "oracles", "clusters": "groups", "key": "kind"}
+"""Names in results of earlier revisions, with the present ones."""
+
+_RECORDED_LATER = ("avoidable", "unavoidable", "undetermined")
+"""Figures that results of earlier revisions lack; they cannot be compared by them."""
+
+
 def read(path: Path) -> Iterator[dict[str, Any]]:
-    """Reads the lines of results."""
+    """Reads the lines of results, with former names replaced by the present ones."""
     with _open(path, "rt") as file:
-        for line in file:
-            yield json.loads(line)
+        for text in file:
+            line = json.loads(text)
+            line["figures"] = _renamed(line["figures"])
+            line["failures"] = [_renamed(found) for found in line["failures"]]
+            yield line
+
+
+def _renamed(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {_FORMER_NAMES.get(name, name): value for name, value in values.items()}
 
 
 def _open(path: Path, mode: Literal["rt", "at"]) -> TextIO:
@@ -282,6 +296,7 @@ def with_groups(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
     return [
         CampaignFigures(
             **{
+                **dict.fromkeys(_RECORDED_LATER, 0),
                 **line["figures"],
                 "found": tuple(line["figures"]["found"]),
                 "groups": groups,
@@ -326,7 +341,7 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
         "simulations": count,
         "failing": len({found["evaluation"] for found in failures}),
         "at_fault": len({found["evaluation"] for found in failures if found["at_fault"]}),
-        "kinds": len({found["key"] for found in failures}),
+        "kinds": len({found["kind"] for found in failures}),
         "oracles": len(
             {(found["oracle"], found["evidence"].get("counterpart_role")) for found in failures}
         ),
@@ -338,6 +353,9 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
     lines = list(read(options.results))
+    for name in set(options.measure).intersection(_RECORDED_LATER):
+        if any(name not in line["figures"] for line in lines):
+            raise SystemExit(f"these results do not record {name!r}: leave the measure out")
     if options.ablation:
         print_heading("without")
         for twin in TWINS:

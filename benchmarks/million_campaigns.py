@@ -91,8 +91,8 @@ def _fill_chunk(
         broken = list(_failures(draw, campaign_seq, number)) if draw.random() < 0.25 else []
         status = "judged" if broken or draw.random() < 0.97 else draw.choice(("invalid", "failed"))
         failures += broken
-        for key in {failure["key"] for failure in broken}:
-            _count(kinds, campaign_seq, number, key, broken)
+        for kind in {failure["kind"] for failure in broken}:
+            _count(kinds, campaign_seq, number, kind, broken)
         numbers[status] += 1
         numbers["violating"] += bool(broken)
         numbers["at_fault"] += any(failure["at_fault"] for failure in broken)
@@ -132,7 +132,7 @@ def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[d
             "number": number,
             "place": place,
             "oracle": oracle,
-            "key": f"{oracle}|road {int(draw.paretovariate(0.7)) % 60}",
+            "kind": f"{oracle}|road {int(draw.paretovariate(0.7)) % 60}",
             "at_fault": at_fault,
             "accountability": Accountability.AVOIDABLE if at_fault else Accountability.UNDETERMINED,
             "confirmation": Confirmation.CONFIRMED if draw.random() < 0.9 else Confirmation.FLAKY,
@@ -145,26 +145,26 @@ def _count(
     kinds: dict[str, dict[str, Any]],
     campaign_seq: int,
     number: int,
-    key: str,
+    kind: str,
     broken: Sequence[dict[str, Any]],
 ) -> None:
-    alike = [failure for failure in broken if failure["key"] == key]
-    kind = kinds.setdefault(
-        key,
-        {"campaign_seq": campaign_seq, "key": key, "first": number, "groups": set()}
+    alike = [failure for failure in broken if failure["kind"] == kind]
+    counts = kinds.setdefault(
+        kind,
+        {"campaign_seq": campaign_seq, "kind": kind, "first": number, "groups": set()}
         | dict.fromkeys(
             ("failures", "violations", "at_fault", "avoidable", "confirmed", "flaky"), 0
         ),
     )
-    kind["groups"].update(failure["group"] for failure in alike)
-    kind["failures"] += 1
-    kind["violations"] += len(alike)
-    kind["at_fault"] += any(failure["at_fault"] for failure in alike)
-    kind["avoidable"] += any(
+    counts["groups"].update(failure["group"] for failure in alike)
+    counts["failures"] += 1
+    counts["violations"] += len(alike)
+    counts["at_fault"] += any(failure["at_fault"] for failure in alike)
+    counts["avoidable"] += any(
         failure["accountability"] is Accountability.AVOIDABLE for failure in alike
     )
     for confirmation in (Confirmation.CONFIRMED, Confirmation.FLAKY):
-        kind[confirmation.value] += any(
+        counts[confirmation.value] += any(
             failure["confirmation"] is confirmation for failure in alike
         )
 

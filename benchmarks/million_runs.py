@@ -121,8 +121,8 @@ _OTHERS = {
         "/campaigns/CAMPAIGN/evaluations?generation=900&status=invalid"
     ),
     "failures": "/campaigns/CAMPAIGN/failures",
-    "failures, kind": "/campaigns/CAMPAIGN/failures?key=collision|road 59",
-    "failures, kind, none": "/campaigns/CAMPAIGN/failures?key=none",
+    "failures, kind": "/campaigns/CAMPAIGN/failures?kind=collision|road 59",
+    "failures, kind, none": "/campaigns/CAMPAIGN/failures?kind=none",
     "failures, rule": "/campaigns/CAMPAIGN/failures?oracle=red_light",
     "failures, rule, none": "/campaigns/CAMPAIGN/failures?oracle=deadlock",
     "failures, at fault": "/campaigns/CAMPAIGN/failures?at_fault=true",

@@ -288,7 +288,7 @@ def test_a_finished_campaign_tells_what_it_found(finished: dict[str, Any]) -> No
     assert finished["rate"] > 0
     assert finished["left_s"] == 0.0
     assert set(finished["best"]) == {"safety_margin"}
-    (kind,) = [kind for kind in finished["kinds"] if kind["key"].startswith("discomfort")]
+    (kind,) = [kind for kind in finished["kinds"] if kind["kind"].startswith("discomfort")]
     assert kind["failures"] == kind["confirmed"] > 0
     assert kind["flaky"] == 0
     assert kind["groups"] >= 1
@@ -362,8 +362,8 @@ def test_failures_are_confirmed_and_can_be_watched_and_run_again(
     places = [failure["evaluation"] for failure in failures]
     assert places == sorted(places)
     assert {failure["confirmation"] for failure in failures} == {"confirmed"}
-    chosen = http.get(url, params={"key": failures[0]["key"], "confirmation": "confirmed"})
-    assert chosen.json()["items"] == [f for f in failures if f["key"] == failures[0]["key"]]
+    chosen = http.get(url, params={"kind": failures[0]["kind"], "confirmation": "confirmed"})
+    assert chosen.json()["items"] == [f for f in failures if f["kind"] == failures[0]["kind"]]
     assert http.get(url, params={"confirmation": "flaky"}).json()["items"] == []
     assert http.get(url, params={"oracle": "red_light"}).json()["items"] == []
 

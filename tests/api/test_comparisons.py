@@ -86,7 +86,7 @@ def test_methods_are_compared_with_the_baseline(offline: Offline, study: list[st
     assert [figures["campaign"] for figures in comparison["campaigns"]] == study
     by_measure = {row["measure"]: row for row in comparison["differences"]}
     failing = by_measure["failing"]
-    assert (failing["group"], failing["repetitions"]) == ("avfuzzer", 3)
+    assert (failing["method"], failing["repetitions"]) == ("avfuzzer", 3)
     assert failing["median"] > failing["baseline_median"]
     assert failing["a12"] == 1.0
     assert 0.0 <= failing["low"] <= failing["high"] <= 1.0
