@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.feedback.ego_decisions import DecisionRules, find_decisions
+from drivora_service.feedback.ego_decisions import DecisionThresholds, find_decisions
 from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
@@ -45,10 +45,10 @@ class DoppelTestFeedback:
     egos on conflicting routes.
 
     Attributes:
-        rules: Thresholds for finding decisions in the trace.
+        thresholds: Thresholds for finding decisions in the trace.
     """
 
-    rules: DecisionRules
+    thresholds: DecisionThresholds
 
     @property
     def objectives(self) -> tuple[str, ...]:
@@ -59,7 +59,7 @@ class DoppelTestFeedback:
         """Measures a run."""
         routes = run.trace.ego_routes
         meetings = find_meetings(run.network, [route.line for route in routes])
-        decisions = find_decisions(run, meetings, self.rules)
+        decisions = find_decisions(run, meetings, self.thresholds)
         pairs = sorted({(meeting.first, meeting.second) for meeting in meetings})
         return Measurement(
             objectives={
@@ -92,8 +92,8 @@ def _same(one: EgoRoute, other: EgoRoute) -> bool:
 
 
 def _create(parameters: Mapping[str, Any]) -> DoppelTestFeedback:
-    rules = read_parameters(DecisionRules, parameters, of="feedback 'doppeltest'")
-    return DoppelTestFeedback(rules=rules)
+    thresholds = read_parameters(DecisionThresholds, parameters, of="feedback 'doppeltest'")
+    return DoppelTestFeedback(thresholds=thresholds)
 
 
 DOPPELTEST = FeedbackPlugin(

@@ -50,7 +50,7 @@ class Decision(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DecisionRules:
+class DecisionThresholds:
     """The thresholds of the decisions.
 
     Attributes:
@@ -76,14 +76,14 @@ class DecisionRules:
 
 
 def find_decisions(
-    run: RunView, meetings: Sequence[Meeting], rules: DecisionRules
+    run: RunView, meetings: Sequence[Meeting], thresholds: DecisionThresholds
 ) -> tuple[tuple[int, Decision], ...]:
     """Finds the decisions of every ego.
 
     Args:
         run: The run.
         meetings: Meeting places of the egos' routes; routes are numbered as the egos.
-        rules: The thresholds.
+        thresholds: The thresholds.
 
     Returns:
         (row of the ego, decision), each once, sorted.
@@ -91,24 +91,24 @@ def find_decisions(
     found: set[tuple[int, Decision]] = set()
     for ego in run.egos:
         if ego.count:
-            found.update((ego.row, decision) for decision in _stops(ego, rules))
+            found.update((ego.row, decision) for decision in _stops(ego, thresholds))
             found.update((ego.row, decision) for decision in _lane_changes(ego))
-            if _overtakes(ego, rules):
+            if _overtakes(ego, thresholds):
                 found.add((ego.row, Decision.OVERTAKE))
     for meeting in meetings:
-        found.update(_precedence(run, meeting, rules))
+        found.update(_precedence(run, meeting, thresholds))
     return tuple(sorted(found))
 
 
-def _stops(ego: EgoView, rules: DecisionRules) -> Iterator[Decision]:
+def _stops(ego: EgoView, thresholds: DecisionThresholds) -> Iterator[Decision]:
     """Yields a decision for every time that the ego came to a stand."""
     for first, stop in stretches(ego.speed < STANDING_SPEED):
         # An ego stands at its start, which is no decision.
-        if first > 0 and (stop - first) * ego.step_length >= rules.stop_time:
-            yield _reason(ego, first, rules)
+        if first > 0 and (stop - first) * ego.step_length >= thresholds.stop_time:
+            yield _reason(ego, first, thresholds)
 
 
-def _reason(ego: EgoView, k: int, rules: DecisionRules) -> Decision:
+def _reason(ego: EgoView, k: int, thresholds: DecisionThresholds) -> Decision:
     """Returns why an ego stopped at its row ``k``: the nearest actor ahead, else the signal."""
     trace = ego.trace
     step = ego.first + k
@@ -127,11 +127,11 @@ def _reason(ego: EgoView, k: int, rules: DecisionRules) -> Decision:
         gap = ahead - 0.5 * (ego.actor.length + other.length * c + other.width * s)
         aside = across - 0.5 * (ego.actor.width + other.length * s + other.width * c)
         is_walker = other.role is Role.NPC_WALKER
-        near = ahead > 0.0 and gap <= min(rules.stop_reach, nearest)
+        near = ahead > 0.0 and gap <= min(thresholds.stop_reach, nearest)
         if near and aside <= (_WALKER_ROOM if is_walker else _SIDE_ROOM):
             nearest = gap
             decision = Decision.STOP_FOR_WALKER if is_walker else Decision.STOP_BEHIND_VEHICLE
-    if decision is Decision.STOP_ELSEWHERE and _is_held(ego, k, rules.stop_reach):
+    if decision is Decision.STOP_ELSEWHERE and _is_held(ego, k, thresholds.stop_reach):
         return Decision.STOP_AT_SIGNAL
     return decision
 
@@ -154,7 +154,7 @@ def _lane_changes(ego: EgoView) -> Iterator[Decision]:
             yield Decision.CHANGE_RIGHT
 
 
-def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
+def _overtakes(ego: EgoView, thresholds: DecisionThresholds) -> bool:
     """Returns whether any vehicle was ahead of the ego in its lane and later behind it."""
     trace = ego.trace
     rows = [a.row for a in trace.actors if a.role in _VEHICLES and a.row != ego.row]
@@ -167,16 +167,16 @@ def _overtakes(ego: EgoView, rules: DecisionRules) -> bool:
     across = np.abs(offsets[..., Col.Y] * cos - offsets[..., Col.X] * sin)
     lengths = 0.5 * (ego.actor.length + np.array([trace.actors[row].length for row in rows]))
     # Comparisons with NaN, where an actor is absent, are false.
-    along = np.cos(offsets[..., Col.YAW]) >= math.cos(rules.same_heading)
-    along &= (np.abs(ahead) <= rules.approach) & (np.abs(offsets[..., Col.Z]) <= LEVEL_GAP)
-    before = along & (ahead > 0.0) & (across <= rules.lane_half_width)
-    behind = along & (ahead < -lengths) & (across <= rules.beside)
+    along = np.cos(offsets[..., Col.YAW]) >= math.cos(thresholds.same_heading)
+    along &= (np.abs(ahead) <= thresholds.approach) & (np.abs(offsets[..., Col.Z]) <= LEVEL_GAP)
+    before = along & (ahead > 0.0) & (across <= thresholds.lane_half_width)
+    behind = along & (ahead < -lengths) & (across <= thresholds.beside)
     was_before = np.logical_or.accumulate(before, axis=0)
     return bool((was_before & behind).any())
 
 
 def _precedence(
-    run: RunView, meeting: Meeting, rules: DecisionRules
+    run: RunView, meeting: Meeting, thresholds: DecisionThresholds
 ) -> Iterator[tuple[int, Decision]]:
     """Yields the ego that went first and the one that yielded, if both were near."""
     pair = [run.egos[meeting.first], run.egos[meeting.second]]
@@ -197,14 +197,14 @@ def _precedence(
         return
     passing = slice(begin - second.first, end - second.first + 1)
     way = place - second.value(EgoCol.ROUTE_S)[passing]
-    if not way[-1] <= rules.approach or _is_held(second, passing.start, rules.approach):
+    if not way[-1] <= thresholds.approach or _is_held(second, passing.start, thresholds.approach):
         return
     yield first.row, Decision.GO_FIRST
     slowest = passing.start + int(np.argmin(second.speed[passing]))
-    since = max(passing.start - round(rules.look_back / second.step_length), 0)
+    since = max(passing.start - round(thresholds.look_back / second.step_length), 0)
     loss = float(second.speed[since : slowest + 1].max() - second.speed[slowest])
     stood = second.speed[slowest] < STANDING_SPEED and bool(second.moved[: slowest + 1].any())
-    if stood or loss >= rules.speed_loss:
+    if stood or loss >= thresholds.speed_loss:
         yield second.row, Decision.YIELD
 
 

@@ -156,8 +156,8 @@ def _perform(
     egos = (ego.agent.name for ego in scenario.ego_vehicles)
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
     if installed:
-        rules = (oracle.name for oracle in installed)
-        course.versions = {**course.versions, **_versions_of(_oracles(), rules)}
+        names = (oracle.name for oracle in installed)
+        course.versions = {**course.versions, **_versions_of(_oracles(), names)}
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]

@@ -287,7 +287,7 @@ def test_the_measurement_is_a_plain_table_of_finite_numbers() -> None:
         assert all(type(value) is float for row in table for value in row)
 
 
-def test_its_rules_are_its_parameters() -> None:
+def test_its_thresholds_are_its_parameters() -> None:
     choice = FeedbackChoice(name="doppeltest", parameters={"stop_time": 10.0})
     patient = FeedbackCatalogue().create(choice)
     trace = make_trace([eastwards("a", -100.0, STOPPING)], step_length=STEP)

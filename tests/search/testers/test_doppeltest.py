@@ -347,8 +347,8 @@ def test_routes_are_told_apart_of_egos_that_are_called_otherwise() -> None:
     log = ViolationLog(Chromosome(GeneSpace(blocks), None))
     first, other = at_paths(1, 2, 3), at_paths(1, 2, 4)
     for ego, new in (("mine", False), ("ego_2", False), ("ego_2.1", True)):
-        keys = {log.key(violated("red_light", ego), values) for values in (first, other)}
-        assert (len(keys) == 2) == new
+        identities = {log.identity(violated("red_light", ego), values) for values in (first, other)}
+        assert (len(identities) == 2) == new
 
 
 def test_actors_that_no_gene_stands_for_are_alike() -> None:

@@ -15,7 +15,7 @@ from drivora_service.search.tester import Evaluation
 from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
 
 Place: TypeAlias = tuple[str, int | str]
-Key: TypeAlias = tuple[str, frozenset[Place]]
+Identity: TypeAlias = tuple[str, frozenset[Place]]
 
 
 class ViolationLog:
@@ -24,16 +24,16 @@ class ViolationLog:
     def __init__(self, chromosome: Chromosome) -> None:
         self._chromosome = chromosome
         self._blocks = {block.actor: block for block in chromosome.space.blocks}
-        self._seen: set[Key] = set()
+        self._seen: set[Identity] = set()
 
     def count_new(self, evaluation: Evaluation) -> int:
         """Returns the number of new violations of an evaluation, and remembers them."""
         values = evaluation.proposal.values
-        new = {self.key(verdict, values) for verdict in evaluation.violations} - self._seen
+        new = {self.identity(verdict, values) for verdict in evaluation.violations} - self._seen
         self._seen |= new
         return len(new)
 
-    def key(self, verdict: Verdict, values: FloatArray) -> Key:
+    def identity(self, verdict: Verdict, values: FloatArray) -> Identity:
         """Returns the identity of a violation: the oracle, and the paths of the actors involved.
 
         In a deadlock these are all egos of the cycle; else the ego and its counterpart.
