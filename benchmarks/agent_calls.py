@@ -1,4 +1,4 @@
-"""What an ADS in a process of its own costs a step, over the same ADS in the worker's process.
+"""The cost a step of an ADS in a process of its own over the same ADS in the worker's process.
 
 The example of `deploy/external-agent` drives a run; every step it is asked twice with the same
 observation, once in this process and once over gRPC, the one first at even steps and the other at
@@ -39,7 +39,7 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "deploy" / "external-agent"
 
 
 class Both:
-    """Asks the ADS here and there; the answer from there counts."""
+    """Calls the ADS in process and over gRPC; uses the answer of the latter."""
 
     def __init__(self, here: Adapter, there: Agent) -> None:
         self._here, self._there = here, there

@@ -1,4 +1,4 @@
-"""How many collisions of campaigns were avoidable.
+"""The numbers of avoidable collisions of campaigns.
 
 Random campaigns are drawn on two scenes of the method study, for three ADSs; each collision is a
 line of the results: what the verdict says of it, and where its scenario came from.
@@ -44,10 +44,10 @@ from drivora_service.worker.setup import WorkerSetup
 
 RANDOM = next(arm for arm in ARMS if arm.tester == "random" and arm.egos == "one ego")
 SIMULATIONS = 300
-"""Of a campaign; further collisions come from campaigns with further seeds."""
+"""Simulations of a campaign; further collisions come from campaigns with further seeds."""
 
 MANY = {"vehicles": 8, "walkers": 2, "weather": False}
-"""What varies on the wet arterial: more than in the method study, where few runs collide."""
+"""The space on the wet arterial: larger than in the method study, where few runs collide."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +66,7 @@ class Part:
 
     @property
     def name(self) -> str:
-        """Names it in the results."""
+        """Its name in the results."""
         return f"{self.agent}, {self.scene}"
 
 
@@ -107,7 +107,7 @@ def _document(scene: Scene, agent: str, repetition: int) -> dict[str, Any]:
 
 
 def collect(options: argparse.Namespace) -> None:
-    """Runs campaigns until there are enough collisions of each part; goes on where it stopped."""
+    """Runs campaigns until there are enough collisions of each part; resumes earlier results."""
     for part in PARTS:
         if options.agents and part.agent not in options.agents:
             continue
@@ -133,7 +133,7 @@ def collect(options: argparse.Namespace) -> None:
 def collide(
     part: Part, repetition: int, number: int, document: str, traces: Path
 ) -> Iterator[dict[str, Any]]:
-    """Runs a candidate and gives a line for each of its collisions."""
+    """Runs a candidate; yields a line for each of its collisions."""
     traces.mkdir(parents=True, exist_ok=True)
     name = f"{part.agent}-{part.scene.replace(' ', '-')}-{repetition}-{number}"
     path = traces / f"{name}.parquet"
@@ -176,7 +176,7 @@ def _said(verdict: Verdict) -> dict[str, Any]:
 
 
 def _cost(trace: Trace, verdict: Verdict) -> float:
-    """Returns the milliseconds that the assessment takes, of three the least."""
+    """Returns the milliseconds of the assessment, the least of three."""
     network = catalogues().networks.get(trace.network)
     row = next(actor.row for actor in trace.actors if actor.id == verdict.counterpart)
     spent = []
@@ -195,7 +195,7 @@ def _lines(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def judge(options: argparse.Namespace) -> None:
-    """Judges the stored traces under today's rules, and writes their lines anew."""
+    """Judges the stored traces by the current oracles, and rewrites their lines."""
     lines = list(_lines(options.results))
     with options.results.open("w") as file:
         for line in lines:

@@ -1,4 +1,4 @@
-"""How long a real server takes to refuse broken documents.
+"""The time of a real server to refuse broken documents.
 
 A fresh server on an idle machine gets every broken document of the tests one after another, the
 first one at once, then each again. Times are those of a client, with the way there and back.
@@ -26,7 +26,7 @@ _JSON = {"Content-Type": "application/json"}
 
 
 def bodies() -> dict[str, bytes]:
-    """Returns what is posted, by name; the unbroken document comes first."""
+    """Returns the documents by name; the valid one comes first."""
     made = {"(nothing wrong)": json.dumps(GOOD).encode()}
     for name, (change, _) in BROKEN.items():
         content = change(copy.deepcopy(GOOD))
@@ -36,7 +36,7 @@ def bodies() -> dict[str, bytes]:
 
 
 def measure(client: httpx.Client, path: str) -> dict[str, float]:
-    """Returns the seconds that each answer took."""
+    """Returns the seconds of each answer."""
     seconds = {}
     for name, body in bodies().items():
         begun = time.perf_counter()

@@ -1,9 +1,9 @@
-"""Many clients at once: what each of them waits, what it is answered, and what the runs lose.
+"""Many clients at once: their waiting times, their answers, and the slowdown of the runs.
 
 Three scenes against a service of its own::
 
-    python -m benchmarks.client_load flood --clients 1000    # each asks again at once
-    python -m benchmarks.client_load readers --clients 200   # each asks once a second, runs go on
+    python -m benchmarks.client_load flood --clients 1000    # each repeats at once
+    python -m benchmarks.client_load readers --clients 200   # one request a second, with runs
     python -m benchmarks.client_load locked --clients 400    # the database is locked meanwhile
 
 The clients are processes of their own with a connection for each client. A request that cannot
@@ -39,12 +39,12 @@ from drivora_service.cli.service_process import running_service
 PREFIX = "/api/v1"
 _PATIENCE_S = 60.0
 _POSTED = 4000
-"""Runs that wait, more than are done meanwhile."""
+"""Queued runs, more than are done meanwhile."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Load:
-    """What one process of clients does.
+    """The work of one process of clients.
 
     Attributes:
         pause: Seconds that each client waits between an answer and its next request.
@@ -60,7 +60,7 @@ class Load:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What the clients saw.
+    """The results of the clients.
 
     Attributes:
         answers: By status; failed connections by the name of the error.
@@ -74,7 +74,7 @@ class Seen:
 
 
 def ask_for_a_while(load: Load) -> Seen:
-    """Is one process of clients."""
+    """Runs one process of clients."""
     raise_descriptor_limit()
     return asyncio.run(_clients(load))
 
@@ -89,7 +89,7 @@ async def _clients(load: Load) -> Seen:
 
     async def client(number: int) -> None:
         nonlocal rude
-        # They do not begin all in the same moment, but within one pause.
+        # They do not start all at the same moment, but within one pause.
         await asyncio.sleep(load.pause * number / load.clients)
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
         while time.monotonic() < end:
@@ -150,7 +150,7 @@ def start(pool: ProcessPoolExecutor, load: Load, processes: int) -> list[Future[
 
 
 def report(name: str, parts: Sequence[Seen], seconds: float) -> dict[str, object]:
-    """Adds up what all processes saw."""
+    """Returns the sum of the results of all processes."""
     answers: Counter[str] = sum((part.answers for part in parts), Counter())
     waits = np.concatenate([part.waits for part in parts]) * 1000
     p50, p95, p99 = np.percentile(waits, (50, 95, 99)) if waits.size else (np.nan,) * 3
@@ -179,7 +179,7 @@ def _pace(client: httpx.Client, batch: str, seconds: float) -> float:
 
 
 def _health(url: str, seconds: float) -> dict[str, float]:
-    """Asks ten times a second, each time over a connection of its own."""
+    """Sends ten requests a second, each over a connection of its own."""
     waits = []
     address = urlsplit(url)
     end = time.monotonic() + seconds

@@ -32,7 +32,7 @@ def run_with(slots: int, specs: Sequence[RunSpec]) -> dict[str, RunReport]:
 
 
 def main() -> None:
-    """Runs four times and compares."""
+    """Runs all specs four times and compares the hashes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)

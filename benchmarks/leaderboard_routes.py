@@ -124,7 +124,7 @@ def _arrived(report: RunReport) -> bool:
 
 
 def main() -> None:
-    """Runs all routes and prints the table and the sums."""
+    """Runs all routes and prints the table with sums."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--networks", type=Path, required=True, help="folder of NAME.net.xml")
     parser.add_argument("--routes", type=Path, nargs="+", required=True)

@@ -25,7 +25,7 @@ _AGENTS = ("idm", "idm-mobil", "pdm-closed", "plant-lite")
 
 
 def main() -> None:
-    """Runs, and prints a line a run and a hash of all lines; what the machine is goes to stderr."""
+    """Prints a line a run and a hash of all lines; describes the machine on standard error."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=50, help="scenarios, each for every agent")
     parser.add_argument("--seed", type=int, default=1)

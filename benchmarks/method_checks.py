@@ -1,4 +1,4 @@
-"""What a user relies on in every testing method: nothing is lost, kills and K change nothing.
+"""Guarantees of every testing method: nothing is lost, kills and K change nothing.
 
     python -m benchmarks.method_checks budget --networks MAPS --out FILE
     python -m benchmarks.method_checks kills --out FILE
@@ -52,10 +52,10 @@ SPACES: dict[str, dict[str, Any]] = {
     "samota": {},
     "doppeltest": {"egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True},
 }
-"""What each method searches besides the defaults."""
+"""The space of each method, apart from defaults."""
 
 TELLING = {"one ego": "motorway in rain", "several egos": "church lane, eight egos"}
-"""Scenes of the study on which even a few simulations fail."""
+"""Scenes of the study with failures in a few simulations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +86,7 @@ def campaign_document(networks: NetworkCatalogue, wanted: Wanted) -> dict[str, A
 def run_whole(
     setup: WorkerSetup, networks: NetworkCatalogue, wanted: Wanted, workers: int
 ) -> dict[str, Any]:
-    """Runs a campaign and gives what became of its candidates."""
+    """Runs a campaign; returns the counts of its candidates."""
     catalogues = installed_catalogues(networks)
     valid = read_campaign(json.dumps(campaign_document(networks, wanted)), catalogues)
     search = prepare_search(valid, catalogues, run_prefix="check")
@@ -133,7 +133,7 @@ def check_budgets(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 
 def sequence(data: Path, campaign_id: str) -> list[tuple[object, ...]]:
-    """Returns all of a stored campaign's evaluations that circumstances must not change."""
+    """Returns the parts of a campaign's evaluations that must not depend on circumstances."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         records = list(StoreJournal(database, campaign_id).evaluations())
@@ -164,13 +164,13 @@ def command(data: Path, *arguments: str) -> list[str]:
 
 
 def finish(data: Path, *arguments: str) -> str:
-    """Runs a command to its end and gives the campaign's id."""
+    """Runs a command to its end; returns the campaign's id."""
     done = subprocess.run(command(data, *arguments), capture_output=True, text=True, check=True)
     return str(json.loads(done.stdout)["id"])
 
 
 def told_so_far(data: Path) -> tuple[str, int]:
-    """Returns the newest campaign and how many evaluations it has told; ("", 0) for none."""
+    """Returns the newest campaign and its number of evaluations; ("", 0) for none."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         with database.read() as transaction:
@@ -182,7 +182,7 @@ def told_so_far(data: Path) -> tuple[str, int]:
 
 
 def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
-    """Kills a campaign's process group once it has told so many; gives how many it had told."""
+    """Kills a campaign's process group after a number of evaluations; returns their number."""
     while process.poll() is None:
         if told_so_far(data)[1] >= told:
             os.killpg(process.pid, signal.SIGKILL)
@@ -193,7 +193,7 @@ def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
 
 
 def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Runs every method whole with K = 2 and K = 1, and killed three times."""
+    """Runs every method uninterrupted with K = 2 and K = 1, and with three kills."""
     for tester in options.testers:
         arm = next(arm for arm in ARMS if arm.tester == tester)
         scene = next(scene for scene in SCENES if scene.name == TELLING[arm.egos])
@@ -232,7 +232,7 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 
 def print_table(rows: Iterator[dict[str, Any]], out: Path | None) -> None:
-    """Prints rows as they come, and writes them as lines of JSON."""
+    """Prints rows, and writes them as lines of JSON."""
     header: Sequence[str] = ()
     for row in rows:
         if not header:

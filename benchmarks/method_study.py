@@ -1,4 +1,4 @@
-"""Which method finds more: repeated campaigns of every method against random testing.
+"""The method study: repeated campaigns of every method against random testing.
 
 Every method and its twin without feedback searches the same gene space on the same seed scenarios
 with the same budget; a repetition differs in its seed alone. DoppelTest, which is about several
@@ -49,7 +49,7 @@ STEP = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """A seed scenario, a run of which takes about half a minute, and what varies in it.
+    """A seed scenario of about half a minute, and its space.
 
     Attributes:
         file: One of the shipped examples; its egos and weather are kept, other actors left out.
@@ -78,7 +78,7 @@ class Arm:
 
     @property
     def name(self) -> str:
-        """Names it in tables."""
+        """Its name in tables."""
         return self.tester if self.feedback == "own" else f"{self.tester} without feedback"
 
 
@@ -134,7 +134,7 @@ TWINS = tuple(replace(arm, feedback="shuffled") for arm in ARMS if arm.tester !=
 
 @cache
 def catalogues() -> Catalogues:
-    """Returns what campaigns may name; one a process."""
+    """Returns the catalogues of campaigns; one a process."""
     return installed_catalogues(NetworkCatalogue(shipped_networks()))
 
 
@@ -155,14 +155,14 @@ def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int)
 
 
 def campaign_name(scene: Scene, arm: Arm, repetition: int) -> str:
-    """Names a campaign, by which it is found again."""
+    """Returns the name of a campaign, which identifies it in the results."""
     return f"{scene.name}, {arm.name}, {repetition}"
 
 
 def run_campaign(
     executor: LocalExecutor, scene: Scene, arm: Arm, repetition: int, simulations: int
 ) -> dict[str, Any]:
-    """Runs one campaign and gives its line of the results."""
+    """Runs one campaign; returns its line of the results."""
     valid = read_campaign(
         json.dumps(campaign_document(scene, arm, repetition, simulations)), catalogues()
     )
@@ -200,7 +200,7 @@ def run_campaign(
 
 
 def work(tasks: multiprocessing.Queue[Any], results: multiprocessing.Queue[Any]) -> None:
-    """Runs campaigns until there are none left, on a worker process of its own."""
+    """Runs campaigns until none is left, on a worker process of its own."""
     die_with_parent()
     setup = WorkerSetup(shipped_networks=shipped_networks())
     with (
@@ -213,7 +213,7 @@ def work(tasks: multiprocessing.Queue[Any], results: multiprocessing.Queue[Any])
 
 
 def run(options: argparse.Namespace) -> None:
-    """Runs what is missing."""
+    """Runs the missing campaigns."""
     known = (
         {line["figures"]["campaign"] for line in read(options.out)}
         if options.out.exists()
@@ -279,7 +279,7 @@ def _renamed(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _open(path: Path, mode: Literal["rt", "at"]) -> TextIO:
-    """Opens results, compressed where their name says so."""
+    """Opens results, compressed if their name ends in ``.gz``."""
     if path.suffix == ".gz":
         return gzip.open(path, mode)
     return path.open(mode)
@@ -321,7 +321,7 @@ def _verdict(found: dict[str, Any]) -> Verdict:
 
 
 def at_equal_time(lines: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Leaves out what campaigns evaluated after the seconds that the shortest of them took.
+    """Leaves out the evaluations of campaigns after the duration of the shortest one.
 
     Seconds are those of one worker, the method's own included. Campaigns whose evaluations were
     not timed one by one are left out.

@@ -87,7 +87,7 @@ def _fill_chunk(
     evaluations: list[dict[str, Any]] = []
     failures: list[dict[str, Any]] = []
     for number in chunk:
-        # A campaign that has found its way fails more and more often.
+        # A quarter of the evaluations fail, as in a campaign with many failures.
         broken = list(_failures(draw, campaign_seq, number)) if draw.random() < 0.25 else []
         status = "judged" if broken or draw.random() < 0.97 else draw.choice(("invalid", "failed"))
         failures += broken

@@ -139,7 +139,7 @@ def _fill_chunk(
     towns: list[str],
     owner: str,
 ) -> None:
-    """Writes runs; those behind the first ``rest`` wait."""
+    """Writes runs; those after the first ``rest`` are queued."""
     rows: dict[Table, list[dict[str, Any]]] = {
         DocumentRow: [],
         RunRow: [],
@@ -246,7 +246,7 @@ def _fill_chunk(
     connection = session.connection()
     for table, values in rows.items():
         if values:
-            # By the driver: the toolkit would take five times as long for a million rows.
+            # By the driver: SQLAlchemy would take five times as long for a million rows.
             columns = ", ".join(values[0])
             places = ", ".join("?" * len(values[0]))
             connection.exec_driver_sql(

@@ -1,4 +1,4 @@
-"""A million runs: how long does every documented list, filter and summary take?
+"""The times of every documented list, filter and summary on a million runs.
 
 Fills a database (see ``benchmarks.million_fill``), then asks the HTTP application in this process,
 and prints p50, p95 and how SQLite looks for the answer. What claiming and finishing cost is CPU
@@ -134,7 +134,7 @@ _OUTSIDE = {"metrics": "/metrics", "readiness": "/readyz"}
 
 
 class Asked:
-    """The statements that the database was asked, with their values."""
+    """The statements sent to the database, with their values."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -142,7 +142,7 @@ class Asked:
 
     @contextmanager
     def noted(self) -> Iterator[None]:
-        """Notes what is asked meanwhile."""
+        """Records the statements."""
 
         def note(
             _: object, __: object, statement: str, values: tuple[object, ...], *___: object
@@ -155,7 +155,7 @@ class Asked:
         event.remove(self._database.engine, "before_cursor_execute", note)
 
     def plan(self) -> str:
-        """Returns the tables that are read, and by what."""
+        """Returns the tables that are read, with the indices used."""
         steps: list[str] = []
         with self._database.engine.connect() as connection:
             for statement, values in self.statements:
@@ -181,7 +181,7 @@ def _engines(database: Database, folder: Path) -> EngineSetup:
 
 
 def application(database: Database, folder: Path) -> FastAPI:
-    """Builds the HTTP application over a database; no run is handed out."""
+    """Builds the HTTP application over a database; no run is started."""
     catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
     return create_api(
         ApiContext(
@@ -232,7 +232,7 @@ async def ask(database: Database, folder: Path, rounds: int) -> list[str]:
     lines: list[str] = []
     transport = httpx.ASGITransport(app=application(database, folder))
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1") as client:
-        # As the service does when it has started.
+        # As the service does after its start.
         gc.collect()
         gc.freeze()
         for name, path in [*queries, *await _last_pages(client, names)]:
@@ -245,7 +245,7 @@ async def ask(database: Database, folder: Path, rounds: int) -> list[str]:
             wall: list[float] = []
             cpu: list[float] = []
             for number in range(rounds):
-                # Else the service would give again what it has just answered.
+                # Else the service would answer from memory.
                 known = {"If-None-Match": f'"{number}"'}
                 begun, worked = time.perf_counter(), time.process_time()
                 await client.get(path, headers=known)
@@ -311,7 +311,7 @@ def cost_of_writes(database: Database, runs: int) -> str:
 
 
 def main() -> None:
-    """Fills or asks."""
+    """Fills or queries."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=("fill", "ask"))
     parser.add_argument("--database", type=Path, required=True)
@@ -322,7 +322,7 @@ def main() -> None:
     options = parser.parse_args()
     database = open_database(f"sqlite:///{options.database}")
     if options.what == "fill":
-        # A fill that a loss of power damages is made again.
+        # A fill that is damaged by a power loss is repeated.
         event.listen(database.engine, "connect", _without_waiting_for_the_disk)
         database.engine.dispose()
         fill_runs(database, options.runs)

@@ -1,4 +1,4 @@
-"""What a run costs against the floor: the cheapest bare libsumo loop that places the same actors.
+"""The cost of a run against the cheapest bare libsumo loop that places the same actors.
 
 The run: one ego (`idm`) and ten reactive NPCs, 60 s at 20 Hz, with reset, all oracles, metrics and
 the written trace. The floor replays exactly the placements that the run made (same calls, same
@@ -41,7 +41,7 @@ class Tape:
 
 
 def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
-    """Performs a run and records what it asks of vehicles, a list for each step."""
+    """Performs a run and records its calls on vehicles, a list for each step."""
     tape = Tape(steps=[[]])
     modules = {"vehicle": libsumo.vehicle, "route": libsumo.route, "type": libsumo.vehicletype}
     wrapped = {
@@ -78,7 +78,7 @@ def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
 
 
 def floor(tape: Tape, network: Path) -> float:
-    """Replays a tape; gives its wall seconds, reset included."""
+    """Replays a tape; returns its wall seconds, reset included."""
     begun = time.process_time()
     sumo.open_world(network, step_length=STEP, seed=0, slippery=False)
     step = libsumo.simulationStep

@@ -1,4 +1,4 @@
-"""Is there anything for a search to go by: do small changes of telling scenarios fail more often?
+"""The landscape of the search: whether small changes of critical scenarios fail more often.
 
 On every scene with one ego of the study, scenarios are drawn anew and run. Then some are changed in
 one gene of one actor, again and again: those that failed by the ego's fault; of those that did not,
@@ -37,12 +37,12 @@ from drivora_service.search.mutation import RedrawSlice
 from drivora_service.worker.setup import WorkerSetup
 
 OBJECTIVES = {"avfuzzer": SAFETY_MARGIN, "behavexplor": DEGREE, "samota": VEHICLE}
-"""Of each method, what it minimises; of SAMOTA's six, the one that collisions are about."""
+"""The objective of each method; of SAMOTA's six, that of collisions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ran:
-    """A scenario that was run.
+    """A simulated scenario.
 
     Attributes:
         values: (d,) genes.
@@ -67,7 +67,7 @@ class Laboratory:
         self.space = self._search.candidates.genes
 
     def run(self, values: Sequence[FloatArray], method: str) -> list[Ran]:
-        """Runs what is valid, measured as a method does."""
+        """Runs the valid candidates, measured by a method's feedback."""
         feedback = catalogues().testers.plugin(method).feedback
         prepared = [self._search.candidates.prepare(one) for one in values]
         valid = [candidate for candidate in prepared if not candidate.problem]
@@ -107,7 +107,7 @@ class Laboratory:
 
 
 def explore(laboratory: Laboratory, options: argparse.Namespace) -> dict[str, tuple[int, int]]:
-    """Returns of every group how many were run, and how many of them failed."""
+    """Returns the numbers of runs and failures of every group."""
     random = np.random.default_rng(options.seed)
     drawn = [laboratory.space.sample(random) for _ in range(options.draws)]
     groups: dict[str, tuple[int, int]] = {}

@@ -1,4 +1,4 @@
-"""Does a service stay as it is under load? Many short runs, one in fifty of a hostile agent.
+"""The stability of a service under load: many short runs, one in fifty with a hostile agent.
 
 A real server with two workers does batches of short drives; hostile agents hang, die, flood the
 log, leave processes behind and turn against their worker. After each batch its runs are judged
@@ -81,7 +81,7 @@ FITTED = (
 
 
 def sample(service: Service, runs: int, seconds: float) -> Sample:
-    """Reads what the service uses."""
+    """Reads the resources of the service."""
     tree = processes.tree(service.pid)
     server = tree[0]
     source = service.fork_server()
@@ -111,7 +111,7 @@ def _resident(process: psutil.Process) -> float:
 
 
 def _cpu_s(process: psutil.Process) -> float:
-    """Returns the time of a process and of the children that it has waited for."""
+    """Returns the processor time of a process and of its reaped children."""
     with contextlib.suppress(psutil.Error):
         times = process.cpu_times()
         return float(times.user + times.system + times.children_user + times.children_system)
@@ -136,7 +136,7 @@ def batch(number: int, size: int) -> list[Run]:
 def soak(
     service: Service, runs: int, size: int, hashes: Hashes
 ) -> tuple[list[Sample], list[Judgement]]:
-    """Posts batches, each when few runs of the one before are left, and judges them."""
+    """Posts batches, each when few runs of the previous one are left, and checks them."""
     samples: list[Sample] = []
     judgements: list[Judgement] = []
     begun = time.monotonic()
@@ -155,7 +155,7 @@ def soak(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Round:
-    """What a batch of good runs took.
+    """The cost of a batch of good runs.
 
     Attributes:
         seconds: From posting it to its end.
@@ -169,7 +169,7 @@ class Round:
 
 
 def in_turn(services: Sequence[Service], *, rounds: int, size: int) -> list[list[Round]]:
-    """Has services do batches of good runs in turn, and returns what each took, service by service.
+    """Lets services run batches of good runs in turn; returns the costs, service by service.
 
     Args:
         services: Ready, and with nothing to do.
@@ -195,7 +195,7 @@ def _used(service: Service) -> tuple[float, float]:
 
 
 def against_fresh(old: Sequence[Round], fresh: Sequence[Round], size: int) -> str:
-    """Writes how the service that was soaked compares with a fresh one."""
+    """Writes the comparison of the soaked service with a fresh one."""
 
     def ratio(of: str) -> float:
         pairs = zip(fresh, old, strict=True)
@@ -213,15 +213,15 @@ def against_fresh(old: Sequence[Round], fresh: Sequence[Round], size: int) -> st
 
 
 def pace(samples: Sequence[Sample], first: int, last: int, *, of: str) -> float:
-    """Returns the runs between two samples for each second of wall or processor time."""
+    """Returns the runs between two samples a second of wall or processor time."""
     begin, end = samples[first], samples[last]
     return float((end.runs - begin.runs) / (getattr(end, of) - getattr(begin, of)))
 
 
 def report(samples: Sequence[Sample], judgements: Sequence[Judgement], compared: str) -> str:
-    """Writes what was found in Markdown."""
+    """Writes the results in Markdown."""
     tenth = max(1, len(samples) // 10)
-    # The start of the service is behind the first sample.
+    # The start of the service is before the first sample.
     ratios = [
         pace(samples, -1 - tenth, -1, of=of) / pace(samples, 0, tenth, of=of)
         for of in ("seconds", "cpu_s")
@@ -259,7 +259,7 @@ def report(samples: Sequence[Sample], judgements: Sequence[Judgement], compared:
 
 
 def main() -> None:
-    """Soaks, prints, and writes the results."""
+    """Soaks the service, prints and writes the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=20_000)
     parser.add_argument("--batch", type=int, default=500, help="runs between two samples")

@@ -1,4 +1,4 @@
-"""What K workers and the service add: K = 2 against K = 1, the service against the executor.
+"""The effect of K workers and of the service: K = 2 against K = 1, service against executor.
 
 The runs: one ego (`idm`), ten reactive NPCs, 60 s, on tee-town, traces written. What two cores give
 is measured beside it, with libsumo alone: one process and two that replay the placements of such

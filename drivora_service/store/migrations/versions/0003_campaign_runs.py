@@ -1,4 +1,4 @@
-"""Campaigns whose evaluations are runs of the queue, and their best scores."""
+"""Campaigns with evaluations as runs of the queue, and their best scores."""
 
 from __future__ import annotations
 

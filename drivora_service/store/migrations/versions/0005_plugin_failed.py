@@ -1,4 +1,4 @@
-"""One status for every package whose code failed: runs that ended as oracle_failed get it."""
+"""One status for failures of plug-ins, also for runs that ended as oracle_failed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Facets of runs: one number for all that lists filter by, and counters of it."""
+"""Facets of runs: one number for the filter attributes of lists, with counters."""
 
 from __future__ import annotations
 

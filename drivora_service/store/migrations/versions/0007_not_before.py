@@ -1,4 +1,4 @@
-"""Runs that were going on at several deaths of the server wait before they are begun again."""
+"""The time before which a run interrupted by several deaths of the server must not start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Batches whose runs are for the process of one command; failures have a kind and a group."""
+"""Batches with runs reserved for the process of one command; kinds and groups of failures."""
 
 from __future__ import annotations
 
