@@ -108,7 +108,7 @@ class CampaignSupervisor:
 
     @property
     def fault(self) -> str:
-        """Why no campaign can be started, "" while they can."""
+        """The reason that no campaign can be started, "" while they can."""
         return "" if self._thread.is_alive else "no campaign is started: its thread has ended"
 
     def wake(self) -> None:

@@ -60,7 +60,7 @@ def report_breach(run_id: str, what: str, progress: Progress, log: str) -> RunRe
 
     Args:
         run_id: The run.
-        what: What the worker sent.
+        what: Description of what the worker sent.
         progress: Where the worker was.
         log: The last lines of its log.
     """

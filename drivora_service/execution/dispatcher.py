@@ -110,7 +110,7 @@ class Dispatcher:
 
     @property
     def fault(self) -> str:
-        """Why no run can be handed out and what to do, "" while they are."""
+        """The reason that no run can be started and what to do, "" while they can."""
         if not self.is_alive:
             return "no runs are handed out: the thread that does it has ended; restart the service"
         fault = self._executor.fault

@@ -48,7 +48,7 @@ class Executor(Protocol):
 
     @property
     def fault(self) -> str:
-        """Why no worker can be started and what to do, "" if one can or has not been tried.
+        """The reason that no worker can be started and what to do, "" without a fault.
 
         Specs wait meanwhile; none of them fails. :meth:`wait` returns when a fault is found.
         """

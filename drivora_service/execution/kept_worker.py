@@ -63,7 +63,7 @@ class KeptWorker:
         """Starts the keeper, which starts the worker.
 
         Args:
-            task: What the worker does.
+            task: Task of the worker.
             log: Descriptor of the log.
 
         Raises:

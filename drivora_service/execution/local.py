@@ -77,7 +77,7 @@ class LocalExecutor:
 
     @property
     def fault(self) -> str:
-        """Why no worker can be started and what to do, "" if one can or has not been tried."""
+        """The reason that no worker can be started and what to do, "" without a fault."""
         return self._starts.fault
 
     def submit(self, spec: RunSpec) -> None:

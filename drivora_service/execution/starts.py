@@ -43,7 +43,7 @@ class WorkerStarts:
 
     @property
     def fault(self) -> str:
-        """Why no worker can be started and what to do, "" if one can or has not been tried."""
+        """The reason that no worker can be started and what to do, "" without a fault."""
         return self._fault
 
     def succeeded(self, slot: str) -> None:

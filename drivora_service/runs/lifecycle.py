@@ -30,7 +30,7 @@ SIMULATOR_ERROR = "simulator_error"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RetryPolicy:
-    """How often a run may fail for reasons that are not its own.
+    """The numbers of attempts that a run may lose for reasons that are not its own.
 
     Attributes:
         infrastructure_failures: Attempts that may be lost before the run fails.

@@ -56,7 +56,7 @@ class RunSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunFailure(Shape):
-    """Why a run was not judged.
+    """The reason that a run was not judged.
 
     Attributes:
         cause: Short stable name: ``agent_raised``, ``agent_hung``, ``agent_invalid_control``,

@@ -18,7 +18,7 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 
 
 class GeneKind(StrEnum):
-    """What the values of a gene mean."""
+    """The meaning of a gene's values."""
 
     CONTINUOUS = "continuous"
     """A magnitude: neighbours are alike."""

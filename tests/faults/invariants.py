@@ -1,4 +1,4 @@
-"""What must hold after every fault, read from the database and over HTTP."""
+"""The invariants after every fault, checked in the database and over HTTP."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Hashes = Mapping[tuple[str, int], str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judgement:
-    """What a fault did.
+    """The effects of a fault.
 
     Attributes:
         lost: Runs that were accepted and have no end, or an end without a report.

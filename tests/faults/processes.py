@@ -1,4 +1,4 @@
-"""What /proc says about the processes of a service, whatever the service says itself."""
+"""The processes of a service in /proc, independent of the service's own answers."""
 
 from __future__ import annotations
 

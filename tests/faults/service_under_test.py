@@ -79,12 +79,12 @@ class Service:
 
     @property
     def evidence(self) -> Path:
-        """Where hostile agents leave what they have managed to do."""
+        """Folder for the evidence of hostile agents."""
         return self.site / "evidence"
 
     @property
     def log(self) -> Path:
-        """What every server of this folder has printed."""
+        """The output of all servers of this folder."""
         return self.folder / "service.log"
 
     @property

@@ -15,7 +15,7 @@ from tests.faults.service_under_test import Service, Work
 from tests.faults.work import among, good_runs
 
 LOGS_BYTES = 64 << 20
-"""What all logs of workers may take while an agent prints."""
+"""Greatest size of all logs of workers while an agent prints, bytes."""
 
 HUNG = {("agent_failed", "agent_hung")}
 NOT_FINISHED = {

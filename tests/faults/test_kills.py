@@ -82,7 +82,7 @@ def test_workers_killed_at_random_moments(
 def test_a_run_in_flight_at_three_deaths_of_the_server_goes_last(
     own_service: Service, check: Judge, trial: int
 ) -> None:
-    """What may be the reason of the deaths waits; the others are finished first."""
+    """Runs that may be the reason of the deaths wait; the others are finished first."""
     service = own_service
     service.start()
     work = service.post([*good_runs(2, agent=SLOW), *good_runs(10)])

@@ -28,7 +28,7 @@ LINES_PER_FAULT = 12
 """Warnings and errors that the log may gain; a line a turn of a loop would be hundreds."""
 
 _LINE = re.compile(r"^20\S+Z \[(?:warning|error|critical)", re.MULTILINE)
-"""How a line begins that is no part of a traceback."""
+"""The beginning of a line that is no part of a traceback."""
 
 Fault = Callable[[Service], contextlib.AbstractContextManager[None]]
 

@@ -1,4 +1,4 @@
-"""What the fuzzing of the API must know that no schema says; loaded by schemathesis."""
+"""Hooks of schemathesis for the parts of the API that the schema does not describe."""
 
 from __future__ import annotations
 

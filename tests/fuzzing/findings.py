@@ -18,7 +18,7 @@ MAX_CPU_SECONDS = 5.0
 
 @dataclass(kw_only=True)
 class Session:
-    """What came of the inputs so far.
+    """The findings of the inputs so far.
 
     Attributes:
         read: Inputs that were not refused.

@@ -1,4 +1,4 @@
-"""What a harness is, and which answers of a parser are correct."""
+"""The harness, and the correct answers of a parser."""
 
 from __future__ import annotations
 

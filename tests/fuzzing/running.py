@@ -17,7 +17,7 @@ _COVERAGE = re.compile(r" cov: (\d+) ")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What a session came to.
+    """The result of a session.
 
     Attributes:
         read: Inputs that were not refused.

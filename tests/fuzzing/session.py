@@ -29,7 +29,7 @@ def _compiled_modules() -> list[str]:
 
 
 def _limit_memory() -> None:
-    """Makes what asks for far too much raise ``MemoryError``, instead of taking the machine."""
+    """Makes excessive allocations raise ``MemoryError``, instead of exhausting the machine."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
     size = next(line for line in status.splitlines() if line.startswith("VmSize:"))
     limit = int(size.split()[1]) * 1024 + _SPARE_BYTES

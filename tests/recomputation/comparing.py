@@ -1,4 +1,4 @@
-"""What the product says of a run, beside what is computed again from its trace."""
+"""Comparison of a run's report with a recomputation from its trace."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ bends with four pieces a quarter, and moves centre lines by up to a centimetre."
 
 
 class Verdict(Protocol):
-    """What is read of a verdict that the product stored."""
+    """The compared parts of a stored verdict."""
 
     @property
     def oracle(self) -> str: ...
@@ -48,7 +48,7 @@ class Verdict(Protocol):
 
 
 class Report(Protocol):
-    """What is read of the report of a run."""
+    """The compared parts of a run's report."""
 
     @property
     def run_id(self) -> str: ...

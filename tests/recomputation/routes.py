@@ -1,4 +1,4 @@
-"""How far an ego came on its route, whether it left it, whether it arrived."""
+"""An ego's progress on its route, leaving the route, and arrival."""
 
 from __future__ import annotations
 

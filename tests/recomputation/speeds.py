@@ -1,4 +1,4 @@
-"""How long an ego was faster than its lane allows."""
+"""The time for which an ego was faster than the limit of its lane."""
 
 from __future__ import annotations
 

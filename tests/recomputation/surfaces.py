@@ -1,4 +1,4 @@
-"""Where cars may drive, and how far outside a point is."""
+"""The drivable area, and the distance of a point outside it."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ AFTER_S = 1.0
 
 
 class Crasher(IdmAgent):
-    """Makes libsumo die of a segmentation fault of its own: a person where none can walk."""
+    """Crashes libsumo by a segmentation fault: a walker at a place where none can walk."""
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         if observation.time > AFTER_S:

@@ -1,4 +1,4 @@
-"""What a service keeps is for its owner only, whatever the umask that it was started with."""
+"""The files of a service are for its owner only, under any umask."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What several harnesses stand on: the checkout, its catalogues, a folder, and documents.
+"""Common parts of several harnesses: the checkout, its catalogues, a folder, and documents.
 
 Catalogues are imported when they are needed: a session instruments all that it imports.
 """
@@ -31,7 +31,7 @@ def networks() -> NetworkCatalogue:
 
 @cache
 def catalogues() -> Catalogues:
-    """What campaigns may name."""
+    """Returns the catalogues of campaigns."""
     from drivora_service.campaigns.catalogues import installed_catalogues
 
     return installed_catalogues(networks())

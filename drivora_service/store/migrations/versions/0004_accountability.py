@@ -1,4 +1,4 @@
-"""How far an ego is accountable for its violations, and how grave they are.
+"""The accountability of an ego for its violations, and their severity.
 
 Runs and campaigns of before were judged without it: their columns stay empty.
 """
