@@ -3,7 +3,7 @@
 Every method and its twin without feedback searches the same gene space on the same seed scenarios
 with the same budget; a repetition differs in its seed alone. DoppelTest, which is about several
 egos, has scenes of its own. Results are appended to a file, one line a campaign, so that a study
-can be interrupted and gone on with.
+can be interrupted and resumed.
 
     python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl.gz
     python -m benchmarks.method_study show benchmarks/results/methods.jsonl.gz

@@ -22,7 +22,7 @@ class Judgement:
         blamed: Runs of good agents that ended otherwise than finished, or otherwise than they do
             undisturbed; and good scenarios in quarantine.
         back: Whether the service finished all and is ready, by itself.
-        notes: What was found, for people.
+        notes: Remarks on what was found.
     """
 
     lost: int
