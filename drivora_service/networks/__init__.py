@@ -1,1 +1,1 @@
-"""Road networks: reading, importing, routing on them and finding places in them."""
+"""Road networks: reading, importing, routing and locating places."""

@@ -1,7 +1,7 @@
 """Rebuilds the shipped networks from their plain-XML sources.
 
-``python -m drivora_service.networks.build`` writes them, ``--check`` only says which differ. The
-result is byte-identical on every machine with the same netconvert.
+``python -m drivora_service.networks.build`` writes them, ``--check`` only lists the ones that
+differ. The result is byte-identical on every machine with the same netconvert.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ def built_files(directory: Path) -> Mapping[Path, bytes]:
         directory: ``sumo_nets/<name>`` with ``plain/<name>.netccfg`` and ``provenance.yaml``.
 
     Returns:
-        What the network file and the provenance should contain.
+        The contents of the network file and of the provenance.
 
     Raises:
-        NetworkError: netconvert is missing or refuses the sources.
+        NetworkError: netconvert is missing or rejects the sources.
     """
     name = directory.name
     configuration = directory / "plain" / f"{name}.netccfg"
@@ -49,7 +49,7 @@ def differing(networks: Path) -> tuple[str, ...]:
     """Returns the files below ``networks`` that a rebuild would change, as relative paths.
 
     Raises:
-        NetworkError: netconvert is missing or refuses the sources.
+        NetworkError: netconvert is missing or rejects the sources.
     """
     return tuple(
         path.relative_to(networks).as_posix()
@@ -60,10 +60,10 @@ def differing(networks: Path) -> tuple[str, ...]:
 
 
 def rebuild(networks: Path) -> tuple[str, ...]:
-    """Rebuilds every network below ``networks`` and gives the files that changed.
+    """Rebuilds every network below ``networks`` and returns the files that changed.
 
     Raises:
-        NetworkError: netconvert is missing or refuses the sources.
+        NetworkError: netconvert is missing or rejects the sources.
     """
     changed = []
     for directory in sources(networks):

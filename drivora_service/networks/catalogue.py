@@ -1,4 +1,4 @@
-"""The networks that scenarios may name: those that are shipped, and those that were imported."""
+"""The catalogue of networks: shipped and imported ones."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def shipped_networks() -> Path:
 
 
 def is_network_name(name: str) -> bool:
-    """Returns whether a name is made of letters, digits, ``_`` and ``-`` only, 64 at most."""
+    """Returns whether a name consists of at most 64 letters, digits, ``_`` and ``-``."""
     return _NAME.fullmatch(name) is not None
 
 
@@ -42,11 +42,11 @@ class NetworkLookup(Protocol):
 
 
 class NetworkCatalogue:
-    """Networks by name, each read once a process.
+    """Networks by name, each read once in a process.
 
     A folder of networks holds ``NAME/NAME.net.xml`` (with ``provenance.yaml`` beside it) or
     ``NAME.net.xml``. A shipped network cannot be replaced by an imported one of the same name.
-    Networks that are imported while the process runs are found too. Threads may share a catalogue.
+    Networks that are imported while the process runs are found too. It is thread-safe.
     """
 
     def __init__(self, shipped: Path, imported: Path | None = None) -> None:
@@ -93,7 +93,7 @@ class NetworkCatalogue:
         path = self.path(name)
         status = path.stat()
         version = (status.st_mtime_ns, status.st_size)
-        # One lock a network: while a large one is read, the others can be had.
+        # One lock for each network: others are available while a large one is read.
         with self._locks.setdefault(name, threading.Lock()):
             known = self._networks.get(name)
             if known is None or known[0] != version or known[1].path != path:
@@ -102,7 +102,7 @@ class NetworkCatalogue:
             return known[1]
 
     def provenance(self, name: str) -> Provenance | None:
-        """Returns where a network comes from; None where no ``provenance.yaml`` lies beside it.
+        """Returns the provenance of a network; None if no ``provenance.yaml`` is beside it.
 
         Raises:
             UnknownName: There is no such network.

@@ -1,8 +1,8 @@
-"""The area that vehicles may use, and how far outside it a point is.
+"""The area that vehicles may use, and the distance of points from it.
 
 It is the union of the lanes open to cars, at their full width, with the outlines of the junctions
-that they meet in. Shoulders, parking lanes closed to passenger cars, sidewalks and crossings beside
-the junction are outside. A carriageway's gaps, up to a few decimetres between lanes and where a
+where they meet. Shoulders, parking lanes closed to passenger cars, sidewalks and crossings beside
+the junction are outside. Gaps in a carriageway, up to a few decimetres between lanes and where a
 bend's outside is beyond both of its lanes' ends, are inside.
 """
 
@@ -18,13 +18,13 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
 
 MAX_GAP = 0.5
-"""Metres between two lanes, or a lane and a junction, that belong together."""
+"""Metres between two lanes, or a lane and a junction, that are closed as a gap."""
 
 TOLERANCE = 0.01
-"""Metres by which a lane's centre line may be moved when it is simplified."""
+"""Metres by which a lane's centre line may be moved by simplification."""
 
 TILE = 40.0
-"""Metres: side of the tiles that the area is cut into, so that a query meets a small polygon."""
+"""Side of the tiles of the area in metres; small, so that a query uses a small polygon."""
 
 Tree = shapely.STRtree
 
@@ -35,7 +35,7 @@ def drivable_area(network: RoadNetwork) -> BaseGeometry:
 
 
 def outside_distance(network: RoadNetwork, points: FloatArray) -> FloatArray:
-    """Returns how far each of (n, 2) points is outside the drivable area.
+    """Returns the distance of each of (n, 2) points from the drivable area.
 
     Returns:
         (n,) metres; 0 inside. NaN for a point that is not finite.
@@ -60,9 +60,9 @@ def outside_distance(network: RoadNetwork, points: FloatArray) -> FloatArray:
 
 
 def near_area(network: RoadNetwork, points: FloatArray, distance: float) -> BoolArray:
-    """Tells which of (n, 2) finite points are in the drivable area or within metres of it.
+    """Returns which of (n, 2) finite points are in the drivable area or within ``distance`` metres.
 
-    It takes far less time than to measure how far they are outside.
+    This is much faster than the distances.
     """
     tiles = _area(network)[1]
     near = np.zeros(len(points), dtype=np.bool_)
@@ -77,7 +77,7 @@ def _area(network: RoadNetwork) -> tuple[BaseGeometry, Tree]:
     met = {lane.to_junction for lane in lanes} - {""}
     for junction in sorted(met & network.junction_shapes.keys()):
         outline = shapely.make_valid(shapely.Polygon(network.junction_shapes[junction]))
-        # An outline that crosses itself falls into parts; one that encloses nothing, into lines.
+        # An outline that crosses itself becomes parts; one without area becomes lines.
         parts.extend(part for part in shapely.get_parts(outline) if part.area > 0.0)
     union = shapely.union_all(parts)
     half = 0.5 * MAX_GAP
@@ -88,7 +88,7 @@ def _area(network: RoadNetwork) -> tuple[BaseGeometry, Tree]:
 
 
 def _lane_area(lane: Lane) -> BaseGeometry:
-    # Imported lanes have a point every few decimetres; a few of them say the same.
+    # Imported lanes have a point every few decimetres; a few of them suffice.
     line = shapely.LineString(lane.shape).simplify(TOLERANCE)
     return line.buffer(0.5 * lane.width, cap_style="flat", join_style="round", quad_segs=4)
 

@@ -1,7 +1,7 @@
-"""Finds what no road network has: coordinates that are no numbers, lanes without a line, and such.
+"""Checks for invalid networks: coordinates that are not finite, lanes without a line, and others.
 
-Such files are well-formed, and SUMO's own reader takes them. What stands on a network assumes that
-it has none of this.
+Such files are well-formed, and SUMO's own reader accepts them. Code that uses a network assumes
+that it has no such flaw.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import Lane, SignalProgram
 
 MAX_COORDINATE = 1e8
-"""Metres; twice the way round the Earth."""
+"""Metres; twice the circumference of the Earth."""
 
 MAX_AREA = 2.5e9
-"""Square metres of the rectangle around all lanes; a grid over it has to fit into memory. Greater
+"""Square metres of the rectangle around all lanes, whose grid has to fit into memory. Greater
 Berlin takes 1.7e9."""
 
 MAX_LANE_WIDTH = 100.0
@@ -45,7 +45,7 @@ def read_line(source: Any, lane_id: str) -> FloatArray:
     """Returns the (n, 2) points of a lane as sumolib read it, metres.
 
     Raises:
-        NetworkError: It has none, or one that is no place.
+        NetworkError: It has no points, or one that is not finite.
     """
     shape = source.getShape()
     if not shape:
@@ -57,11 +57,11 @@ def read_line(source: Any, lane_id: str) -> FloatArray:
 
 
 def check_lanes(lanes: Iterable[tuple[str, FloatArray, Any]]) -> None:
-    """Checks lanes, each given by its id, its points and what sumolib read.
+    """Checks lanes, each given by its id, its points and sumolib's object.
 
     Raises:
-        NetworkError: One has no usable length, width or speed limit, there are two of an id, or all
-            of them together cover too much.
+        NetworkError: One has no usable length, width or speed limit, an id is repeated, or all
+            of them together cover too large an area.
     """
     known: set[str] = set()
     lines = []
@@ -96,8 +96,8 @@ def check_signals(programs: Mapping[str, SignalProgram], lanes: Iterable[Lane]) 
     """Checks signal programmes, and that every connection with a signal has one in them.
 
     Raises:
-        NetworkError: A programme has no phase, one without a time, or one for fewer signals; or a
-            connection names a signal that there is not.
+        NetworkError: A programme has no phase, no duration, or phases for different numbers of
+            signals; or a connection names a missing signal.
     """
     for program in programs.values():
         times = [phase.duration for phase in program.phases]

@@ -1,4 +1,4 @@
-"""How high a way lies: roads that cross on bridges share a place in the plane, not a level."""
+"""Heights of lines: roads that cross on bridges share a place in the plane, but not the level."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drivora_service.networks.road_network import RoadNetwork
 
 @lru_cache(maxsize=128)
 def is_flat(network: RoadNetwork) -> bool:
-    """Returns whether all lanes lie at height 0."""
+    """Returns whether all lanes are at height 0."""
     return not any(lane.heights.any() for lane in network.lanes)
 
 
@@ -22,8 +22,8 @@ def line_heights(network: RoadNetwork, line: FloatArray, lanes: IntArray) -> Flo
     Args:
         network: The road network.
         line: (n, 2) metres.
-        lanes: (n,) index of the lane that each point lies on; negative: none, the point takes the
-            height of the point before it.
+        lanes: (n,) index of the lane that each point lies on; negative: no lane, the point takes
+            the height of the preceding point.
 
     Returns:
         (n,) metres.

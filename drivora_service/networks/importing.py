@@ -19,20 +19,20 @@ from drivora_service.networks.netconvert import MAX_SECONDS, convert, netconvert
 from drivora_service.networks.provenance import FILE_NAME, Provenance
 
 MAX_SOURCE_BYTES = 256 * 1024 * 1024
-"""A larger file is refused: a whole CARLA town has 1 to 60 MB, a city extract about 100 MB."""
+"""Maximum size of a file, bytes: a whole CARLA town has 1 to 60 MB, a city extract about 100 MB."""
 
-# What is said when every road was left out.
+# netconvert's messages if every road was omitted.
 _NOTHING_LEFT = re.compile(r"No (nodes|edges) loaded|found no lane")
 _NOTHING_LEFT_HINT = " (the file has no road that is open to cars)"
 
-# Nothing is fetched to validate a file, and cars find no way to turn round on an open road.
+# No schema is fetched for validation, and no U-turns are added on open roads.
 _COMMON = ("--xml-validation", "never", "--no-turnarounds.except-deadend", "true")
 
-# The lanes of CARLA's towns keep the ids and places they have in other conversions of the towns.
-# Finer steps than the default keep tight bends round.
+# The lanes of CARLA's towns keep the ids and places of other conversions of the towns.
+# Smaller steps than the default keep tight bends round.
 _OPENDRIVE = (*_COMMON, "--opendrive.curve-resolution", "1")
 
-# What SUMO recommends for OpenStreetMap, for roads open to cars; sidewalks stay as lanes of them.
+# SUMO's recommendations for OpenStreetMap, for roads open to cars; sidewalks become lanes of them.
 _OPENSTREETMAP = (
     *_COMMON,
     *("--keep-edges.by-vclass", "passenger"),
@@ -55,14 +55,14 @@ _OPENSTREETMAP = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Format:
-    """One kind of source file.
+    """A format of source files.
 
     Attributes:
         root: Name of the document's root element.
-        label: What to call it in a message.
-        reader: netconvert's option that reads it; None where the file is copied.
-        options: netconvert's further options.
-        licence: What is known about the licence of such files.
+        label: Name in messages.
+        reader: netconvert's option for reading it; None if the file is copied.
+        options: Further options of netconvert.
+        licence: Licence of such files, as far as known.
     """
 
     root: str
@@ -95,19 +95,19 @@ def import_network(
 ) -> Path:
     """Imports a road network under a name.
 
-    The network appears whole or not at all. Coordinates of the source become SUMO's by adding the
+    The import is atomic. Coordinates of the source become SUMO's by adding the
     network's ``net_offset``.
 
     Args:
         source: A ``.net.xml``, ``.xodr``, ``.osm`` or ``.osm.xml`` file.
-        name: Its name from now on: letters, digits, ``-`` and ``_``.
-        into: Directory of the imported networks; made where it is missing.
-        replace: Put it in the place of an imported network of the same name.
-        max_bytes: Larger files are refused.
-        max_seconds: A conversion that takes longer is given up.
+        name: Name of the network: letters, digits, ``-`` and ``_``.
+        into: Directory of the imported networks; created if missing.
+        replace: Replace an imported network of the same name.
+        max_bytes: Larger files are rejected.
+        max_seconds: A longer conversion is cancelled.
 
     Returns:
-        ``into/<name>/<name>.net.xml``; ``provenance.yaml`` lies beside it.
+        ``into/<name>/<name>.net.xml``; ``provenance.yaml`` is beside it.
 
     Raises:
         NetworkError: The name is not allowed or taken, the file cannot be used, or netconvert is
@@ -149,7 +149,7 @@ def import_network(
 
 
 def _read(source: Path, max_bytes: int) -> tuple[bytes, _Format]:
-    """Reads the file once, so that what is checked is what is converted."""
+    """Reads the file once, so that the checked bytes are the converted ones."""
     suffix = next((s for s in _FORMATS if source.name.lower().endswith(s)), None)
     if suffix is None:
         raise NetworkError(f"cannot import {source.name!r}: allowed are {', '.join(_FORMATS)}")
@@ -181,7 +181,7 @@ def _root_element(data: bytes, file_name: str) -> str:
             roots.append(tag)
 
     def refuse(*_declaration: object) -> None:
-        # Entities are declared there only: they can read other files or grow without bound.
+        # Only document types declare entities, which can read other files or grow without bound.
         raise NetworkError(f"{file_name!r} has a document type declaration, which is not allowed")
 
     parser = expat.ParserCreate()
@@ -197,7 +197,7 @@ def _root_element(data: bytes, file_name: str) -> str:
 def _network_bytes(
     data: bytes, form: _Format, stage: Path, max_seconds: float
 ) -> tuple[bytes, str | None]:
-    """Returns the network and the version of netconvert that made it, if one did."""
+    """Returns the network and the version of netconvert, if it was converted."""
     if form.reader is None:
         return data, None
     version = netconvert_version()
@@ -212,10 +212,10 @@ def _network_bytes(
 
 @contextmanager
 def _staging(into: Path) -> Iterator[Path]:
-    """Returns a directory beside the final one, and removes what is left of it."""
+    """Provides a directory beside the final one, which is removed afterwards."""
     try:
         into.mkdir(parents=True, exist_ok=True)
-        # A dot cannot begin a network's name, so that no catalogue shows it.
+        # A network's name cannot begin with a dot, so no catalogue lists it.
         stage = Path(tempfile.mkdtemp(prefix=".importing-", dir=into))
     except OSError as error:
         raise NetworkError(f"cannot write to {into}: {error.strerror}") from error

@@ -1,4 +1,4 @@
-"""How far a lane leaves its tangents: what a box that is straight must allow for where it bends."""
+"""Deviation of a lane from its tangents, by which straight boxes must be tolerant in bends."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import RoadNetwork
 
 SPACING = 0.5
-"""Metres between the places of a lane that are looked at, at most."""
+"""Maximum distance between the evaluated places of a lane, metres."""
 
 
 @lru_cache(maxsize=65_536)
 def tangent_gap(network: RoadNetwork, lane: int, reach: float) -> float:
-    """Returns how far a lane's centre line is at most beside its own tangents, metres.
+    """Returns the maximum deviation of a lane's centre line from its own tangents, metres.
 
     Args:
         network: The network.
         lane: Index of the lane.
-        reach: Metres along the lane, to either side of where the tangent touches.
+        reach: Metres along the lane, to both sides of the tangent's point.
     """
     shape = network.lanes[lane].shape
     arc = arc_lengths(shape)
@@ -34,7 +34,7 @@ def tangent_gap(network: RoadNetwork, lane: int, reach: float) -> float:
         if not near.any():
             break
         offset = (points[ahead:] - points[:-ahead])[near]
-        # A pair of places, seen from the tangents that touch at either of them.
+        # A pair of places, relative to the tangents at both of them.
         for tangent in (steps[: len(near)], steps[ahead - 1 :]):
             chosen = tangent[near]
             beside = chosen[:, 0] * offset[:, 1] - chosen[:, 1] * offset[:, 0]

@@ -1,4 +1,4 @@
-"""The drivable lanes of a network as a graph: where one can go from the start of each lane."""
+"""The drivable lanes of a network as a graph, with the steps from the start of each lane."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.tight_turns import tight_turns
 
 CHANGE_COST = 25.0
-"""Metres of detour that one lane change is worth."""
+"""Cost of a lane change, metres of detour."""
 
 MIN_CHANGE_LENGTH = 8.0
-"""Metres that a lane change needs at least; below, a car at walking pace cannot make it."""
+"""Least length of a lane change in metres, for a car at walking pace."""
 
 EASY_CHANGE_LENGTH = 40.0
-"""Metres from which a longer stretch makes a lane change no easier; what is missing is added to
+"""Length from which on a lane change has no extra cost, metres; the missing length is added to
 its cost."""
 
 
@@ -29,12 +29,12 @@ class Sibling:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """From the start of a lane to the start of a next one.
+    """A step from the start of a lane to the start of a next one.
 
     Attributes:
         lane: The next lane.
-        exit_lane: The lane of the first edge that leads there.
-        cost: Metres, with what lane changes add.
+        exit_lane: The lane of the first edge that leads to it.
+        cost: Metres, with the cost of lane changes.
     """
 
     lane: int
@@ -49,10 +49,10 @@ class LaneGraph:
     Attributes:
         lengths: Arc length of each lane's centre line, metres.
         siblings: Lanes of the same edge that can be reached, the lane itself first.
-        successors: Drivable lanes behind each lane's end, without those that only a turn leads to
-            which no car can drive.
-        tight: Those.
-        steps: Cheapest ways from a lane's start to the start of each lane behind its edge.
+        successors: Drivable lanes after each lane's end, without those that are reached only by a
+            turn that no car can drive.
+        tight: Lanes that are reached only by such a turn.
+        steps: Cheapest ways from a lane's start to the start of each lane after its edge.
     """
 
     lengths: tuple[float, ...]
@@ -108,7 +108,7 @@ def leaving(
     lane: int,
     s: float,
 ) -> tuple[Step, ...]:
-    """Returns the cheapest ways from arc length ``s`` of a lane to each lane behind its edge."""
+    """Returns the cheapest ways from arc length ``s`` of a lane to each lane after its edge."""
     room = lengths[lane] - s
     best: dict[int, Step] = {}
     for sibling in siblings[lane]:

@@ -1,4 +1,4 @@
-"""A way through the lanes: which lanes to follow, and where to change between them."""
+"""A route through the lanes, with the lane changes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from drivora_service.networks.road_network import make_read_only
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaneRun:
-    """Lanes that follow one another without a lane change.
+    """Consecutive lanes without a lane change.
 
     Attributes:
         lanes: Indices of the lanes, internal ones included.
-        line: (n, 2) centre line through them, metres; reaches beyond the change windows at both
-            ends as far as its lanes do.
+        line: (n, 2) centre line through them, metres; extends beyond the change windows at both
+            ends as far as its lanes.
         arc: (n,) arc length of each point from the line's start, metres.
         speed_limits: (n,) m/s at each point.
         start_s: Arc length on this line where the route joins it (after a lane change: the first
@@ -38,7 +38,7 @@ class LaneRun:
     end_s: float
 
     def __post_init__(self) -> None:
-        """Makes the arrays read-only: routes are shared."""
+        """Makes the arrays read-only: since routes are shared."""
         make_read_only(self.line, self.arc, self.speed_limits)
 
 
@@ -70,7 +70,7 @@ class LaneRoute:
         arc: (n,) arc length of each point, metres; ``arc[-1]`` is the route's length.
         speed_limits: (n,) m/s at each point.
         point_lanes: (n,) index of the lane that each point belongs to.
-        edges: SUMO edge ids in order, internal ones left out.
+        edges: SUMO edge ids in order, without internal ones.
         signals: Signals in order of ``s``.
     """
 
@@ -83,10 +83,10 @@ class LaneRoute:
     signals: tuple[RouteSignal, ...]
 
     def __post_init__(self) -> None:
-        """Makes the arrays read-only: routes are shared."""
+        """Makes the arrays read-only: since routes are shared."""
         make_read_only(self.line, self.arc, self.speed_limits, self.point_lanes)
 
     @property
     def length(self) -> float:
-        """Metres from start to destination."""
+        """Length from start to destination, metres."""
         return float(self.arc[-1])

@@ -1,4 +1,4 @@
-"""Where a moving point is along a line, found near where it was a step ago."""
+"""Projection of a moving point on a line, searched near its last position."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ def track_line(
 ) -> tuple[int, float, float]:
     """Projects a point on the part of a line around ``cursor``.
 
-    A search of the whole line would jump where a line passes the same place twice.
+    A search of the whole line would jump if a line passes the same place twice.
 
     Args:
         line: (n, 2) metres, n >= 2.
         arc: (n,) arc length, metres.
-        cursor: Index of the segment found a step ago.
-        behind: Segments to search before it.
-        ahead: Segments to search after it.
+        cursor: Index of the segment of the last step.
+        behind: Number of segments to search before it.
+        ahead: Number of segments to search after it.
         x: Metres.
         y: Metres.
 

@@ -26,15 +26,15 @@ from drivora_service.networks.road_network import (
 )
 
 MIN_POINT_DISTANCE = 0.05
-"""Metres; nearer shape points are dropped: coordinates are rounded to centimetres, so that the
-direction between them is noise."""
+"""Least distance of shape points, metres: coordinates are rounded to centimetres, so that the
+direction between nearer points is noise."""
 
 DEGENERATE_LENGTH = 0.01
-"""Metres of arc that a lane gets whose shape is a single place."""
+"""Arc length of a lane whose shape is a single place, metres."""
 
 MAX_REVERSED_LENGTH = 0.5
-"""Metres; a lane inside a junction that is shorter and runs against the lanes it joins is as good
-as a single place, and a shorter piece of a lane that runs backwards is a mistake of its converter.
+"""Metres; a shorter lane inside a junction that runs against the lanes it joins counts as a single
+place, and a shorter piece of a lane that runs backwards counts as a mistake of its converter.
 """
 
 
@@ -89,8 +89,8 @@ def load_network(path: Path, name: str) -> RoadNetwork:
 def _read_net(data: bytes) -> Any:
     """Reads the bytes that are hashed, with the same XML parser everywhere.
 
-    ``sumolib.net.readNet`` opens the file again, decompresses it where it can, and parses it with
-    lxml where that is installed, which may read other files.
+    ``sumolib.net.readNet`` opens the file again, decompresses it if necessary, and parses it with
+    lxml if that is installed, which may read other files.
     """
     if b"<!DOCTYPE" in data:
         raise NetworkError("found a document type declaration, which is not allowed")
@@ -110,7 +110,7 @@ def _read_location(net: Any) -> tuple[tuple[float, float], tuple[float, float, f
 def _read_junction_shapes(net: Any) -> dict[str, FloatArray]:
     shapes = {}
     for node in net.getNodes():
-        # A junction that only edges or connections name has none.
+        # A junction that is only named by edges or connections has none.
         shape = node.getShape() or ()
         if len(shape) >= 3:
             check_numbers(f"the shape of junction {node.getID()!r}", np.ravel(shape))
@@ -120,7 +120,7 @@ def _read_junction_shapes(net: Any) -> dict[str, FloatArray]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _RawLane:
-    """A lane as sumolib reads it, with what the second pass needs."""
+    """A lane as sumolib reads it, with the data for the second pass."""
 
     source: Any
     id: str
@@ -199,7 +199,7 @@ def _connections(source: Any, index_of: dict[str, int]) -> tuple[Connection, ...
 def _distinct_points(points: FloatArray) -> FloatArray:
     """Returns those of (n, 2) points that are far enough apart; both ends stay in place.
 
-    Where a short piece runs backwards, its beginning is left out.
+    If a short piece runs backwards, its beginning is omitted.
     """
     kept: list[FloatArray] = []
     for point in points:
@@ -215,7 +215,7 @@ def _distinct_points(points: FloatArray) -> FloatArray:
 
 
 def _without_backward_pieces(points: FloatArray) -> FloatArray:
-    """Leaves out points between which a line turns back for less than ``MAX_REVERSED_LENGTH``."""
+    """Removes points between which a line turns back for less than ``MAX_REVERSED_LENGTH``."""
     while len(points) > 2:
         steps = np.diff(points, axis=0)
         lengths = np.hypot(steps[:, 0], steps[:, 1])
@@ -243,7 +243,7 @@ def _usable_shapes(
 ) -> list[FloatArray]:
     """Replaces lanes of coinciding points by a short straight in their neighbours' direction.
 
-    Some converters write internal lanes of 0.1 m whose two points are rounded to the same place,
+    Some converters write internal lanes of 0.1 m with two points rounded to the same place,
     or to places in the wrong order.
     """
     shapes = list(points)
@@ -284,7 +284,7 @@ def _distance(a: FloatArray, b: FloatArray) -> float:
 
 
 def _read_programs(data: bytes) -> dict[str, SignalProgram]:
-    """Reads the traffic-light programmes; of several for one light SUMO runs the last."""
+    """Reads the traffic-light programmes; of several for one light the last counts, as in SUMO."""
     return {
         logic.attrib["id"]: SignalProgram(
             id=logic.attrib["id"],

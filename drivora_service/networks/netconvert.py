@@ -1,4 +1,4 @@
-"""Runs SUMO's netconvert, which only the extra ``networks`` brings."""
+"""Runs SUMO's netconvert, which the extra ``networks`` installs."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from pathlib import Path
 
 from drivora_service.errors import NetworkError
 
-# The time, the machine's paths and the options: different on every machine.
+# Time, paths and options, which differ between machines.
 _HEADER = re.compile(rb"<!-- generated on .*?-->\s*", re.DOTALL)
 _SHOWN_ERRORS = 5
 
 MAX_SECONDS = 600.0
-"""That a conversion may take; a city takes a minute."""
+"""Maximum time of a conversion; a city takes a minute."""
 
 MAX_MEMORY_BYTES = 8 << 30
-"""Of address space; 100 MB of OpenStreetMap need about a third."""
+"""Maximum address space; 100 MB of OpenStreetMap need about a third."""
 
 MAX_OUTPUT_BYTES = 1 << 30
-"""Of each file that it writes."""
+"""Maximum size of each written file."""
 
 _LIMITS = (
     (resource.RLIMIT_AS, MAX_MEMORY_BYTES),
     (resource.RLIMIT_FSIZE, MAX_OUTPUT_BYTES),
 )
 _READ_BYTES = 1_000_000
-"""Of what it prints; the first errors are the ones that tell."""
+"""Maximum number of printed errors in messages; the first ones tell the cause."""
 
 
 def netconvert_version() -> str:
@@ -51,15 +51,15 @@ def netconvert_version() -> str:
 
 
 def convert(arguments: Sequence[str], *, timeout: float = MAX_SECONDS) -> bytes:
-    """Runs netconvert and gives the network it wrote, without the header that varies.
+    """Runs netconvert and returns the written network, without the varying header.
 
     Args:
-        arguments: Everything but the output file.
-        timeout: Seconds after which the conversion is given up.
+        arguments: All arguments except the output file.
+        timeout: Seconds after which the conversion is cancelled.
 
     Raises:
-        NetworkError: netconvert is not installed, refused its input, crashed, or took too long, too
-            much memory or too much space.
+        NetworkError: netconvert is not installed, rejected its input, crashed, or took too long,
+            too much memory or too much space.
     """
     home = _sumo_home()
     with tempfile.TemporaryDirectory(prefix="drivora-netconvert-") as directory:
@@ -69,12 +69,12 @@ def convert(arguments: Sequence[str], *, timeout: float = MAX_SECONDS) -> bytes:
 
 
 def run_converter(program: Path, arguments: Sequence[str], output: Path, *, timeout: float) -> None:
-    """Runs a program that is called as netconvert is.
+    """Runs a program with the arguments of netconvert.
 
     Args:
         program: The program; SUMO's home is two folders above it.
-        arguments: Everything but the output file.
-        output: Where the network goes; what is printed is kept beside it.
+        arguments: All arguments except the output file.
+        output: Path of the network; the printed text is kept beside it.
         timeout: Seconds.
 
     Raises:
@@ -83,7 +83,7 @@ def run_converter(program: Path, arguments: Sequence[str], output: Path, *, time
     home = program.parents[1]
     environment = os.environ | {"SUMO_HOME": str(home), "PROJ_DATA": str(home / "data" / "proj")}
     command = [str(program), *arguments, "--output-file", str(output)]
-    # What it prints goes to a file: a warning for each part of a large source is much.
+    # Its printed text goes to a file, since a large source causes many warnings.
     log = output.with_name("printed")
     try:
         returncode = _run(command, environment, log, timeout)
@@ -119,10 +119,10 @@ def _run(command: Sequence[str], environment: Mapping[str, str], log: Path, time
 
 
 def _limit(pid: int) -> None:
-    """Bounds a process after its start: before it, threads of this one would make that unsafe."""
-    # Only Linux can.
+    """Limits a process after its start, since doing so before is unsafe with threads."""
+    # Only supported by Linux.
     if hasattr(resource, "prlimit"):
-        # A process that is over already needs no bounds.
+        # A process that has ended needs no limits.
         with contextlib.suppress(ProcessLookupError):
             for limit, most in _LIMITS:
                 resource.prlimit(pid, limit, (most, most))

@@ -1,4 +1,4 @@
-"""Finding the lane that a place is on, and where on it."""
+"""Projection of places on lanes."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.networks.segment_index import CELL, SegmentIndex, segment_index
 
 HEADING_WEIGHT = 3.0
-"""Metres of distance that a lane at a right angle to the wanted heading counts as further away."""
+"""Metres by which a lane at a right angle to the desired heading counts as further away."""
 
 HYSTERESIS = 0.3
-"""Metres by which another lane must be nearer than the lane of the point before."""
+"""Metres by which another lane must be nearer than the lane of the preceding point."""
 
 OVERSHOOT = 1.0
-"""Metres beyond a lane's ends that still count as on it: where two lanes meet at an angle, the
+"""Metres beyond a lane's ends that count as on it: where two lanes meet at an angle, the
 outside of the bend is beyond both."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaneProjections:
-    """Points seen from the lanes they are on.
+    """Positions of points on their lanes.
 
     Attributes:
-        lane: (n,) index of the lane, -1 off every lane.
-        s: (n,) arc length of the foot point, metres; NaN off every lane.
+        lane: (n,) index of the lane, -1 off all lanes.
+        s: (n,) arc length of the foot point, metres; NaN off all lanes.
         lateral: (n,) signed distance from the centre line in metres, positive to the left; NaN off
-            every lane.
-        heading: (n,) direction of the lane at the foot point in radians; NaN off every lane.
+            all lanes.
+        heading: (n,) direction of the lane at the foot point in radians; NaN off all lanes.
     """
 
     lane: Int32Array
@@ -53,7 +53,7 @@ def nearest_lane_position(
     """Returns the position on the nearest lane; see :func:`lane_positions_near`.
 
     Returns:
-        None where no lane is within ``max_distance``.
+        None if no lane is within ``max_distance``.
     """
     near = lane_positions_near(
         network, x, y, max_distance=max_distance, heading=heading, drivable=drivable
@@ -77,7 +77,7 @@ def lane_positions_near(
         x: Metres.
         y: Metres.
         max_distance: Metres from the centre line, which counts as a segment with two ends.
-        heading: Wanted direction in radians: a lane in another direction counts as further away
+        heading: Desired direction in radians: a lane in another direction counts as further away
             (by 3 m at a right angle, by 6 m in the opposite direction).
         drivable: Only lanes that are open to cars; False: lanes of every kind.
     """
@@ -103,12 +103,12 @@ def project_points(
     """Returns the drivable lane that each point of a trajectory is on.
 
     A point is on a lane up to half its width from the centre line. Of several lanes the nearest
-    whose heading agrees is taken, with a preference for the lane of the point before.
+    with a similar heading is taken, preferably the lane of the preceding point.
 
     Args:
         network: The network.
         xy: (n, 2) metres, in the order in which they were passed.
-        headings: (n,) radians; None: lanes in every direction are alike.
+        headings: (n,) radians; None: lanes in all directions are equal.
     """
     index = segment_index(network, True)
     points = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Where a network comes from: the ``provenance.yaml`` beside every network file."""
+"""The provenance of a network: the ``provenance.yaml`` beside every network file."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ FILE_NAME = "provenance.yaml"
 
 
 class Provenance(BaseModel):
-    """Where a network comes from and how it became a ``.net.xml`` file.
+    """The source of a network and its conversion to a ``.net.xml`` file.
 
     Attributes:
-        title: What to call it in a listing.
-        description: What it is for, in a sentence.
-        source: Where it comes from: a phrase, or the name of the imported file.
-        licence: SPDX identifier, or what is known.
+        title: Name in listings.
+        description: Purpose, in a sentence.
+        source: Source: a phrase, or the name of the imported file.
+        licence: SPDX identifier, or the known facts.
         source_sha256: Hash of the imported file, hexadecimal.
-        netconvert: Version of netconvert that made it; None where it was copied.
-        options: netconvert's options; empty where a configuration file holds them.
+        netconvert: Version of netconvert; None if it was copied.
+        options: netconvert's options; empty if a configuration file holds them.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

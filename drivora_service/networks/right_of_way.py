@@ -1,4 +1,4 @@
-"""Who must yield to whom inside a junction, as the network's own right-of-way table has it."""
+"""Right of way inside junctions, from the network's own table."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Movement:
 class RightOfWay:
     """All movements of a network.
 
-    Attributes:
-        by_lane: A movement by any of its internal lanes.
+    by_lane: Movement of each internal lane.
+    before: Lanes that lead into a lane, by lane.
         before: Lanes that lead into a lane, by lane.
     """
 
@@ -45,7 +45,7 @@ class RightOfWay:
 def right_of_way(network: RoadNetwork) -> RightOfWay:
     """Returns the right-of-way table of a network, read once."""
     into: dict[int, list[int]] = {}
-    # Where there are sidewalks, the walking areas and crossings of a junction form a ring.
+    # In networks with sidewalks, the walking areas and crossings of a junction form a ring.
     drivable = [lane for lane in network.lanes if lane.drivable]
     for lane in drivable:
         for connection in lane.connections:

@@ -1,4 +1,4 @@
-"""A road network in memory: its lanes, how they connect, and its traffic lights.
+"""A road network in memory: its lanes, their connections, and its traffic lights.
 
 Frame: SUMO's plane, x east and y north in metres. A lane's arc length runs from its start to its
 end along the centre line.
@@ -19,7 +19,7 @@ from drivora_service.geometry.arrays import FloatArray
 
 
 def make_read_only(*arrays: NDArray[Any]) -> None:
-    """Makes arrays refuse to be written to; each must own its data."""
+    """Makes arrays read-only; each must own its data."""
     for array in arrays:
         array.setflags(write=False)
 
@@ -29,12 +29,12 @@ class Connection:
     """A permitted movement from the end of a lane.
 
     Attributes:
-        to_lane: Index of the next lane: an internal lane of the junction where there is one, else
-            the lane behind it.
+        to_lane: Index of the next lane: an internal lane of the junction if there is one, else
+            the lane after it.
         traffic_light: Id of the traffic light that controls it, or "".
         link_index: Position of its signal in the traffic light's state string, or -1.
         direction: SUMO's letter: s straight, l left, r right, t turn-around, L/R partial.
-        right_of_way: SUMO's letter where no signal shows: M major, m minor, s stop, w all-way stop,
+        right_of_way: SUMO's letter without a signal: M major, m minor, s stop, w all-way stop,
             = equal, Z zip merge; o and O signal off; "" unknown.
     """
 
@@ -56,7 +56,7 @@ class Lane:
         lane_number: 0 is the rightmost lane of the edge.
         shape: (n, 2) centre line, metres.
         arc: (n,) arc length at each point of the shape, metres.
-        heights: (n,) metres up at each point; all 0 where the network is flat.
+        heights: (n,) height at each point, metres; all 0 in flat networks.
         length: SUMO's length in metres; may differ from ``arc[-1]``.
         width: Metres.
         speed_limit: m/s.
@@ -107,7 +107,7 @@ class Lane:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LanePosition:
-    """A point seen from a lane.
+    """Position of a point relative to a lane.
 
     Attributes:
         lane: Index of the lane.
@@ -124,7 +124,7 @@ class LanePosition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalPhase:
-    """A stage of a programme: ``state`` holds one of ``GgyrYuosO`` a link; duration in seconds."""
+    """A stage of a programme: ``state`` has a letter of ``GgyrYuosO`` for each link; seconds."""
 
     duration: float
     state: str
@@ -142,15 +142,15 @@ class SignalProgram:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoadNetwork:
-    """A road network, parsed once a process and shared by all runs and agents in it: read-only.
+    """A road network, read once in a process and shared by all runs and agents: read-only.
 
     Attributes:
         name: Name in the catalogue.
         path: The ``.net.xml`` file.
         sha256: Hash of that file's bytes, hexadecimal.
-        net_offset: (x, y) that was added to the source's coordinates, metres.
+        net_offset: (x, y) added to the source's coordinates, metres.
         bounds: (min_x, min_y, max_x, max_y), metres.
-        lanes: All lanes; a lane's ``index`` is its place here.
+        lanes: All lanes; by their ``index``.
         lane_by_id: Index by SUMO's lane id.
         edge_lanes: Indices of an edge's lanes, rightmost first, by edge id.
         junction_shapes: (n, 2) outline of each junction by id, metres.
@@ -175,5 +175,5 @@ class RoadNetwork:
         make_read_only(*self.junction_shapes.values())
 
     def lane(self, lane_id: str) -> Lane:
-        """Returns the lane with SUMO's id ``lane_id``; KeyError where there is none."""
+        """Returns the lane with SUMO's id ``lane_id``; KeyError if there is none."""
         return self.lanes[self.lane_by_id[lane_id]]

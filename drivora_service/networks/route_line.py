@@ -1,4 +1,4 @@
-"""From the edges that a route passes to its lane runs, reference line and signals."""
+"""Lane runs, reference line and signals of a route, from the edges that it passes."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_search import EdgePass
 
 SPACING = 1.0
-"""Metres between the points of a line, at most."""
+"""Maximum distance between the points of a line, metres."""
 
 CHANGE_TIME = 4.0
-"""Seconds that the reference line takes for a lane change where there is room."""
+"""Duration of a lane change of the reference line if there is room, seconds."""
 
 CHANGE_LENGTHS = (20.0, 60.0)
-"""Metres: shortest and longest of these lane changes, where there is room."""
+"""Minimum and maximum length of such a lane change if there is room, metres."""
 
 CHANGE_LEAD = 10.0
-"""Metres that the reference line stays in its lane in a change window before it begins to leave."""
+"""Metres for which the reference line stays in its lane at the beginning of a change window."""
 
 MAX_OVERLAP = 1.0
-"""Metres by which a lane may begin behind the end of the lane before it."""
+"""Metres by which a lane may begin before the end of the preceding lane."""
 
 SAME_PLACE = 1e-6
-"""Metres; nearer points of a line are one."""
+"""Metres; nearer points of a line are merged."""
 
 
 @dataclass(slots=True, kw_only=True)
 class _Draft:
-    """A lane run being drawn up.
+    """A lane run under construction.
 
     A place on it is given by ``u``, the arc length along the exact line through its lanes.
 
     Attributes:
         lanes: Indices of its lanes.
-        u: Where the run's last known place is.
+        u: Position of the run's last known place.
         lane_u: For each lane the (n,) ``u`` of its shape's points.
         points: The exact line's points, lane by lane.
-        window: ``u`` where the change to the next run may begin and must be complete.
-        joined: ``u`` where the change from the run before may begin and must be complete.
+        window: ``u`` at which the change to the next run may begin and must be complete.
+        joined: ``u`` at which the change from the preceding run may begin and must be complete.
     """
 
     network: RoadNetwork
@@ -59,7 +59,7 @@ class _Draft:
     window: tuple[float, float] = (0.0, 0.0)
 
     def append(self, lane_index: int) -> None:
-        """Continues the line along a lane, leaving out a start that lies behind the line's end."""
+        """Continues the line along a lane, without a start that overlaps the line's end."""
         lane = self.network.lanes[lane_index]
         self.lanes.append(lane_index)
         if not self.points:
@@ -79,13 +79,13 @@ class _Draft:
             self.points.append(kept)
 
     def u_of(self, s: float) -> float:
-        """Returns the place of arc length ``s`` of the last lane."""
+        """Returns the ``u`` of arc length ``s`` of the last lane."""
         lane = self.network.lanes[self.lanes[-1]]
         return float(np.interp(s, lane.arc, self.lane_u[-1]))
 
 
 def _point_before(points: Sequence[FloatArray]) -> FloatArray:
-    """Returns the last point but one of a line in parts."""
+    """Returns the second to last point of a line in parts."""
     before: FloatArray = points[-1][-2] if len(points[-1]) > 1 else points[-2][-1]
     return before
 
@@ -98,7 +98,7 @@ class _Line:
         points: (n, 2) metres.
         u: (n,) arc length of each point.
         lanes: (m,) indices of its lanes.
-        starts: (m,) ``u`` where each lane begins.
+        starts: (m,) ``u`` at which each lane begins.
     """
 
     points: FloatArray
@@ -121,7 +121,7 @@ class _Line:
 def build_route(network: RoadNetwork, passes: Sequence[EdgePass]) -> LaneRoute:
     """Draws the route through the edges that :func:`route_search.search` found.
 
-    The route is longer than zero.
+    The route must be longer than zero.
     """
     drafts = _drafts(network, passes)
     lines = [_exact_line(draft) for draft in drafts]
@@ -177,7 +177,7 @@ def build_route(network: RoadNetwork, passes: Sequence[EdgePass]) -> LaneRoute:
 
 
 def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:
-    """Cuts the passes into lane runs, with the windows between them."""
+    """Splits the passes into lane runs, with the windows between them."""
     graph = lane_graph(network)
     draft = _Draft(network=network)
     draft.append(passes[0].lane)
@@ -192,7 +192,7 @@ def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:
             windows = []
             for one in (lane, following):
                 length = graph.lengths[one]
-                # The ratio is exactly 1 on the lane itself, so that nothing is rounded there.
+                # The ratio is exactly 1 on the lane itself, which avoids rounding.
                 enter = current.s * (length / graph.lengths[current.lane])
                 leave = current.exit_s * (length / graph.lengths[current.exit_lane])
                 width = (leave - enter) / (len(chain) - 1)
@@ -237,7 +237,7 @@ _Range = tuple[float, float]
 
 
 def _blend_places(draft: _Draft, following: _Draft, speed_limit: float) -> tuple[_Range, _Range]:
-    """Returns where the reference line changes lanes: its range on the one and on the other run."""
+    """Returns the ranges of the reference line's lane change on both runs."""
     room = draft.window[1] - draft.window[0]
     shortest, longest = CHANGE_LENGTHS
     length = min(max(CHANGE_TIME * speed_limit, shortest), longest, room)
@@ -255,8 +255,8 @@ def _blend(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Returns the (n,) weight of the following run along a change, and the places on both runs.
 
-    The weight is half a cosine wave. The points are near enough to each other that neither going
-    ahead nor moving sideways, at most pi / 2 times faster than on average, exceeds the spacing.
+    The weight is half a cosine wave. The points are so near to each other that neither the forward
+    nor the lateral motion, at most pi / 2 times faster than on average, exceeds the spacing.
     """
     ends = np.array([here, there])
     aside = np.hypot(*(line.at(ends[0]) - following.at(ends[1])).T).max()
@@ -301,7 +301,7 @@ def _signals(
     places: NDArray[np.float64],
     arc: FloatArray,
 ) -> tuple[RouteSignal, ...]:
-    """Returns the signals whose stop lines lie behind the start and before the destination."""
+    """Returns the signals with stop lines between the start and the destination."""
     signals = []
     for k, draft in enumerate(drafts):
         own = runs == k

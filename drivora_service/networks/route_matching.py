@@ -2,11 +2,11 @@
 
 The waypoints are the observations of a hidden Markov model and the lane positions near them its
 states, as in Newson and Krumm, "Hidden Markov Map Matching Through Noise and Sparseness", ACM GIS
-2009: the distance to the lane stands against the detour that the lane costs, both in metres. Three
-things are added. A waypoint that names a lane is passed in that lane where this costs no more than
-lane changes. Where it would cost a lap, the waypoint is passed in another lane of its edge. A
-waypoint that can be passed only by a detour much longer than the polyline around it is an outlier
-and is left out.
+2009: the distance to the lane is weighed against the detour that the lane costs, both in metres.
+Three extensions are added. A waypoint on a lane is passed in that lane if this costs no more than
+lane changes. If it would cost a lap, the waypoint is passed in another lane of its edge. A waypoint
+that can be passed only by a detour much longer than the polyline around it is an outlier and is
+omitted.
 """
 
 from __future__ import annotations
@@ -22,52 +22,52 @@ from drivora_service.networks.route_search import Candidate, EdgePass, Way, sear
 
 DETOUR_SHARE = 0.25
 DETOUR_LENGTH = 10.0
-"""A leg is a detour where it is longer than the polyline along it by more than this share, and by
+"""A leg is a detour if it is longer than the polyline along it by more than this share and by
 more than this many metres."""
 
 MIN_SAVING = 30.0
 """Metres by which the route must become shorter for a waypoint to be passed in another lane than
-the one that it names."""
+its own."""
 
 MIN_TRACK = 5
-"""Places that a route has at least for one of them to be an outlier: in a route of fewer, each is
-meant."""
+"""Least number of places in a route with outliers: in a route of fewer, each is
+intended."""
 
 OUTLIER_FACTOR = 1.5
-"""Lengths of the polyline around waypoints on the road that a detour must exceed for them to be
-left out."""
+"""Factor on the length of the polyline around waypoints on the road that a detour must exceed to
+omit them."""
 
 OFF_ROAD_FACTOR = 1.0
-"""The same for waypoints beside the road."""
+"""The same factor for waypoints off the road."""
 
 MIN_OUTLIER_DETOUR = 50.0
-"""Metres that a detour must exceed for waypoints to be left out."""
+"""Metres that a detour must exceed to omit waypoints."""
 
 MAX_LOST_END = 60.0
-"""Metres of the polyline's end that may be left out."""
+"""Metres of the polyline's end that may be omitted."""
 
 MAX_DETOURS = 12
-"""Detours up to which a polyline is a track with outliers; one with more goes here and there."""
+"""Maximum number of detours of a track with outliers; with more, the waypoints are intended."""
 
 _MAX_RUN = 3
-"""Waypoints in a row that may be left out at once."""
+"""Maximum number of consecutive waypoints that may be omitted at once."""
 
 _WINDOW = 3
-"""Places on each side of a run of waypoints that are looked at to tell what leaving it out saves.
+"""Places on each side of a run of waypoints for computing what omitting it saves.
 """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """A point of a route with the lane positions that it may stand for.
+    """A point of a route with its possible lane positions.
 
     Attributes:
         x: Metres.
         y: Metres.
-        named: Lane positions at the point with the cost of choosing them.
-        beside: Those and the positions on the other lanes of their edges, at the same costs.
-        near: The same positions; a lane beside costs little more than the one that the point is on.
-        on_road: The point lies on a lane.
+        named: Lane positions at the point with their costs.
+        beside: ``named``, and the positions on the other lanes of their edges, at the same costs.
+        near: The same positions; an adjacent lane costs little more than the point's own lane.
+        on_road: Whether the point is on a lane.
     """
 
     x: float
@@ -80,7 +80,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leg:
-    """The way from one waypoint to the next that is not left out.
+    """The way from one waypoint to the next that is not omitted.
 
     Attributes:
         first: Number of the waypoint that it begins at.
@@ -96,18 +96,18 @@ class Leg:
 
     @property
     def is_detour(self) -> bool:
-        """Whether the way is much longer than the polyline."""
+        """Whether the leg is much longer than the polyline."""
         return self.length - self.polyline > max(DETOUR_LENGTH, DETOUR_SHARE * self.polyline)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RouteMatch:
-    """Which way through the lanes a polyline stands for.
+    """The way through the lanes that matches a polyline.
 
     Attributes:
         passes: The way.
         legs: Its parts between the waypoints that are passed.
-        left_out: Numbers of the waypoints that are not.
+        left_out: Numbers of the omitted waypoints.
     """
 
     passes: tuple[EdgePass, ...]
@@ -116,11 +116,11 @@ class RouteMatch:
 
 
 def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | int:
-    """Finds the way through the lanes that places stand for.
+    """Finds the way through the lanes that matches places.
 
     Args:
         network: The network.
-        places: Start, places to pass, destination; at least two.
+        places: Start, intermediate places, destination; at least two.
 
     Returns:
         The match, or the number of the first place that cannot be reached.
@@ -145,7 +145,7 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
 
 
 def pass_length(graph: LaneGraph, one: EdgePass) -> float:
-    """Returns how far a pass goes along its edge, metres."""
+    """Returns the length of a pass along its edge, metres."""
     end = one.exit_s * graph.lengths[one.lane] / graph.lengths[one.exit_lane]
     return max(end - one.s, 0.0)
 
@@ -180,7 +180,7 @@ def _polyline(places: Sequence[Place], first: int, last: int) -> float:
 def _without_outliers(
     graph: LaneGraph, places: Sequence[Place], kept: list[int], way: Way
 ) -> tuple[list[int], Way]:
-    """Leaves out runs of waypoints, the one that saves most first, until none saves enough."""
+    """Omits runs of waypoints, the one that saves most first, until none saves enough."""
     known: dict[tuple[int, ...], float] = {}
     for _ in range(len(places)):
         detours = [
@@ -214,7 +214,7 @@ def _saving(
     last: int,
     known: dict[tuple[int, ...], float],
 ) -> float:
-    """Returns by how much leaving out a run saves more than it must, metres.
+    """Returns by how many metres omitting a run saves more than it must.
 
     Args:
         graph: The drivable lanes.
@@ -222,7 +222,7 @@ def _saving(
         kept: Numbers of those that are passed.
         first: Index in ``kept`` of the run's first place.
         last: Index of its last.
-        known: Costs of ways through places by their numbers, metres; added to.
+        known: Costs of ways through places by their numbers, metres; extended.
     """
     at_end = last == len(kept) - 1
     around = _polyline(places, kept[first - 1], kept[last if at_end else last + 1])
@@ -245,7 +245,7 @@ def _saving(
 def _in_named_lanes(
     network: RoadNetwork, graph: LaneGraph, places: Sequence[Place], way: Way
 ) -> Way:
-    """Moves a way into the lanes that the places name, along the same edges."""
+    """Moves a way into the lanes of the places, along the same edges."""
     lanes = [way.legs[0][0].lane, *(leg[-1].exit_lane for leg in way.legs)]
     candidates = []
     for lane, place in zip(lanes, places, strict=True):

@@ -1,4 +1,4 @@
-"""Where two routes meet inside a junction: they come from different sides and cross or merge."""
+"""Meetings of routes inside junctions, where they come from different sides and cross or merge."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import RoadNetwork
 
 SAME_LINE = 1.5
-"""Metres: lines with points at most 1 m apart are on the same lane or cross where they are nearer;
-lanes beside one another are further apart."""
+"""Metres: lines with points at most 1 m apart that are nearer are on the same lane or cross;
+adjacent lanes are further apart."""
 
 CLEAR_WIDTH = 2.6
-"""Metres: lines nearer than this cannot be driven side by side: a car's width and room."""
+"""Metres; nearer lines cannot be driven side by side: a car's width and a margin."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,8 +27,8 @@ class Meeting:
     """Two routes that meet.
 
     Attributes:
-        first: Which of the routes is one.
-        second: Which is the other; greater than ``first``.
+        first: Index of one route.
+        second: Index of the other route, greater than ``first``.
         zones: For each of the two, (enter, leave) arc lengths on its line in metres between which
             the other one's line is nearer than ``CLEAR_WIDTH``.
     """
@@ -48,17 +48,17 @@ class _Passage:
 
 
 def find_meetings(network: RoadNetwork, lines: Sequence[FloatArray]) -> tuple[Meeting, ...]:
-    """Finds where routes meet: each way of one through a junction with each way of another.
+    """Finds meetings of routes: each way of one through a junction with each way of another.
 
-    Routes that enter a junction on the same lane do not meet in it: the one follows the other.
-    Junctions are looked at from above, so a route on a bridge over a junction passes it too.
+    Routes that enter a junction on the same lane do not meet in it: one follows the other.
+    Heights are ignored, so a route on a bridge over a junction passes it too.
 
     Args:
         network: The road network.
-        lines: Of each route the (n, 2) reference line, metres, points at most 1 m apart.
+        lines: (n, 2) reference line of each route, metres, points at most 1 m apart.
 
     Returns:
-        In the order of the routes, then along the first.
+        Meetings in the order of the routes, then along the first.
     """
     passages = _passages(network, lines)
     return tuple(
@@ -71,7 +71,7 @@ def find_meetings(network: RoadNetwork, lines: Sequence[FloatArray]) -> tuple[Me
 
 
 def meeting_matrix(network: RoadNetwork, lines: Sequence[FloatArray]) -> BoolArray:
-    """Tells which of n routes meet: (n, n), symmetric; no route meets itself.
+    """Returns (n, n) flags of meeting routes, symmetric; no route meets itself.
 
     Args:
         network: The road network.
@@ -85,7 +85,7 @@ def meeting_matrix(network: RoadNetwork, lines: Sequence[FloatArray]) -> BoolArr
 
 @lru_cache(maxsize=128)
 def _junctions(network: RoadNetwork) -> shapely.STRtree:
-    """Returns the outlines of the junctions; those that enclose nothing are left out."""
+    """Returns the outlines of the junctions; those without area are omitted."""
     outlines = [
         shapely.make_valid(shapely.Polygon(shape))
         for shape in network.junction_shapes.values()
@@ -130,7 +130,7 @@ def _passages(network: RoadNetwork, lines: Sequence[FloatArray]) -> list[list[_P
 def _zones(
     one: _Passage, other: _Passage
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """Returns where two ways through a junction are too near for both, ``None`` if they are not."""
+    """Returns the zones in which two ways through a junction are too near, ``None`` without any."""
     gaps = np.hypot(*(one.points[:, None] - other.points[None]).transpose(2, 0, 1))
     if gaps[0, 0] < SAME_LINE or gaps.min() >= SAME_LINE:
         return None

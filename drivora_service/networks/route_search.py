@@ -1,8 +1,8 @@
-"""The cheapest way through the lanes that passes places in order.
+"""Search for the cheapest way through the lanes that passes places in order.
 
 Every place may be on one of several lanes. The search goes from place to place and keeps, for each
-lane that the place may be on, the cheapest way there from any lane of the place before. A turn that
-no car can drive is part of a leg only where the leg begins before it and ends in or behind it.
+lane of the place, the cheapest way to it from any lane of the preceding place. A turn that
+no car can drive is part of a leg only if the leg begins before it and ends in or after it.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from heapq import heappop, heappush
 from drivora_service.networks.lane_graph import LaneGraph, Step, change_cost, leaving
 
 BEHIND_TOLERANCE = 1.0
-"""Metres that a place may lie behind the one before on the same lane and still count as reached."""
+"""Metres by which a place may be behind the preceding one on a lane and still count as reached."""
 
 NAMED_COST = 20.0
-"""Metres by which a candidate may cost more than the cheapest of its place and still be the lane
-that the place names."""
+"""Metres by which a candidate may cost more than the cheapest of its place and still count as the
+place's own lane."""
 
 _TURN_LANES = 4
-"""Lanes of a turn, at most, with the one behind it."""
+"""Maximum number of lanes of a turn, with the one after it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
-    """A lane position that a place may stand for, and what choosing it costs in metres."""
+    """A possible lane position of a place, and its cost in metres."""
 
     lane: int
     s: float
@@ -43,7 +43,7 @@ class EdgePass:
         s: Arc length on ``lane``, metres.
         exit_lane: Index of the lane at its end, of the same edge.
         exit_s: Arc length on ``exit_lane``, metres.
-        continues: True where it begins in the middle of an edge, where the pass before ended.
+        continues: True where it begins in the middle of an edge, where the preceding pass ended.
     """
 
     lane: int
@@ -55,9 +55,9 @@ class EdgePass:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Arrival:
-    """The cheapest way to a candidate of a place from the candidates of the place before.
+    """The cheapest way to a candidate of a place from the candidates of the preceding place.
 
-    The cost is infinite where there is none.
+    The cost is infinite without a way.
     """
 
     cost: float
@@ -73,8 +73,8 @@ class Way:
     """A way through places.
 
     Attributes:
-        legs: Of each place but the first the passes that lead to it from the place before.
-        cost: Metres, with what lane changes and the chosen candidates add.
+        legs: Passes to each place but the first from the preceding one.
+        cost: Metres, with the costs of lane changes and of the chosen candidates.
     """
 
     legs: tuple[tuple[EdgePass, ...], ...]
@@ -98,10 +98,10 @@ def search(
     Args:
         graph: The drivable lanes.
         places: Candidates of each place, at least two places.
-        around: The last place must be reached from the end of another edge, even where it is
-            straight ahead or where it is the place before.
-        allowed: Of each place but the first the lanes that may be entered on the way to it;
-            ``None``: every lane.
+        around: The last place must be reached from the end of another edge, even if it is
+            straight ahead or the preceding place.
+        allowed: Lanes that may be entered on the way to each place but the first;
+            ``None``: all lanes.
 
     Returns:
         The way, or the number of the first place that cannot be reached.
@@ -144,7 +144,7 @@ def _search_leg(
     allowed: Container[int] | None,
 ) -> list[_Arrival]:
     best = [math.inf] * len(targets)
-    # How the best way to a target enters: (source, -1) straight on, or (-1, lane of its last edge).
+    # Entry of the best way to a target: (source, -1) straight on, or (-1, lane of its last edge).
     entry = [(-1, -1)] * len(targets)
     if not around:
         for i, source in enumerate(sources):

@@ -1,4 +1,4 @@
-"""Planning a route along lanes through places given as points."""
+"""Planning of routes along lanes through points."""
 
 from __future__ import annotations
 
@@ -19,43 +19,43 @@ from drivora_service.networks.route_search import Candidate, EdgePass, Way, sear
 from drivora_service.networks.tight_turns import tight_turns
 
 MAX_DISTANCE = 20.0
-"""Metres from a point to the nearest drivable lane."""
+"""Maximum distance of a point from the nearest drivable lane, metres."""
 
 CANDIDATE_MARGIN = 4.0
-"""Metres by which a lane may be further away than the nearest and still be meant."""
+"""Metres by which a candidate lane may be further away than the nearest."""
 
 WIDE_MARGIN = 8.0
-"""The same where the nearer lanes cost a detour; every lane of an edge with such a lane counts. It
-does not hold for a start: the ego stands there."""
+"""The same limit if the nearer lanes cost a detour, for all lanes of an edge with such a lane. It
+does not apply to a start, where the ego stands."""
 
 ON_LANE_MARGIN = 0.2
-"""Metres beside a lane that still count as on it."""
+"""Metres beside a lane that count as on it."""
 
 DISTANCE_COST = 20.0
-"""Metres of detour that are worth one metre between the point and the lane."""
+"""Cost of one metre between the point and the lane, metres of detour."""
 
 HEADING_COST = 300.0
-"""Metres of detour that are worth a right angle between the point's and the lane's direction."""
+"""Cost of a right angle between the point's and the lane's direction, metres of detour."""
 
 SHIFT_COST = 2.0
-"""Metres of detour that are worth one metre between the lane that a point is on and the lane of the
-same edge in which it is passed, where lanes nearer to it cost a detour."""
+"""Cost of one metre between a point's lane and the lane of the same edge in which it is passed,
+if nearer lanes cost a detour; metres of detour."""
 
 OFF_LANE_COST = 500.0
-"""Metres of detour that are worth leaving the road that the point is on. On the same edge a start
-is never moved to another lane, while a later point may be passed in the lane beside it."""
+"""Cost of leaving the road of the point, metres of detour. On the same edge a start
+is never moved to another lane, while a later point may be passed in an adjacent lane."""
 
 MAX_EXTRA_COST = 600.0
-"""Metres by which a lane may cost more than the cheapest for its point; a dearer one, such as the
-opposite lane of a point with a heading, is not meant even where no other is reachable."""
+"""Metres by which a lane may cost more than the cheapest for its point; a costlier one, such as the
+opposite lane of a point with a heading, is no candidate even if no other is reachable."""
 
 MIN_LENGTH = 0.1
-"""Metres; a shorter way is none, and the route goes around instead."""
+"""Metres; instead of a shorter way, the route goes around."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RoutePoint:
-    """A place to pass: metres, and the wanted heading in radians where it is known."""
+    """A point of a route: metres, and the desired heading in radians if it is known."""
 
     x: float
     y: float
@@ -63,46 +63,46 @@ class RoutePoint:
 
 
 _SHORT = 20.0
-"""Metres below which a way may turn out to be none when it is drawn."""
+"""Length below which a way may turn out to be too short in its geometry, metres."""
 
 
 def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     """Plans the shortest route along drivable lanes that passes points in order.
 
-    A point stands for the nearest lane position; where several lanes are near (in a junction, or
-    between lanes) for the one that makes the whole route cheapest in metres, where lane changes,
-    distance from the point and a heading that disagrees cost extra. Where that costs a lap, a point
-    is passed in another lane of its edge, or is left out (:mod:`route_matching`). A point up to a
-    metre behind the one before counts as reached. Where the destination is the start, or just
+    A point is matched to the nearest lane position; if several lanes are near (in a junction, or
+    between lanes), to the one that makes the whole route cheapest in metres, with extra costs of
+    lane changes, distance from the point and a different heading. If that costs a lap, a point
+    is passed in another lane of its edge, or is omitted (:mod:`route_matching`). A point up to a
+    metre behind the preceding one counts as reached. If the destination is the start, or just
     behind it, the route goes around.
 
     Args:
         network: The network.
-        points: Start, places to pass, destination; at least two.
+        points: Start, intermediate points, destination; at least two.
 
     Raises:
-        NoRoute: A point is too far from every lane or cannot be reached from the one before.
+        NoRoute: A point is too far from all lanes or cannot be reached from the preceding one.
 
     Returns:
-        The route. It is shared by all callers with the same points, and read-only.
+        The route. It is read-only and shared by all callers with the same points.
     """
     return _plan(network, tuple(points))
 
 
 def match_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> RouteMatch:
-    """Returns how :func:`plan_route` understands points: the legs, and what it leaves out.
+    """Returns the match of :func:`plan_route`: the legs, and the omitted points.
 
     Raises:
-        NoRoute: Whenever ``plan_route`` does, but for a route without length.
+        NoRoute: As ``plan_route``, except for a route without length.
     """
     return _find_way(network, tuple(points))
 
 
 def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
-    """Checks that :func:`plan_route` finds a way, in half the time since it is not drawn.
+    """Checks that :func:`plan_route` finds a way; twice as fast, without geometry.
 
     Raises:
-        NoRoute: Whenever ``plan_route`` does.
+        NoRoute: As ``plan_route``.
     """
     places = tuple(points)
     if _length(_find_way(network, places).passes) < _SHORT:
@@ -111,7 +111,7 @@ def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
 
 @lru_cache(maxsize=512)
 def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
-    """Plans a route once: batches and searches ask for the same places again and again."""
+    """Plans a route; cached, since batches and searches repeat the same places."""
     route = build_route(network, _find_way(network, points).passes)
     if len(route.line) < 2:
         raise NoRoute(
@@ -149,7 +149,7 @@ def _turn_hint(network: RoadNetwork) -> str:
 
 
 def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> Place:
-    """Returns the lane positions that a point may stand for."""
+    """Returns the possible lane positions of a point."""
     point = points[number]
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise NoRoute(f"{_named(points, number)} is not a place: coordinates must be finite")
@@ -202,15 +202,15 @@ def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> P
 
 
 def _cheap(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Leaves out lanes that cost so much more than the cheapest that they are not meant."""
+    """Omits lanes that cost more than the cheapest by more than ``MAX_EXTRA_COST``."""
     limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
     return tuple(candidate for candidate in candidates if candidate.cost <= limit)
 
 
 def _around_point(points: Sequence[RoutePoint], number: int) -> float:
-    """Returns the length of the polyline from the point before to the point behind, metres.
+    """Returns the length of the polyline from the preceding to the following point, metres.
 
-    The road and the heading that one point of a dense track names count less than those of points
+    The road and the heading of one point in a dense track count less than those of points
     far apart. Those of a start, of a destination and of the points of a short list count fully.
     """
     if number in (0, len(points) - 1) or len(points) < MIN_TRACK:
@@ -221,7 +221,7 @@ def _around_point(points: Sequence[RoutePoint], number: int) -> float:
 
 @lru_cache(maxsize=4096)
 def _positions_near(network: RoadNetwork, x: float, y: float) -> tuple[LanePosition, ...]:
-    """Returns the lane positions near a place: it ends one leg of a route and begins the next."""
+    """Returns the lane positions near a place; cached, since it belongs to two legs of a route."""
     return lane_positions_near(network, x, y, max_distance=MAX_DISTANCE)
 
 
@@ -230,7 +230,7 @@ def _is_on(network: RoadNetwork, position: LanePosition) -> bool:
 
 
 def _around(graph: LaneGraph, places: Sequence[Sequence[Candidate]]) -> Way | int:
-    """Finds a way around where all places are as good as one; see :func:`search`."""
+    """Finds a way around if all places coincide; see :func:`search`."""
     last = len(places) - 1
     for start in sorted(places[0], key=lambda candidate: candidate.cost):
         ends = [candidate for candidate in places[last] if candidate.lane == start.lane]

@@ -1,4 +1,4 @@
-"""The centre lines of a network's lanes as short segments in a grid, for finding what is near."""
+"""The centre lines of a network's lanes as short segments in a grid, for spatial search."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from drivora_service.geometry.arrays import FloatArray, Int32Array
 from drivora_service.networks.road_network import Lane, RoadNetwork
 
 CELL = 10.0
-"""Metres: side of a cell, and the longest segment, so that a segment lies in few cells."""
+"""Side of a cell and maximum length of a segment, metres, so that a segment is in few cells."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SegmentIndex:
-    """Segments, and which of them touch which cell.
+    """Segments, and the segments in each cell.
 
     Attributes:
         segments: (m, 6): start x, start y, unit direction x, unit direction y, length, arc length
@@ -28,7 +28,7 @@ class SegmentIndex:
         origin: (2,) lower left corner of the grid, metres.
         columns: Cells from west to east.
         rows: Cells from south to north.
-        cell_starts: (cells + 1,) where each cell's segments begin in ``cell_items``.
+        cell_starts: (cells + 1,) begin of each cell's segments in ``cell_items``.
         cell_items: Segment numbers, cell by cell, row by row.
     """
 

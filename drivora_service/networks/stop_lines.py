@@ -1,4 +1,4 @@
-"""Where lanes end before a junction, what controls each movement from there, where it leads."""
+"""Stop lines: the ends of lanes before junctions, with the movements from there."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class WayThrough:
     """A permitted movement from a stop line through its junction.
 
     Attributes:
-        connection: From the lane before the line.
-        inside: Lanes inside the junction in order; none where the network has none.
-        exit_edge: The edge behind the junction.
+        connection: Connection from the lane before the line.
+        inside: Lanes inside the junction in order; empty if the network has none.
+        exit_edge: The edge after the junction.
     """
 
     connection: Connection
@@ -28,10 +28,10 @@ class WayThrough:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StopLines:
-    """The ends of all lanes that lead cars into a junction; rows are lines.
+    """The ends of all lanes that lead cars into a junction, one in each row.
 
     Attributes:
-        lanes: (n,) the lane that ends there.
+        lanes: (n,) the lane that ends at the line.
         points: (n, 2) middle of the line, metres.
         headings: (n, 2) unit vector along the lane.
         half_widths: (n,) metres, half the width of the lane.
@@ -49,7 +49,7 @@ class StopLines:
 
 @lru_cache(maxsize=128)
 def stop_lines(network: RoadNetwork) -> StopLines:
-    """Returns the stop lines of a network, found once."""
+    """Returns the stop lines of a network, computed once."""
     ends = [lane for lane in network.lanes if lane.drivable and not lane.is_internal]
     ends = [lane for lane in ends if lane.connections]
     headings = [lane.shape[-1] - lane.shape[-2] for lane in ends]

@@ -1,6 +1,6 @@
 """Connections that turn more tightly than a car can.
 
-Road networks join the two directions of a road where it ends, or where it was cut out of a larger
+Road networks join the two directions of a road at its end, or where it was cut out of a larger
 map, by a connection whose lane is a half circle of a metre or two. No car can drive it: it would
 leave the road.
 """
@@ -19,26 +19,26 @@ from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import Connection, Lane, RoadNetwork
 
 TURNING_RADIUS = 5.0
-"""Metres: the radius on which the middle of a passenger car drives at its full steering angle
-(4.3 m for a wheelbase of 2.85 m and 0.61 rad), and room to turn the wheel."""
+"""Turning radius of the middle of a passenger car at its full steering angle, metres
+(4.3 m for a wheelbase of 2.85 m and 0.61 rad), and a margin to turn the wheel."""
 
 MAX_CUT = 1.5
-"""Metres by which the circle of the turning radius may leave the path of a turn."""
+"""Metres by which the circle of the turning radius may deviate from the path of a turn."""
 
 MISSING_ROOM = 0.75
-"""Metres that may be missing to the turning radius where a turn leads back."""
+"""Metres by which a turn that leads back may be tighter than the turning radius."""
 
 REVERSAL = math.radians(150.0)
-"""Radians from which a turn leads back: no path can cut its corner."""
+"""Radians from which on a turn leads back, so that no path can cut its corner."""
 
 MIN_TURN = math.radians(30.0)
-"""Radians below which a connection goes straight on."""
+"""Radians below which a connection is straight."""
 
 _CHAIN = 8
-"""Internal lanes in a row, at most, that lead through one junction."""
+"""Maximum number of consecutive internal lanes through one junction."""
 
 _REACH = 4.0
-"""Metres along the lanes before and behind a junction that belong to the turn."""
+"""Metres along the lanes before and after a junction that belong to the turn."""
 
 _WINDOW = 5.0
 """Metres over which a radius is measured: about a car's length."""
@@ -47,12 +47,12 @@ _SPACING = 0.25
 """Metres between the points of the line on which it is measured."""
 
 _BEND_MARGIN = 1.0
-"""Metres before and behind a junction between which the angle of a turn is measured."""
+"""Metres before and after a junction between which the angle of a turn is measured."""
 
 
 @lru_cache(maxsize=128)
 def tight_turns(network: RoadNetwork) -> frozenset[tuple[int, int]]:
-    """Returns the connections that no car can drive, as (lane, lane behind its end)."""
+    """Returns the connections that no car can drive, as (lane, next lane)."""
     return frozenset(
         (lane.index, link.to_lane)
         for lane in network.lanes
@@ -92,7 +92,7 @@ def is_tight(network: RoadNetwork, lane: Lane, link: Connection) -> bool:
 
 
 def _line(network: RoadNetwork, lane: Lane, link: Connection) -> FloatArray:
-    """Returns the line along the end of a lane, a connection, and the beginning of the lane behind.
+    """Returns the line along the end of a lane, a connection, and the beginning of the next lane.
 
     The points are ``_SPACING`` apart.
     """

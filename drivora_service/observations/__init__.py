@@ -1,1 +1,1 @@
-"""What a run recorded: the trace, its file, its hash, its published shape and its geometry."""
+"""The record of a run: the trace, its file, its hash, its published form and derived geometry."""

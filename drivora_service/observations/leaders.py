@@ -1,4 +1,4 @@
-"""What is in front of an ego, row by row: how far, and how fast it goes along the ego's heading."""
+"""Actors ahead of an ego by row: their distance, and their speed along the ego's heading."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 SAME_WAY = math.radians(45.0)
-"""Difference of headings up to which one vehicle follows another."""
+"""Difference of headings up to which one vehicle follows another, radians."""
 
 _Z = int(Col.Z)
 
@@ -25,10 +25,10 @@ class Leaders:
     """The nearest actor in the strip that the ego's width sweeps along its heading.
 
     Attributes:
-        actor: (n,) its row in the trace, -1 where no vehicle is there.
-        room: (n,) metres between the boxes, inf where no vehicle is there.
-        speed: (n,) its speed along the ego's heading, m/s, NaN where no vehicle is there.
-        same_way: (n,) whether it heads as the ego does.
+        actor: (n,) row of the actor in the trace, -1 if there is none.
+        room: (n,) metres between the boxes, inf if there is none.
+        speed: (n,) speed of the actor along the ego's heading, m/s, NaN if there is none.
+        same_way: (n,) whether its heading is similar to the ego's.
     """
 
     actor: Int32Array
@@ -38,12 +38,12 @@ class Leaders:
 
 
 def leaders(ego: EgoView, *, margin: float = 0.0, vehicles_only: bool = False) -> Leaders:
-    """Returns what is in front of an ego.
+    """Returns the actors ahead of an ego.
 
     Args:
-        ego: Which ego.
-        margin: Metres by which the strip is wider on either side.
-        vehicles_only: Walkers and obstacles do not count.
+        ego: The ego.
+        margin: Metres by which the strip is wider on each side.
+        vehicles_only: Whether walkers and obstacles are ignored.
     """
     trace = ego.trace
     part = slice(ego.first, ego.first + ego.count)

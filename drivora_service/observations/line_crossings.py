@@ -1,4 +1,4 @@
-"""Which stop lines an ego drove over, wherever they are, and which way it took behind them."""
+"""Stop lines that an ego drove over, on its route or off it, and its movements after them."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col
 
 LINE_WIDTH = 1.2
-"""Width of a stop line over that of its lane, for the front (CARLA Leaderboard)."""
+"""Width of a stop line relative to its lane, for the front (CARLA Leaderboard)."""
 
 TAIL_WIDTH = 3.0
-"""The same for the tail, which follows where the front has passed."""
+"""The same factor for the tail, which follows the front."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
-    """An ego drove over a stop line, along its lane.
+    """A crossing of a stop line by an ego along its lane.
 
     Attributes:
         line: Row of ``StopLines``.
         front: First row of the ego with its front beyond the line.
-        tail: First row with its tail beyond it; ``None`` if that never came.
+        tail: First row with its tail beyond it; ``None`` if there is none.
         ways: The movements from the line that it may have driven: one, unless the trace ends too
-            early or the ego drove where no movement leads.
+            early or the ego followed no movement.
     """
 
     line: int
@@ -72,11 +72,11 @@ def _passages(ego: EgoView, lines: StopLines, line: int, offset: float, width: f
     """Returns the rows in which a point of the ego is beyond a line for the first time.
 
     Args:
-        ego: Whose point.
-        lines: The network's.
+        ego: The ego.
+        lines: The stop lines of the network.
         line: Row of ``lines``.
         offset: Metres of the point before the ego's centre.
-        width: Of the line, over that of its lane.
+        width: Width of the line relative to its lane.
     """
     yaw = ego.states[:, Col.YAW]
     x = ego.states[:, Col.X] + offset * np.cos(yaw) - lines.points[line, 0]
@@ -95,10 +95,10 @@ def _passages(ego: EgoView, lines: StopLines, line: int, offset: float, width: f
 
 
 def _driven(ego: EgoView, lines: StopLines, line: int, front: int) -> tuple[WayThrough, ...]:
-    """Returns the movements that agree best with the lanes driven behind a line.
+    """Returns the movements that agree best with the lanes driven after a line.
 
-    Movements from the lane come before those from the others of its edge, which count where the ego
-    turned from the wrong lane.
+    Movements from the lane have priority over those from the others of its edge, which count if the
+    ego turned from the wrong lane.
     """
     network = ego.network
     own = lines.ways[line]
@@ -124,7 +124,7 @@ def _driven(ego: EgoView, lines: StopLines, line: int, front: int) -> tuple[WayT
 
 
 def _lanes_behind(ego: EgoView, edge: str, front: int) -> list[int]:
-    """Returns the lanes that the ego was on behind a line, up to the first behind the junction."""
+    """Returns the ego's lanes after a line, up to the first after the junction."""
     visited: list[int] = []
     for lane in ego.lanes[front:].tolist():
         if lane < 0 or (visited and lane == visited[-1]):

@@ -1,12 +1,12 @@
-"""Filtered motion of a vehicle in its own frame, as comfort bounds are meant for.
+"""Filtered motion of a vehicle in its own frame, for bounds of comfort.
 
 Savitzky-Golay filters of order 2 as in nuPlan's and Bench2Drive's comfort metrics: about 8 samples
 for accelerations and 15 for derivatives at 20 Hz, kept as durations for other step lengths. Unlike
 in Bench2Drive's public code, yaw acceleration is the derivative of the yaw rate.
 
 ``scipy.signal`` takes about a second of processor time to import, which only processes that judge
-runs need: `run_view` imports this module where it filters. Imported as a module, so that the
-comparison of what judges runs (`worker/watched.py`) follows it.
+runs need: `run_view` imports this module on use. It is imported as a module, so that the
+comparison of judging code (`worker/watched.py`) follows it.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col
 
 SMOOTHING_TIME = 0.4
-"""Seconds of the filter for accelerations and rates."""
+"""Duration of the filter for accelerations and rates, seconds."""
 
 DERIVATIVE_TIME = 0.75
-"""Seconds of the filter for their derivatives."""
+"""Duration of the filter for their derivatives, seconds."""
 
 _ORDER = 2
 
@@ -57,7 +57,7 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
         step_length: Seconds between the rows.
 
     Returns:
-        None where there are fewer rows than the longest filter needs.
+        None if there are fewer rows than the longest filter needs.
     """
     smoothing = max(round(SMOOTHING_TIME / step_length), _ORDER + 1)
     derivative = max(round(DERIVATIVE_TIME / step_length), _ORDER + 1)

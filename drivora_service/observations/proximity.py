@@ -1,9 +1,9 @@
-"""How near an ego came to the others: gaps, time to collision, needed braking, encroachment.
+"""Proximity of an ego to other actors: gaps, time to collision, required braking, encroachment.
 
 Times to collision assume that both boxes keep their velocity and heading (exact in time; nuPlan
-samples the same model every 0.1 s). Braking and safe distances concern whoever is in front: its box
+samples the same model every 0.1 s). Braking and safe distances concern actors ahead, whose box
 overlaps the strip that the ego's width sweeps along its heading. Actors on another level of a
-bridge are not there.
+bridge do not count.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.trace import LEVEL_GAP, Col, Trace
 
 HORIZON = 10.0
-"""Seconds up to which a time to collision is looked for."""
+"""Maximum computed time to collision, seconds."""
 
 ENCROACHMENT_HORIZON = 5.0
-"""Seconds up to which a post-encroachment time is looked for."""
+"""Maximum computed post-encroachment time, seconds."""
 
 ENCROACHMENT_STEP = 0.1
-"""Seconds between the places of the ego whose encroachment is looked for."""
+"""Seconds between the ego's places for the search for encroachments."""
 
 BEHIND = math.radians(150.0)
-"""Bearing from which on another actor is behind the ego (nuPlan)."""
+"""Bearing from which on an actor is behind the ego (nuPlan), radians."""
 
 CROSSING_ANGLE = math.radians(30.0)
-"""Difference of headings from which on two paths cross; below it, one actor follows the other."""
+"""Difference of headings from which on paths cross, radians; below, one actor follows the other."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,8 +45,8 @@ class SafeDistance:
     Attributes:
         response_time: Seconds.
         acceleration: m/s² that the ego may gain during the response time.
-        own_braking: m/s² with which the ego brakes at least.
-        other_braking: m/s² with which the one in front brakes at most.
+        own_braking: m/s² of the ego's weakest braking.
+        other_braking: m/s² of the strongest braking of the actor ahead.
     """
 
     response_time: float = 1.0
@@ -57,23 +57,23 @@ class SafeDistance:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Proximity:
-    """One ego among the others, over its n judged rows.
+    """Proximity of an ego to other actors, over its n judged rows.
 
     Attributes:
-        min_gap: Least distance between its box and another, metres; None: nobody else was there.
-        min_gap_row: Row among the judged at which it was least, -1 without others.
+        min_gap: Least distance between its box and another, metres; None without other actors.
+        min_gap_row: Row of ``min_gap`` among the judged rows, -1 without others.
         min_gap_actor: Row of that actor in the trace, -1 without others.
-        time_to_collision: (n,) seconds to the first contact with anybody, inf beyond ``HORIZON``.
-        forward_time_to_collision: (n,) the same with those who are not behind.
+        time_to_collision: (n,) seconds to the first contact with any actor, inf beyond ``HORIZON``.
+        forward_time_to_collision: (n,) the same for actors that are not behind.
         drac: (n,) deceleration to avoid a crash, m/s²: squared closing speed over twice the gap; 0
-            where nothing is closed in upon, inf at no gap.
-        required_deceleration: (n,) the same, with the one in front braking on until it stands.
-        rss_violated: (n,) the distance to one in front was below the safe distance.
+            if no gap closes, inf without a gap.
+        required_deceleration: (n,) the same, with the actor ahead braking on until it stands.
+        rss_violated: (n,) whether the distance to an actor ahead was below the safe distance.
         post_encroachment_time: Least seconds between one box leaving a place and the other, on a
-            crossing path, being there; 0 where they touch, None where no paths cross in time.
-        post_encroachment_row: Row among the judged at which the ego is at that place, -1 where
+            crossing path, being there; 0 if they touch, None if no paths cross in time.
+        post_encroachment_row: Row among the judged rows at which the ego is at that place, -1 if
             there is none or boxes touch.
-        post_encroachment_actor: Row of the other in the trace, -1 where there is none.
+        post_encroachment_actor: Row of the other in the trace, -1 if there is none.
     """
 
     min_gap: float | None
@@ -90,7 +90,7 @@ class Proximity:
 
 
 def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
-    """Returns the (T,) distance between two actors' boxes in metres, NaN where one is absent."""
+    """Returns the (T,) distance between two actors' boxes in metres, NaN if one is absent."""
     return _gaps(
         trace.states,
         trace.present,
@@ -103,7 +103,7 @@ def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
 def look_around(
     trace: Trace, row: int, start: int, stop: int, safe: SafeDistance | None = None
 ) -> Proximity:
-    """Measures an ego's proximity to everyone in rows ``start`` to ``stop`` (exclusive)."""
+    """Measures an ego's proximity to all actors in rows ``start`` to ``stop`` (exclusive)."""
     safe = safe or SafeDistance()
     n = max(stop - start, 0)
     sizes = _sizes(trace)
@@ -179,7 +179,7 @@ def _scan(
     safe: tuple[float, float, float, float],
     series: FloatArray,
 ) -> tuple[float, int, int]:
-    """Fills ``series`` (5, n) and gives the least gap, its row among the judged, and its actor."""
+    """Fills ``series`` (5, n) and returns the least gap, its judged row, and its actor."""
     actors = states.shape[1]
     length, width = sizes[row, 0], sizes[row, 1]
     radius = 0.5 * math.hypot(length, width)
@@ -246,10 +246,10 @@ def _keep_distance(
     Args:
         k: Row.
         room: Metres between the boxes along the ego's heading.
-        speed: Of the ego along its heading, m/s.
-        lead: Of the one in front along that heading, m/s; one that comes towards the ego counts as
+        speed: Speed of the ego along its heading, m/s.
+        lead: Speed of the actor ahead along that heading, m/s; an oncoming actor counts as
             standing.
-        lead_braking: Deceleration of the one in front, m/s², not negative.
+        lead_braking: Deceleration of the actor ahead, m/s², not negative.
         safe: ``SafeDistance`` as numbers.
         series: (5, n) rows 2, 3 and 4 are changed in place.
     """
@@ -259,8 +259,8 @@ def _keep_distance(
     series[2, k] = max(series[2, k], drac)
     required = drac
     if lead_braking > 0.0 and lead > 0.0:
-        # As fast as the one in front after 2 room / closing: if that is before it stands, match its
-        # braking and take the closing speed off; else stop behind where it will stand.
+        # As fast as the actor ahead after 2 room / closing: if that is before it stands, match its
+        # braking and remove the closing speed; else stop behind its stopping place.
         if closing > 0.0 and 2.0 * room * lead_braking <= closing * lead:
             required = drac + lead_braking
         else:
@@ -296,14 +296,14 @@ def _least_lag(
     crossing: float,
     touched: bool,
 ) -> tuple[int, int, int]:
-    """Finds the least number of steps between two boxes being at a same place on crossing paths.
+    """Finds the least number of steps between two boxes being at the same place on crossing paths.
 
-    For every place of the ego, walks along the other's path; where the other is far, the walk jumps
-    as many steps as it needs at least to come near.
+    For every place of the ego, searches along the other's path; if the other is far, the search
+    skips the least number of steps in which it can come near.
 
     Returns:
-        The steps, ``limit + 1`` where there is no such place; the ego's row there; and the other
-        actor. Both are -1 where there is none, and where ``touched``.
+        The steps, ``limit + 1`` if there is no such place; the ego's row there; and the other
+        actor. Both are -1 if there is none, and if ``touched``.
     """
     best = 0 if touched else limit + 1
     best_row, best_actor = -1, -1
@@ -348,7 +348,7 @@ def _least_lag(
 
 @compiled
 def _longest_step(states: FloatArray, present: BoolArray, j: int, start: int, stop: int) -> float:
-    """Returns the longest way of an actor between two rows, metres; at least a micrometre."""
+    """Returns the longest step of an actor between two rows, metres; at least a micrometre."""
     longest = 1e-6
     last = -1
     for t in range(start, stop):

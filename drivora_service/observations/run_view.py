@@ -1,4 +1,4 @@
-"""A trace as its judges look at it: ego by ego, and what several of them need computed once."""
+"""Views of a trace for oracles and metrics, ego by ego, with values that are computed once."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from drivora_service.observations.motion import FilteredMotion
 
 _BEND_SHARE = 2.0
-"""Times that the border of a road may leave its tangents further than the centre of a lane."""
+"""Factor by which a road's border may deviate further from its tangents than a lane's centre."""
 
 
 class EgoView:
-    """One ego while it drives: from its start time to the end of its part.
+    """An ego's part of a run: from its start time to the end of its part.
 
     All arrays have n rows; row ``k`` here is row ``first + k`` of the trace. n is 0 for an ego
     whose part never began.
@@ -32,21 +32,21 @@ class EgoView:
     Attributes:
         trace: The whole run.
         network: Its road network.
-        row: Of the ego in the trace.
+        row: Row of the ego in the trace.
         first: Row of the trace with which the arrays begin.
-        count: n.
+        count: Number n of rows.
         times: Seconds.
         states: (n, 9) columns ``Col``.
         values: (n, 8) columns ``EgoCol``.
-        lanes: Index of the lane, -1 off every lane.
+        lanes: Index of the lane, -1 off all lanes.
         lights: ``Light``.
         speed: m/s over ground.
         forward_speed: m/s along the heading, negative backwards.
-        moved: Metres since the row before, 0 in the first.
+        moved: Metres since the preceding row, 0 in the first.
     """
 
     def __init__(self, trace: Trace, network: RoadNetwork, row: int) -> None:
-        """Cuts the ego's part out of the trace."""
+        """Extracts the ego's part from the trace."""
         start = int(np.searchsorted(trace.times, trace.ego_start_times[row] - 1e-9))
         stop = trace.ego_end_steps[row] + 1
         gone = np.flatnonzero(~trace.present[start:stop, row])
@@ -86,12 +86,12 @@ class EgoView:
 
     @property
     def route(self) -> EgoRoute:
-        """The way it had to drive."""
+        """The ego's route."""
         return self.trace.ego_routes[self.row]
 
     @property
     def end(self) -> TerminalEvent:
-        """Why its part ended."""
+        """The event that ended its part."""
         return self.trace.ego_ends[self.row]
 
     @property
@@ -120,7 +120,7 @@ class EgoView:
 
     @cached_property
     def lane_half_widths(self) -> FloatArray:
-        """(n,) half the width of the lane it is on, metres; NaN off every lane."""
+        """(n,) half the width of its lane, metres; NaN off all lanes."""
         half_widths = np.full(self.count, np.nan)
         for lane in np.unique(self.lanes):
             if lane >= 0:
@@ -129,7 +129,7 @@ class EgoView:
 
     @cached_property
     def lateral_reach(self) -> FloatArray:
-        """(n,) metres that its box reaches from its centre across the lane; NaN off every lane."""
+        """(n,) metres that its box reaches from its centre across the lane; NaN off all lanes."""
         turn = self.states[:, Col.YAW] - self.value(EgoCol.LANE_HEADING)
         along = 0.5 * self.actor.length * np.abs(np.sin(turn))
         reach: FloatArray = along + 0.5 * self.actor.width * np.abs(np.cos(turn))
@@ -137,7 +137,7 @@ class EgoView:
 
     @cached_property
     def in_junction(self) -> BoolArray:
-        """(n,) whether the lane it is on is inside a junction."""
+        """(n,) whether its lane is inside a junction."""
         inside = np.zeros(self.count, dtype=np.bool_)
         for lane in np.unique(self.lanes):
             if lane >= 0 and self.network.lanes[lane].is_internal:
@@ -146,7 +146,7 @@ class EgoView:
 
     @cached_property
     def outside(self) -> FloatArray:
-        """(n,) metres by which the corner furthest out is outside the drivable area."""
+        """(n,) distance of the outermost corner from the drivable area, metres."""
         furthest = np.zeros(self.count)
         unsure = np.flatnonzero(~self._within_lanes())
         if len(unsure):
@@ -158,7 +158,7 @@ class EgoView:
     def room_beside(self) -> FloatArray:
         """(n, 2) metres between its box and the left and the right border of its edge's lanes.
 
-        Negative where it reaches beyond them; NaN off every lane.
+        Negative where it reaches beyond them; NaN off all lanes.
         """
         lateral = self.value(EgoCol.LANE_LATERAL)
         room = np.full((self.count, 2), np.nan)
@@ -173,10 +173,10 @@ class EgoView:
         return room
 
     def _within_lanes(self) -> BoolArray:
-        """Tells the rows in which the box lies within its edge's lanes for sure.
+        """Returns the flags of rows in which the box is certainly within its edge's lanes.
 
-        The room beside it is that of a straight lane. So no row counts in which the box may reach
-        over an end of its lane, nor one with less room than the lane's bends may take.
+        ``room_beside`` assumes a straight lane. So rows are excluded in which the box may reach
+        over an end of its lane, and those with less room than the lane's bends may need.
         """
         reach = 0.5 * math.hypot(self.actor.length, self.actor.width)
         room = self.room_beside.min(axis=1, initial=np.inf)
@@ -195,13 +195,13 @@ class EgoView:
 
     @cached_property
     def proximity(self) -> Proximity:
-        """How near it came to the others."""
+        """Its proximity to other actors."""
         return look_around(self.trace, self.row, self.first, self.first + self.count)
 
     @cached_property
     def motion(self) -> FilteredMotion | None:
-        """Its filtered motion; None where its part is too short to filter."""
-        # Here, not above: what only lists rules and testers shall not load scipy.signal.
+        """Its filtered motion; None if its part is too short to filter."""
+        # Imported here, so that listing oracles and testers does not load scipy.signal.
         from drivora_service.observations.motion import filter_motion
 
         return filter_motion(self.states, self.step_length)
@@ -223,16 +223,16 @@ def _road_beside(network: RoadNetwork, index: int) -> tuple[float, float]:
 
 
 class RunView:
-    """A run to be judged.
+    """A view of a run for oracles and metrics.
 
     Attributes:
-        trace: What was recorded.
+        trace: The recorded run.
         network: The road network it took place on.
-        egos: In the order of the trace.
+        egos: Egos in the order of the trace.
     """
 
     def __init__(self, trace: Trace, network: RoadNetwork) -> None:
-        """Prepares a view; nothing costly is computed before it is asked for."""
+        """Prepares a view; costly values are computed on first use."""
         self.trace = trace
         self.network = network
         self.egos = tuple(EgoView(trace, network, row) for row in range(trace.ego_count))

@@ -1,10 +1,10 @@
-"""scene_obs: the published shape of a trace, one frame a step.
+"""scene_obs: the published form of a trace, one frame for each step.
 
 A frame is JSON-able: ``step``, ``timestamp`` (s), ``egos``, ``other_actors`` (``vehicles``,
 ``walkers``, ``obstacles``, ``background``, ``traffic_lights``) and ``agent_logs``. Positions are
 box centres in metres in the network's plane, velocities m/s, accelerations m/s²; angles are degrees
 counter-clockwise from east, as in scenario documents. Numbers are rounded to six decimals; the
-trace file has them in full. What is not known or does not apply is null.
+trace file has them in full. Unknown and inapplicable values are null.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _BLOCK = 256
 
 
 def ndjson(trace: Trace, first: int, last: int) -> Iterator[bytes]:
-    """Returns the frames of rows ``first`` to ``last`` (exclusive), a line of JSON each."""
+    """Returns the frames of rows ``first`` to ``last`` (exclusive), each as a line of JSON."""
     encode = json.JSONEncoder(separators=(",", ":"), allow_nan=False, check_circular=False).encode
     for frame in scene_frames(trace, first, last):
         yield encode(frame).encode() + b"\n"
@@ -58,7 +58,7 @@ def scene_frames(trace: Trace, first: int, last: int) -> Iterator[dict[str, Any]
 def _frames(
     trace: Trace, first: int, last: int, events: dict[int, list[tuple[int, str]]]
 ) -> Iterator[dict[str, Any]]:
-    """Returns the frames of a block of rows: arrays become lists once a block, not once a value."""
+    """Returns the frames of a block of rows: arrays are converted to lists once for each block."""
     rows = slice(first, last)
     times = _numbers(trace.times[rows])
     states = _numbers(_in_degrees(trace.states[rows], (Col.YAW, Col.YAW_RATE)))
@@ -147,7 +147,7 @@ def _in_degrees(values: NDArray[np.float64], columns: tuple[int, ...]) -> NDArra
 
 
 def _numbers(values: NDArray[np.float64]) -> Any:
-    """Returns nested lists of rounded numbers, with ``None`` for what is not finite."""
+    """Returns nested lists of rounded numbers, with ``None`` for values that are not finite."""
     rounded = np.round(values, _DECIMALS)
     finite = np.isfinite(rounded)
     if finite.all():

@@ -1,7 +1,7 @@
-"""Which actors others hide: the line of sight from an ego's roof past the boxes of others.
+"""Occlusion of actors: the line of sight from an ego's roof past the boxes of others.
 
-An actor is hidden if of neither its centre nor a corner of its box the line of sight to its top
-passes above or beside all others. Buildings hide nothing, for road networks have none.
+An actor is hidden if the lines of sight to the top of its box, at its centre and at each corner,
+all pass through other actors. Buildings hide no actors, since road networks have none.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ def is_hidden(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> bool:
-    """Returns whether nothing of ``other`` is in sight of the sensor on the roof of ``ego``.
+    """Returns whether ``other`` is hidden from the sensor on the roof of ``ego``.
 
     Args:
         ego: Row of the ego.
-        other: Row of the actor looked for.
-        states: (N, 9) one frame.
+        other: Row of the actor to check.
+        states: (N, 9) states of one frame.
         present: (N,) whether each actor is in the world.
         sizes: (N, 2) length and width, metres.
         heights: (N,) metres.
@@ -78,7 +78,7 @@ def _may_hide(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> bool:
-    """Tells without looking closely: tall enough, on the same level, and near enough."""
+    """Returns the result of a quick check: tall enough, on the same level, and near enough."""
     if k in (ego, other) or not present[k] or heights[k] <= lowest:
         return False
     if abs(states[k, 8] - states[ego, 8]) > LEVEL_GAP:

@@ -1,4 +1,4 @@
-"""What signals show an ego, as the trace recorded them, also off its route."""
+"""Recorded signals for an ego, also off its route."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
 
 BESIDE_ROUTE = 8.0
-"""Metres from the route from which on an ego is on another road: what the trace says of the next
-signal along the route is not of its own."""
+"""Metres from the route from which on an ego is on another road: the recorded next
+signal of the route does not apply to it."""
 
 _SHOWN = {"G": Light.GREEN, "g": Light.GREEN, "y": Light.YELLOW, "u": Light.RED, "r": Light.RED}
 
@@ -20,7 +20,7 @@ _SHOWN = {"G": Light.GREEN, "g": Light.GREEN, "y": Light.YELLOW, "u": Light.RED,
 def signal_shown(ego: EgoView, connection: Connection) -> ByteArray | None:
     """Returns the (n,) ``Light`` of a movement in every row; ``None`` without a signal.
 
-    A signal that is off, as ``simulation.lights`` has it, is none in that row.
+    A signal that is off, by ``simulation.lights``, counts as none in that row.
     """
     trace = ego.trace
     if connection.traffic_light not in trace.light_ids:
@@ -46,7 +46,7 @@ def signal_letter(ego: EgoView, connection: Connection, row: int) -> str | None:
 
 
 def stop_shown(ego: EgoView, connection: Connection) -> BoolArray | None:
-    """Tells the (n,) rows in which a signal says to stop and then go; ``None`` without a signal."""
+    """Returns the (n,) flags of rows with SUMO's "stop, then go"; ``None`` without a signal."""
     trace = ego.trace
     if connection.traffic_light not in trace.light_ids:
         return None
@@ -59,17 +59,17 @@ def stop_shown(ego: EgoView, connection: Connection) -> BoolArray | None:
 
 
 def off_route(ego: EgoView) -> BoolArray:
-    """Tells the (n,) rows in which the ego is on another road than its route's."""
+    """Returns the (n,) flags of rows in which the ego is on another road than its route's."""
     off: BoolArray = np.abs(ego.value(EgoCol.ROUTE_LATERAL)) > BESIDE_ROUTE
     return off
 
 
 def waiting_off_route(ego: EgoView, rows: BoolArray, reach: float) -> BoolArray:
-    """Tells the rows in which the next signal on the ego's own lane is near and not all green.
+    """Returns flags of the rows in which the next signal on the ego's lane is near and not all green.
 
     Args:
-        ego: Which ego.
-        rows: (n,) rows to look at; False in all others.
+        ego: The ego.
+        rows: (n,) flags of rows to check; the result is False in others.
         reach: Metres from the front bumper to the stop line.
     """
     waiting = np.zeros(ego.count, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""What a run recorded: arrays over (step, actor), read by oracles, feedback and metrics.
+"""The trace of a run: arrays over (step, actor), read by oracles, feedback and metrics.
 
 Frame: the network's plane, x east and y north in metres; angles in radians counter-clockwise from
 east; positions are box centres. Row ``k`` is the state at time ``times[k]``; row 0 is the start.
@@ -16,7 +16,7 @@ from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, In
 
 
 class Role(StrEnum):
-    """What part an actor plays in the scenario."""
+    """The role of an actor in the scenario."""
 
     EGO = "ego"
     NPC_VEHICLE = "npc_vehicle"
@@ -37,7 +37,7 @@ class Col(IntEnum):
     AY = 6
     YAW_RATE = 7
     Z = 8
-    """Metres up; 0 on flat networks. Two actors more than ``LEVEL_GAP`` apart do not meet."""
+    """Height, metres; 0 on flat networks. Two actors more than ``LEVEL_GAP`` apart do not meet."""
 
 
 LEVEL_GAP = 3.0
@@ -47,7 +47,7 @@ LEVEL_GAP = 3.0
 class EgoCol(IntEnum):
     """Columns of ``Trace.ego_values``.
 
-    ``NaN`` is "not applicable at this step" (no light ahead, off every lane).
+    ``NaN`` is "not applicable at this step" (no light ahead, off all lanes).
     """
 
     ACCELERATION = 0
@@ -59,14 +59,14 @@ class EgoCol(IntEnum):
     ROUTE_LATERAL = 3
     """Signed distance from the reference line, metres, positive to the left."""
     SPEED_LIMIT = 4
-    """m/s of the lane the ego is on."""
+    """Speed limit of the ego's lane, m/s."""
     LANE_LATERAL = 5
-    """Signed distance from the centre of the lane it is on, metres, positive to the left."""
+    """Signed distance from the centre of its lane, metres, positive to the left."""
     LANE_HEADING = 6
     """Heading of that lane at the foot point, radians."""
     LIGHT_DISTANCE = 7
     """Metres from the front bumper to the next signal's stop line on the route; negative once the
-    bumper is past it and the tail is not."""
+    bumper has passed it and the tail has not."""
 
 
 class Light(IntEnum):
@@ -79,7 +79,7 @@ class Light(IntEnum):
 
 
 class TerminalEvent(StrEnum):
-    """Why an ego's part in the episode ended."""
+    """The event that ended an ego's part."""
 
     ARRIVED = "arrived"
     COLLISION = "collision"
@@ -108,7 +108,7 @@ class Actor:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """Two boxes that overlapped; ``step`` is the first row of the trace at which they did."""
+    """An overlap of two boxes; ``step`` is its first row of the trace."""
 
     step: int
     ego: int
@@ -126,7 +126,7 @@ class LogEvent:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EgoRoute:
-    """The way an ego had to drive.
+    """The route of an ego.
 
     Attributes:
         line: (n, 2) reference line, metres.
@@ -155,8 +155,8 @@ class Trace:
         states: (T, N, 9) float64, columns ``Col``; NaN where not present.
         present: (T, N) whether the actor was in the world.
         ego_values: (T, M, 8) float64, columns ``EgoCol``.
-        ego_lanes: (T, M) index of the lane the ego's centre is on, -1 off every lane.
-        ego_lights: (T, M) ``Light`` of the signal that ``LIGHT_DISTANCE`` speaks of.
+        ego_lanes: (T, M) index of the ego's lane, by its centre, -1 off all lanes.
+        ego_lights: (T, M) ``Light`` of the signal that ``LIGHT_DISTANCE`` refers to.
         ego_routes: M routes.
         ego_start_times: M times in seconds.
         ego_ends: M terminal events.
@@ -166,9 +166,9 @@ class Trace:
         light_states: (T, L) index into ``light_state_names``.
         light_state_names: SUMO state strings.
         log_names: K names of the agents' numeric log columns.
-        log_values: (T, M, K) float64, NaN where an agent logs no such column.
+        log_values: (T, M, K) float64, NaN if an agent does not log the column.
         log_events: Text log lines.
-        privileged: M flags: the agent saw more than the perception model lets through.
+        privileged: M flags of agents that bypassed the perception model.
         max_sim_time: Seconds.
         meta: Free JSON-able facts (versions, seed); not part of the hash.
         lane_ids: SUMO's ids of the lanes that occur in ``ego_lanes``, by index; may be empty; not

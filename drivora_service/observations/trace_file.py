@@ -1,4 +1,4 @@
-"""The trace as a Parquet file: one row a step and actor, everything static in its metadata.
+"""The trace as a Parquet file: one row for each step and actor, static data in its metadata.
 
 An actor has a row at each step at which it is present; an ego has one at every step. Columns:
 ``step``, ``time`` (s), ``actor`` (row in ``Trace.actors``), the nine of ``Col`` in lower case
@@ -35,11 +35,11 @@ _DAMAGE = (
     *(OSError, pa.ArrowException, LookupError, TypeError, ValueError, AttributeError),
     *(ArithmeticError, RecursionError),
 )
-"""What reading a file raises in which anything may stand."""
+"""The errors of reading a file with arbitrary content."""
 
 
 def write_trace(trace: Trace, path: Path) -> None:
-    """Writes a trace; ``path`` holds the whole file or what it held before, never a part.
+    """Writes a trace; the replacement of ``path`` is atomic.
 
     Raises:
         StoreError: The file cannot be written, or ``meta`` is not JSON-able.
@@ -75,15 +75,16 @@ def read_trace(path: Path) -> Trace:
     """Reads a trace that ``write_trace`` wrote; both have the same hash.
 
     Raises:
-        StoreError: The file is missing, damaged, no trace, or of another schema version.
+        StoreError: The file is missing, damaged, not a trace, or of another schema version.
     """
     return _read(path, None)
 
 
 def read_steps(path: Path, first: int, last: int) -> Trace:
-    """Reads rows ``first`` to ``last`` (exclusive) of a trace, in memory as far as they go.
+    """Reads rows ``first`` to ``last`` (exclusive) of a trace, as far as it has them.
 
-    Row numbers stay those of the whole run: outside the range nobody is present, and times are NaN.
+    Row numbers stay those of the whole run: outside the range no actor is present, and times are
+    NaN.
 
     Raises:
         StoreError: As ``read_trace``.
@@ -131,7 +132,7 @@ def _table(trace: Trace) -> pa.Table:
 
 
 def _column(values: NDArray[Any], valid: NDArray[np.bool_] | None) -> pa.Array:
-    """Wraps values without a copy, which ``pa.array`` makes where some are null."""
+    """Wraps values without the copy that ``pa.array`` makes if some are null."""
     bitmap = None if valid is None else pa.py_buffer(np.packbits(valid, bitorder="little"))
     data = pa.py_buffer(np.ascontiguousarray(values))
     return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [bitmap, data])
@@ -180,10 +181,10 @@ def _row_groups(metadata: pq.FileMetaData, steps: tuple[int, int] | None) -> lis
 
 
 def _check_size(steps: int, egos: int, rows: int) -> None:
-    """Checks the size that a header states before memory is taken for it.
+    """Checks the size in a header before memory is allocated for it.
 
     Raises:
-        ValueError: The file has not a row for every ego at every step.
+        ValueError: The file lacks a row for an ego at a step.
     """
     if egos < 1 or not 0 <= steps * egos <= rows:
         raise ValueError(f"{steps} steps of {egos} egos do not fit into {rows} rows")

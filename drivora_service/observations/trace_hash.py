@@ -1,4 +1,4 @@
-"""A hash over everything physical in a trace: equal hashes mean the same run, bit for bit."""
+"""A hash over all physical data of a trace: equal hashes mean the same run, bit for bit."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def trace_sha256(trace: Trace) -> str:
     """Returns the SHA-256 of a trace, hexadecimal.
 
     Covered: times, actors, states, presence, ego values, lanes, lights, routes, ends, contacts,
-    traffic lights, agent logs, the network's and the scenario's hash. Left out: ``meta`` and
-    ``lane_ids``, which say nothing that the rest does not fix.
+    traffic lights, agent logs, the network's and the scenario's hash. Not covered: ``meta`` and
+    ``lane_ids``, which follow from the rest.
 
-    Two traces that hold the same numbers have the same hash, whatever the memory layout of their
-    arrays, the bits of their NaNs, the sign of their zeros, or what stands in the rows of actors
+    Two traces with the same numbers have the same hash for any memory layout of their
+    arrays, the bits of their NaNs, the sign of their zeros, or values in the rows of actors
     that are not present.
     """
     digest = hashlib.sha256(_header(trace))
@@ -43,7 +43,7 @@ def trace_sha256(trace: Trace) -> str:
 
 
 def _header(trace: Trace) -> bytes:
-    """Returns the facts that are not arrays, in one canonical spelling."""
+    """Returns the data that is not in arrays, in one canonical form."""
     facts = [
         _VERSION,
         trace.network,

@@ -1,4 +1,4 @@
-"""The part of a trace that does not change from step to step, as JSON-able data and back."""
+"""Conversion of the static part of a trace to JSON-able data and back."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from drivora_service.observations.trace import (
 
 
 def header_of(trace: Trace) -> dict[str, Any]:
-    """Returns everything in a trace but the values of single steps, ready for JSON.
+    """Returns the data of a trace without the values of single steps, as JSON-able data.
 
-    The traffic lights are in it: they change so rarely that ``[step, state]`` pairs are enough.
+    It includes the traffic lights, which change so rarely that ``[step, state]`` pairs are enough.
     """
     return {
         "network": trace.network,
@@ -79,12 +79,12 @@ def trace_from_header(
     ego_lights: NDArray[np.uint8],
     log_values: NDArray[np.float64],
 ) -> Trace:
-    """Puts a trace together again from what ``header_of`` gave and the arrays of ``Trace``.
+    """Returns a trace from the result of ``header_of`` and the arrays of ``Trace``.
 
     Raises:
         KeyError: An entry of the header is missing.
-        TypeError: An entry of the header has another shape.
-        ValueError: An entry of the header has a value that does not exist.
+        TypeError: An entry of the header has another type.
+        ValueError: An entry of the header has an unknown value.
         AttributeError: An entry that should be an object is another value.
         OverflowError: A number is too large.
     """

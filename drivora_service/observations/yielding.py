@@ -1,4 +1,4 @@
-"""Where an ego went before others that have the right of way: at junctions, on crossings."""
+"""Conflicts of an ego with actors that have the right of way, at junctions and on crossings."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from drivora_service.observations.signals import signal_letter
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 
 _NEAR = 80.0
-"""Metres from the ego within which others are looked at."""
+"""Radius around the ego in which others are considered, metres."""
 
 _ALONE = 20.0
-"""Metres before a vehicle: who brakes for another that is nearer does not brake for the ego."""
+"""Metres ahead of a vehicle in which another actor is the reason for its braking."""
 
 _MOVING = 0.5
-"""m/s below which the ego is in no other's way."""
+"""m/s below which the ego is not in another actor's way."""
 
 _CROSSING = re.compile(r":.+_c\d+_\d+")
 _Z = int(Col.Z)
@@ -40,13 +40,13 @@ _Z = int(Col.Z)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conflict:
-    """An ego went before an actor that has the right of way.
+    """A conflict in which an ego went before an actor that has the right of way.
 
     Attributes:
-        row: Of the ego, at which it took the way.
+        row: Row of the ego at which it took the right of way.
         other: Row of the actor in the trace.
-        lag: Seconds after which the other was at a place that the ego had left; inf if never.
-        braking: m/s² that the other braked with, only for the ego.
+        lag: Seconds from the ego's leaving a place to the other's reaching it; inf if never.
+        braking: m/s² of the other's braking because of the ego.
         place: "junction" or "crossing".
     """
 
@@ -61,7 +61,7 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
     """Finds the vehicles with the right of way that the ego went before at junctions.
 
     Args:
-        ego: Which ego.
+        ego: The ego.
         attention: Seconds after the ego's passage within which others count.
     """
     for crossing in line_crossings(ego):
@@ -114,7 +114,7 @@ def walker_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
 
 
 def _foes(ego: EgoView, crossing: Crossing, way: WayThrough) -> frozenset[int]:
-    """Returns the lanes inside the junction whose traffic goes before the ego's."""
+    """Returns the lanes inside the junction with priority over the ego's movement."""
     letter = signal_letter(ego, way.connection, crossing.front)
     if letter is not None and letter != "g":
         return frozenset()
@@ -145,7 +145,7 @@ def _may_go(ego: EgoView, incoming: int, lanes: tuple[int, ...], row: int) -> bo
 
 
 def _leaves(ego: EgoView, crossing: Crossing) -> int:
-    """Returns the first row behind the junction, or the last of the ego."""
+    """Returns the first row after the junction, or the last of the ego."""
     way = crossing.ways[0]
     inside = np.isin(ego.lanes, way.inside)
     inside[: crossing.front] = False
@@ -197,7 +197,7 @@ def _lag(ego: EgoView, other: int, first: int, leaves: int, last: int) -> float:
 
 
 def _braking(ego: EgoView, other: int, first: int, leaves: int) -> float:
-    """Returns how hard another braked while the ego, and nothing else, was in its way."""
+    """Returns the braking of another actor while only the ego was in its way, m/s²."""
     rows = slice(ego.first + first, ego.first + leaves + 1)
     states, present = ego.trace.states[rows], ego.trace.present[rows]
     yaw = states[:, other, Col.YAW]
@@ -218,7 +218,7 @@ def _braking(ego: EgoView, other: int, first: int, leaves: int) -> float:
 
 @lru_cache(maxsize=32)
 def _crossings(network: RoadNetwork) -> tuple[tuple[Polygon, tuple[Connection, ...]], ...]:
-    """Returns the areas of all crossings for walkers, and what leads on to them."""
+    """Returns the areas of all crossings for walkers, and the connections to them."""
     entries: dict[int, list[Connection]] = {}
     for lane in network.lanes:
         for connection in lane.connections:
