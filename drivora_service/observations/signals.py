@@ -65,7 +65,7 @@ def off_route(ego: EgoView) -> BoolArray:
 
 
 def waiting_off_route(ego: EgoView, rows: BoolArray, reach: float) -> BoolArray:
-    """Returns flags of the rows in which the next signal on the ego's lane is near and not all green.
+    """Returns flags of rows whose next signal on the ego's lane is near and not all green.
 
     Args:
         ego: The ego.
