@@ -1,1 +1,1 @@
-"""The benchmark of the ADSs: its fixed scenarios, and the cards that come of their runs."""
+"""The benchmark of the ADSs: its fixed scenarios, and the cards of agents."""

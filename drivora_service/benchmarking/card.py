@@ -1,4 +1,4 @@
-"""The card of an agent: what it did in the runs of the benchmark."""
+"""The card of an agent: its results in the runs of the benchmark."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ RED_LIGHT = "red_light"
 DESTINATION = "destination"
 
 _AGENTS_OWN = frozenset({RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT})
-"""Ends of runs that an agent answers for."""
+"""Statuses of runs that are the agent's fault."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BenchmarkRun:
-    """A run of the benchmark that is over.
+    """A finished run of the benchmark.
 
     Attributes:
-        network: It took place on.
-        number: Of its scenario among those of the network, from 1.
+        network: Network of the run.
+        number: Number of its scenario among those of the network, from 1.
     """
 
     network: str
@@ -38,7 +38,7 @@ class BenchmarkRun:
 
     @property
     def name(self) -> str:
-        """Names its scenario."""
+        """Name of its scenario."""
         return f"{self.network}-{self.number:02d}"
 
     @property
@@ -55,22 +55,22 @@ class BenchmarkRun:
 
     @property
     def violations(self) -> tuple[Verdict, ...]:
-        """What was broken."""
+        """The violations."""
         return tuple(v for v in self.report.verdicts if v.outcome is Outcome.VIOLATED)
 
     @property
     def agent_cost_us(self) -> float | None:
-        """Wall microseconds that the agent took of a step; ``None`` if nobody was asked."""
+        """Wall microseconds of the agent in a step; ``None`` if no agent drove."""
         costs = self.report.agent_cost_us.values()
         return math.fsum(costs) if costs else None
 
     def metric(self, name: str) -> float | None:
-        """Returns a metric; ``None`` if it could not be measured."""
+        """Returns a metric; ``None`` if it was not measurable."""
         value = self.report.metrics.get(name)
         return value if value is not None and math.isfinite(value) else None
 
     def broke(self, rule: str, *, at_fault: bool = False) -> bool:
-        """Says whether the ego broke a rule; with ``at_fault``, whether that was its fault."""
+        """Returns whether the ego violated an oracle; with ``at_fault``, whether at its fault."""
         return any(v.oracle == rule and (not at_fault or v.at_fault) for v in self.violations)
 
     @property
@@ -84,27 +84,27 @@ class BenchmarkRun:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figures:
-    """What several runs come to; counts are of runs.
+    """Aggregates of several runs; counts are numbers of runs.
 
     Attributes:
-        runs: All of them.
-        judged: Those that ended by themselves.
-        arrivals: The ego reached its destination in time.
-        clean_arrivals: It did so without a collision at its fault.
-        collisions: The ego touched somebody.
-        at_fault_collisions: At least once at its fault.
-        avoidable_collisions: At least once at its fault where a careful and competent driver avoids
-            the collision.
-        red_lights: The ego ran at least one.
+        runs: All runs.
+        judged: Judged runs.
+        arrivals: Runs in which the ego reached its destination in time.
+        clean_arrivals: Arrivals without a collision at the ego's fault.
+        collisions: Runs in which the ego touched an actor.
+        at_fault_collisions: Runs with a collision at the ego's fault.
+        avoidable_collisions: Runs with a collision at the ego's fault that a careful and competent
+            driver avoids.
+        red_lights: Runs in which the ego ran a red light.
         driving_score: Mean of Leaderboard 2.1, per cent. A run in which the agent failed counts 0,
-            one that failed for reasons of the machine is left out.
+            one that failed because of the machine is omitted.
         route_completion: Mean of judged runs, per cent.
-        comfort: Mean share of segments within the comfort bounds, of judged runs.
-        comfortable: Judged runs that kept within the bounds all the time.
+        comfort: Mean share of segments within the bounds of comfort, of judged runs.
+        comfortable: Judged runs entirely within the bounds of comfort.
         step_cost_median_us: Wall microseconds of a whole step, simulation and agent: median of the
             judged runs' means.
         step_cost_p95_us: 95th percentile of the same.
-        agent_cost_median_us: What the agent alone takes of a step; ``None`` also where SUMO drives.
+        agent_cost_median_us: The agent's share of a step; also ``None`` if SUMO drives.
     """
 
     runs: int
@@ -126,7 +126,7 @@ class Figures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NetworkFigures:
-    """What the runs on one network come to."""
+    """Aggregates of the runs on one network."""
 
     network: str
     figures: Figures
@@ -134,15 +134,15 @@ class NetworkFigures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BrokenRule:
-    """A rule that the agent broke.
+    """An oracle that the agent violated.
 
     Attributes:
         rule: Name of the oracle.
-        runs: In how many.
-        at_fault: In how many of these the verdict calls the ego responsible; 0 where the rule knows
-            no fault.
-        example: What the first verdict says.
-        example_run: Scenario that it is from.
+        runs: Number of runs with a violation.
+        at_fault: In how many of these the verdict blames the ego; 0 if the oracle does not
+            attribute fault.
+        example: Message of the first verdict.
+        example_run: Scenario of that verdict.
     """
 
     rule: str
@@ -154,14 +154,14 @@ class BrokenRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FailureCause:
-    """Why runs of the agent were not judged.
+    """A cause of runs that were not judged.
 
     Attributes:
-        status: How they ended.
+        status: Status of the runs.
         cause: Short stable name.
-        runs: How many.
-        example: What the first one says.
-        example_run: Scenario that it is from.
+        runs: Number of runs.
+        example: Message of the first one.
+        example_run: Scenario of the first one.
     """
 
     status: RunStatus
@@ -173,16 +173,16 @@ class FailureCause:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentCard:
-    """What an agent did.
+    """The results of an agent.
 
     Attributes:
-        agent: What the catalogue says of it.
-        total: Of all its runs.
-        networks: Of those on each network.
-        broken: Rules, the most broken first.
+        agent: Entry of the catalogue.
+        total: Aggregates of all its runs.
+        networks: Aggregates by network.
+        broken: Violated oracles, the most frequent first.
         failures: Causes, the most frequent first.
-        runs: What all of it stands on.
-        shown: The run that is worth a picture; ``None`` if none was judged.
+        runs: The underlying runs.
+        shown: The run to draw; ``None`` if none was judged.
     """
 
     agent: AgentEntry
@@ -195,7 +195,7 @@ class AgentCard:
 
     @property
     def failed_otherwise(self) -> int:
-        """Counts the runs that failed for reasons which are not the agent's."""
+        """Returns the number of runs that failed without the agent's fault."""
         return sum(not run.finished and run.report.status not in _AGENTS_OWN for run in self.runs)
 
 
@@ -203,8 +203,8 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
     """Computes a card.
 
     Args:
-        agent: Who drove.
-        runs: In any order; the card does not depend on it.
+        agent: The agent.
+        runs: The runs, in any order.
     """
     ordered = tuple(sorted(runs, key=lambda run: (run.network, run.number)))
     by_network: dict[str, list[BenchmarkRun]] = defaultdict(list)
@@ -225,7 +225,7 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
 
 
 def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
-    """Sums runs up."""
+    """Returns the aggregates of runs."""
     judged = [run for run in runs if run.finished]
     costs = [run.report.step_cost_us for run in judged]
     typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
@@ -253,9 +253,9 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
 
 
 def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
-    """Returns the judged run in which most went wrong; of runs alike in that, the longest.
+    """Returns the judged run with the most violations; of equal ones the longest.
 
-    A collision at the ego's fault weighs most, then how many rules were broken.
+    A collision at the ego's fault weighs most, then the number of violated oracles.
     """
 
     def badness(run: BenchmarkRun) -> tuple[bool, int, float]:
@@ -309,7 +309,7 @@ def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
 
 
 def _values(runs: Iterable[BenchmarkRun], metric: str) -> list[float]:
-    """Returns a metric of the runs in which it could be measured."""
+    """Returns a metric of the runs in which it was measurable."""
     return [value for run in runs if (value := run.metric(metric)) is not None]
 
 

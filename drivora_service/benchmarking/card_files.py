@@ -1,4 +1,4 @@
-"""Cards for programs, and as files."""
+"""Cards as plain data and as files."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def cards_content(
     """Returns cards as plain data; the keys are a contract with scripts.
 
     Args:
-        cards: Of the agents that drove.
-        absent: Those that could not drive.
-        runs: Scenarios of each network.
+        cards: Cards of the agents that drove.
+        absent: Agents that could not drive.
+        runs: Number of scenarios of each network.
     """
     return {
         "version": VERSION,
@@ -44,14 +44,14 @@ def write_cards(
     """Writes ``cards.md``, ``cards.json`` and ``NAME.md`` of each agent.
 
     Args:
-        cards: Of the agents that drove.
-        absent: Those that could not drive.
-        folder: Exists.
-        runs: Scenarios of each network.
-        pictures: Of the run that is shown, by agent; they lie in the folder.
+        cards: Cards of the agents that drove.
+        absent: Agents that could not drive.
+        folder: An existing folder.
+        runs: Number of scenarios of each network.
+        pictures: Pictures of the shown runs in the folder, by agent.
 
     Returns:
-        What was written.
+        The written files.
     """
     table, data = folder / "cards.md", folder / "cards.json"
     table.write_text(cards_markdown(cards, absent, runs=runs))

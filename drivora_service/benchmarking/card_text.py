@@ -1,4 +1,4 @@
-"""Cards in words: a table over all agents, and a page for each, as Markdown."""
+"""Cards as Markdown: a table of all agents, and a page for each."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ COLUMNS = (
     "agent (ms)",
     "failed",
 )
-"""What :func:`cells` gives, in this order."""
+"""Columns of :func:`cells`, in this order."""
 
 
 def cells(figures: Figures) -> tuple[str, ...]:
-    """Writes figures as cells of a table; what could not be measured is a dash."""
+    """Writes figures as cells of a table; not measurable ones are a dash."""
     judged = figures.judged
     return (
         str(figures.runs),
@@ -50,15 +50,15 @@ def cells(figures: Figures) -> tuple[str, ...]:
 
 
 def view_of(agent: AgentEntry) -> str:
-    """Says what an agent sees."""
+    """Returns the view of an agent."""
     return "privileged" if agent.privileged else "perception"
 
 
 def setting(runs: int) -> tuple[str, ...]:
-    """Says what the cards stand on.
+    """Returns the conditions of the cards.
 
     Args:
-        runs: Scenarios of each network.
+        runs: Number of scenarios of each network.
     """
     return (
         f"Benchmark version {VERSION}: {runs} generated scenarios on each network, one ego, "
@@ -87,9 +87,9 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
     """Writes the table over all agents.
 
     Args:
-        cards: Of those that drove; a page ``NAME.md`` of each lies beside the text.
-        absent: Those that could not drive.
-        runs: Scenarios of each network.
+        cards: Cards of agents that drove, each with a page ``NAME.md`` beside the text.
+        absent: Agents that could not drive.
+        runs: Number of scenarios of each network.
     """
     lines = ["# Agent cards", ""]
     lines += [f"- {line}" for line in setting(runs)]
@@ -109,9 +109,9 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
     """Writes the page of one agent.
 
     Args:
-        card: What to write.
-        runs: Scenarios of each network.
-        picture: Address of the picture of the run that is shown, from where the text lies.
+        card: The card.
+        runs: Number of scenarios of each network.
+        picture: Address of the shown run's picture, relative to the text.
     """
     agent = card.agent
     lines = [f"# {agent.name}", "", f"{agent.description}.", ""]
@@ -174,7 +174,7 @@ def _wrongs(card: AgentCard) -> list[str]:
 def _about(run: BenchmarkRun) -> str:
     if not run.violations:
         return f"The longest run, {run.name}; nothing was broken in it."
-    # The first of each rule: some are broken at every bend.
+    # Only the first of each oracle: some are violated at every bend.
     said: dict[str, str] = {}
     for verdict in run.violations:
         said.setdefault(verdict.oracle, verdict.message)
@@ -190,7 +190,7 @@ def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
 
 
 def _cell(text: str) -> str:
-    """Keeps what a program said within its cell."""
+    """Returns a text that stays within its cell."""
     return " ".join(text.replace("|", "\\|").split())
 
 

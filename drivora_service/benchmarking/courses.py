@@ -1,7 +1,7 @@
 """The fixed scenarios of the benchmark.
 
-Cards of different days and machines compare only if everything here was the same. Whoever changes
-a course, or what the seed generator makes of one, counts ``VERSION`` up.
+Cards are comparable only with identical scenarios. A change of a course, or of the seed generator's
+result for one, must increase ``VERSION``.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from drivora_service.scenario.documents import ScenarioDocument, with_background
 from drivora_service.scenario.seeds import generate_seeds
 
 VERSION = 1
-"""Of the benchmark; cards of different versions do not compare."""
+"""Version of the benchmark; cards of different versions are not comparable."""
 
 RUNS = 10
-"""Runs on each network, unless told otherwise."""
+"""Default number of runs on each network."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Course:
-    """Where the scenarios of a network come from.
+    """The parameters of a network's scenarios.
 
     Attributes:
         network: Name of a shipped network.
-        min_length: Metres of route at least.
-        max_length: Metres of route at most.
-        background: Vehicles of background traffic.
-        seed: Of the routes, and of everything in the runs that is drawn at random.
+        min_length: Minimum length of the route, metres.
+        max_length: Maximum length of the route, metres.
+        background: Number of background vehicles.
+        seed: Seed of the routes and of all random draws in the runs.
     """
 
     network: str
@@ -49,13 +49,13 @@ COURSES = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Heat:
-    """One scenario of the benchmark, whoever drives it.
+class BenchmarkScenario:
+    """A scenario of the benchmark, without an agent.
 
     Attributes:
-        network: It takes place on.
-        number: Among those of its network, from 1.
-        document: Its one ego has no agent of its own choice yet: ``with_agent`` gives it one.
+        network: Network of the scenario.
+        number: Number among those of its network, from 1.
+        document: Document with one ego, whose agent ``with_agent`` sets.
     """
 
     network: str
@@ -64,20 +64,20 @@ class Heat:
 
     @property
     def name(self) -> str:
-        """Names it and the files about it."""
+        """Name of the scenario and of its files."""
         return f"{self.network}-{self.number:02d}"
 
 
-def heats(networks: NetworkCatalogue, runs: int) -> Iterator[Heat]:
-    """Returns the scenarios of all courses; fewer are the first ones of more.
+def benchmark_scenarios(networks: NetworkCatalogue, runs: int) -> Iterator[BenchmarkScenario]:
+    """Returns the scenarios of all courses; fewer are the first of more.
 
     Args:
-        networks: Has the shipped networks.
-        runs: Scenarios of each course.
+        networks: Catalogue with the shipped networks.
+        runs: Number of scenarios of each course.
 
     Raises:
-        NetworkError: A network does not offer that many routes.
-        InvalidDocument: So many cannot be asked for.
+        NetworkError: A network does not have enough routes.
+        InvalidDocument: The number of runs is out of bounds.
     """
     for course in COURSES:
         documents = generate_seeds(
@@ -89,7 +89,7 @@ def heats(networks: NetworkCatalogue, runs: int) -> Iterator[Heat]:
             agent="idm",
         )
         for number, document in zip(count(1), documents, strict=False):
-            yield Heat(
+            yield BenchmarkScenario(
                 network=course.network,
                 number=number,
                 document=with_background(document, course.background),

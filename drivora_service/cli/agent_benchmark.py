@@ -10,7 +10,7 @@ from pathlib import Path
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, card_of
-from drivora_service.benchmarking.courses import Heat, heats
+from drivora_service.benchmarking.courses import BenchmarkScenario, benchmark_scenarios
 from drivora_service.cli.drawing import draw_trace
 from drivora_service.cli.embedded import network_catalogue
 from drivora_service.cli.output import number, print_table
@@ -78,11 +78,11 @@ def benchmark(
     """
     if not agents:
         return (), {}
-    course = tuple(_ready(heats(network_catalogue(settings), runs), settings))
+    course = tuple(_ready(benchmark_scenarios(network_catalogue(settings), runs), settings))
     entered = {
-        f"{agent.name}-{heat.name}": (agent, heat, document)
+        f"{agent.name}-{scenario.name}": (agent, scenario, document)
         for agent in agents
-        for heat, document in course
+        for scenario, document in course
     }
     done: dict[str, list[BenchmarkRun]] = {agent.name: [] for agent in agents}
     with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
@@ -102,9 +102,9 @@ def benchmark(
             limits=run_limits(settings),
         ) as executor:
             for report in run_all(executor, specs):
-                agent, heat, _ = entered[report.run_id]
+                agent, scenario, _ = entered[report.run_id]
                 done[agent.name].append(
-                    BenchmarkRun(network=heat.network, number=heat.number, report=report)
+                    BenchmarkRun(network=scenario.network, number=scenario.number, report=report)
                 )
                 on_run(agent)
         cards = tuple(card_of(agent, done[agent.name]) for agent in agents)
@@ -160,12 +160,14 @@ def _row(card: AgentCard) -> tuple[str, ...]:
     )
 
 
-def _ready(wanted: Iterable[Heat], settings: Settings) -> Iterator[tuple[Heat, str]]:
+def _ready(
+    wanted: Iterable[BenchmarkScenario], settings: Settings
+) -> Iterator[tuple[BenchmarkScenario, str]]:
     """Returns each scenario with the document that workers read."""
     networks = network_catalogue(settings)
-    for heat in wanted:
-        valid = validate_document(heat.document, networks, None)
-        yield heat, canonical_json(valid.scenario)
+    for scenario in wanted:
+        valid = validate_document(scenario.document, networks, None)
+        yield scenario, canonical_json(valid.scenario)
 
 
 def _pictures(

@@ -1,4 +1,4 @@
-"""Plane geometry and array types that every room shares: angles, lines, oriented boxes.
+"""Shared plane geometry and array types: angles, lines, oriented boxes.
 
 Coordinates are metres; angles are radians, counter-clockwise from east.
 """

@@ -1,7 +1,7 @@
-"""Two oriented boxes: do they overlap, how far apart are they, when will they touch.
+"""Oriented boxes in pairs: overlap, distance, and time to contact.
 
-A box is its centre (metres), heading (radians), length and width (metres). Compiled; plain numbers
-in and out.
+A box is its centre (metres), heading (radians), length and width (metres). Compiled; arguments and
+results are plain numbers.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def boxes_overlap(
     length2: float,
     width2: float,
 ) -> bool:
-    """Says whether two oriented boxes overlap (separating axes; touching does not count)."""
+    """Returns whether two oriented boxes overlap (separating axes; touching does not count)."""
     dx, dy = x2 - x1, y2 - y1
     c1, s1, c2, s2 = math.cos(yaw1), math.sin(yaw1), math.cos(yaw2), math.sin(yaw2)
     c, s = abs(c1 * c2 + s1 * s2), abs(s1 * c2 - c1 * s2)
@@ -107,7 +107,7 @@ def box_gap(
     length2: float,
     width2: float,
 ) -> float:
-    """Returns the least distance between two boxes in metres, 0 where they touch or overlap.
+    """Returns the least distance between two boxes in metres, 0 if they touch or overlap.
 
     Of two separate convex shapes, one of the nearest points is a corner. Arguments as
     ``overlap_depth``.
@@ -124,7 +124,7 @@ def box_gap(
 
 @compiled
 def _axis_times(separation: float, speed: float, reach: float) -> tuple[float, float]:
-    """Returns when two intervals on an axis begin and cease to overlap, seconds from now."""
+    """Returns begin and end of the overlap of two intervals on an axis, seconds from now."""
     if abs(speed) < 1e-12:
         if abs(separation) >= reach:
             return math.inf, -math.inf
@@ -147,15 +147,15 @@ def time_to_contact(
     length2: float,
     width2: float,
 ) -> float:
-    """Returns the seconds until two boxes overlap that keep their velocities and headings.
+    """Returns the seconds until two boxes overlap, at constant velocities and headings.
 
-    Exact, by separating axes over time: they overlap while their shadows on all four axes do.
+    Exact, by separating axes over time: they overlap while their projections on all four axes do.
 
     Args:
         dx: Metres from the first centre to the second, east.
         dy: Metres from the first centre to the second, north.
-        dvx: Velocity of the second less that of the first, m/s east.
-        dvy: Velocity of the second less that of the first, m/s north.
+        dvx: Velocity of the second minus that of the first, m/s east.
+        dvy: Velocity of the second minus that of the first, m/s north.
         yaw1: Heading of the first box.
         length1: Its length.
         width1: Its width.
@@ -164,7 +164,7 @@ def time_to_contact(
         width2: Its width.
 
     Returns:
-        0 where they overlap already, infinity where they never will.
+        0 if they overlap already, infinity if they never will.
     """
     c1, s1, c2, s2 = math.cos(yaw1), math.sin(yaw1), math.cos(yaw2), math.sin(yaw2)
     c, s = abs(c1 * c2 + s1 * s2), abs(s1 * c2 - c1 * s2)

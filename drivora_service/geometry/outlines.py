@@ -20,8 +20,8 @@ def box_corners(
         x: (n,) centres, metres.
         y: (n,) centres, metres.
         yaw: (n,) headings, radians.
-        length: Of all boxes, or (n,) of each, metres.
-        width: Of all boxes, or (n,) of each, metres.
+        length: Length of all boxes, or (n,) of each, metres.
+        width: Width of all boxes, or (n,) of each, metres.
     """
     half_length, half_width = (0.5 * np.reshape(size, (-1, 1, 1)) for size in (length, width))
     ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * half_length

@@ -23,7 +23,7 @@ def draw_box(
     edge: str,
     z: float,
 ) -> None:
-    """Draws an actor as it was at a step; one too small to be seen is drawn larger."""
+    """Draws an actor at a step; one too small to be visible is drawn larger."""
     state = trace.states[step, actor.row]
     grow = max(1.0, _SMALLEST_BOX_IN * view.metres_an_inch / actor.width)
     corners = box_corners(

@@ -1,4 +1,4 @@
-"""What all charts share: how methods look, panels side by side, and writing them as SVG and PNG."""
+"""Common parts of charts: styles of methods, panels side by side, and writing as SVG and PNG."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from drivora_service.plotting import colors
 
 LETTER = 0.075
-"""Inches that a letter takes, about."""
+"""Approximate width of a letter, inches."""
 _DPI = 150
 _STYLE = {
     "svg.hashsalt": "drivora",
@@ -45,7 +45,7 @@ LineStyle = str | tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """How a method is drawn; colour, line and marker each tell it apart where they can."""
+    """The style of a method: colour, line and marker, each distinctive where possible."""
 
     color: str
     line: LineStyle
@@ -53,7 +53,7 @@ class Look:
 
 
 def looks_of(methods: Sequence[str], baseline: str) -> dict[str, Look]:
-    """Returns the look of each method: the baseline, first, is grey, the others have colours."""
+    """Returns the style of each method: the baseline, first, is grey, the others have colours."""
     looks: dict[str, Look] = {}
     if baseline in methods:
         looks[baseline] = Look(color=colors.FAINT_INK, line=(0, (2.5, 1.2)), marker="x")
@@ -94,7 +94,7 @@ def panels(count: int, *, width: float = 4.6, height: float = 3.3) -> tuple[Figu
 
 
 def legend_below(figure: Figure, looks: dict[str, Look]) -> None:
-    """Writes below all panels which line is whose, and makes the figure higher for it."""
+    """Adds a legend below all panels, and enlarges the figure for it."""
     handles = [
         Line2D([], [], color=look.color, ls=look.line, lw=2.0, label=method)
         for method, look in looks.items()
@@ -112,7 +112,7 @@ def legend_below(figure: Figure, looks: dict[str, Look]) -> None:
 
 
 def write_chart(figure: Figure, stem: Path) -> tuple[Path, Path]:
-    """Writes a figure as ``STEM.svg`` and ``STEM.png``; the same figure gives the same bytes."""
+    """Writes a figure as ``STEM.svg`` and ``STEM.png``; the same figure yields the same bytes."""
     svg, png = stem.with_name(f"{stem.name}.svg"), stem.with_name(f"{stem.name}.png")
     FigureCanvasSVG(figure).print_figure(str(svg), metadata={"Date": None, "Creator": None})
     FigureCanvasAgg(figure).print_figure(str(png), dpi=_DPI, metadata={"Software": None})

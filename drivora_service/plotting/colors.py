@@ -1,4 +1,4 @@
-"""Colours of the pictures; told apart by people with the common colour vision deficiencies too."""
+"""Colours of the pictures, also distinguishable with the common colour vision deficiencies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FAINT_INK = "#616e7c"
 VERDICT = "#c1121f"
 
 EGOS = ("#0b5fa5", "#e07a00", "#0f8a5f", "#8f3fa8", "#b8860b", "#00868b")
-"""One each ego, in turn (blue, orange, green, purple, ochre, teal)."""
+"""Colours of the egos in turn (blue, orange, green, purple, ochre, teal)."""
 
 ROLES = {
     Role.NPC_VEHICLE: "#5b6b7b",

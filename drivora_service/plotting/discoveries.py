@@ -1,4 +1,4 @@
-"""When failures were found: how many different ones against simulations, and the first of all."""
+"""Charts of discoveries: different failures against simulations, and the first failure."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from drivora_service.plotting.charts import (
 )
 
 _TITLE_CHARACTERS = 44
-"""Of a line of the title above a panel."""
+"""Maximum length of a title's line above a panel, characters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,8 +30,8 @@ class Repetition:
     """One campaign.
 
     Attributes:
-        simulations: That it made.
-        found: For each different failure, simulations up to it, ascending.
+        simulations: Number of its simulations.
+        found: Number of simulations up to each different failure, ascending.
     """
 
     simulations: int
@@ -40,10 +40,10 @@ class Repetition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discoveries:
-    """What repeated campaigns found on one scenario.
+    """The discoveries of repeated campaigns on one scenario.
 
     Attributes:
-        title: Above the panel.
+        title: Title above the panel.
         methods: Repetitions by method.
     """
 
@@ -57,7 +57,7 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
     A method's curve ends where its shortest repetition does.
 
     Args:
-        shown: A panel each; at least one.
+        shown: Discoveries, a panel for each; at least one.
         baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
 
@@ -81,10 +81,10 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
 
 
 def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
-    """Draws the share of repetitions that had found a failure after so many simulations.
+    """Draws the share of repetitions that had found a failure against simulations.
 
     Args:
-        shown: A panel each; at least one.
+        shown: Discoveries, a panel for each; at least one.
         baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
 

@@ -1,4 +1,4 @@
-"""How large the differences between methods are: effects with intervals, and all single values."""
+"""Charts of differences between methods: effects with intervals, and all single values."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from drivora_service.plotting import colors
 from drivora_service.plotting.charts import LETTER, Look, chart_style, looks_of, write_chart
 
 _ROW = 0.24
-"""Inches from one row of the forest plot to the next."""
+"""Distance of rows in the forest plot, inches."""
 _STRIP = 0.27
-"""Inches of a method in a panel of values."""
+"""Width of a method in a panel of values, inches."""
 _CHANCE = 0.5
 _LARGE = (0.29, 0.71)
 _JITTER = 0.22
@@ -26,12 +26,12 @@ _JITTER = 0.22
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffectRow:
-    """One method against the baseline, by one measure.
+    """The effect of a method against the baseline by one measure.
 
     Attributes:
-        section: What rows are listed under.
+        section: Heading of the row.
         a12: Probability that the method is better, with the ends of its interval.
-        is_significant: Whether it is hardly chance.
+        is_significant: Whether the difference is significant.
     """
 
     section: str
@@ -47,9 +47,9 @@ class Values:
     """The values of one measure on one scenario.
 
     Attributes:
-        measure: Names a row of panels.
-        scenario: Names a column of panels.
-        methods: One value a repetition, by method.
+        measure: Name of the row of panels.
+        scenario: Name of the column of panels.
+        methods: Values of the repetitions, by method.
     """
 
     measure: str
@@ -60,11 +60,11 @@ class Values:
 def draw_effects(rows: Sequence[EffectRow], baseline: str, stem: Path) -> tuple[Path, Path]:
     """Draws A12 of every row with its interval, section by section.
 
-    Filled marks are significant, hollow ones may be chance.
+    Filled marks are significant, hollow ones are not.
 
     Args:
         rows: At least one; those of a section follow one another.
-        baseline: Who they are compared with.
+        baseline: Baseline method.
         stem: Path of the files without suffix.
 
     Returns:
@@ -166,7 +166,7 @@ def _draw_effect(axes: Axes, row: EffectRow, y: float, look: Look) -> None:
 
 
 def _set_range(axes: Axes, values: Sequence[float]) -> None:
-    """Shows all values with some room beside them; equal ones at the left of a range of 1."""
+    """Sets a range with a margin around all values; equal ones at the left of a range of 1."""
     low, high = min(values), max(values)
     room = 0.05 * (high - low or 1.0)
     axes.set_xlim(low - room, (high if high > low else low + 1.0) + room)
@@ -176,7 +176,7 @@ def _draw_strip(axes: Axes, values: np.ndarray, y: float, look: Look) -> None:
     low, middle, high = np.quantile(values, (0.25, 0.5, 0.75))
     axes.barh(y, high - low, left=low, height=0.62, color=look.color, alpha=0.18, lw=0.0)
     axes.plot([middle, middle], [y - 0.31, y + 0.31], color=look.color, lw=2.2)
-    # Spread by rank, not by chance: the same values give the same picture.
+    # Spread by rank, not randomly, so that the same values yield the same picture.
     order = np.argsort(np.argsort(values, kind="stable"), kind="stable")
     offsets = _JITTER * (2.0 * ((order * 0.618034) % 1.0) - 1.0)
     axes.plot(

@@ -1,4 +1,4 @@
-"""The column beside the map: what was driven, what the lines mean, what went wrong."""
+"""The column beside the map: run, legend and violations."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def _list_marks(axes: Axes, marks: Sequence[Mark], top: float, bottom: float) ->
 
 
 def describe(mark: Mark) -> str:
-    """Says in one line what was violated, by whom, when and whose fault it was."""
+    """Returns a violation in one line: oracle, ego, counterpart, time and fault."""
     verdict = mark.verdict
     parts = [f"{verdict.oracle.replace('_', ' ')}: {verdict.ego}"]
     if verdict.counterpart:

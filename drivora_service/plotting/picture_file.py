@@ -1,4 +1,4 @@
-"""Writing one picture as SVG or PNG, so that the same content gives the same bytes."""
+"""Writing of a picture as SVG or PNG; the same content yields the same bytes."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ _DPI = 150
 
 @contextmanager
 def picture_file(target: Path, *, width_in: float, height_in: float) -> Iterator[Figure]:
-    """Returns an empty figure and writes it when the block ends without an error.
+    """Provides an empty figure and writes it when the block ends without an error.
 
     Args:
-        target: Where to write; ends in ``.svg`` or ``.png``.
+        target: Path of the file; ends in ``.svg`` or ``.png``.
         width_in: Inches.
         height_in: Inches.
 
     Raises:
-        ValueError: The target ends in something else.
+        ValueError: The target has another suffix.
     """
     suffix = target.suffix.lower()
     if suffix not in (".svg", ".png"):
@@ -44,7 +44,7 @@ def picture_file(target: Path, *, width_in: float, height_in: float) -> Iterator
 
 
 def add_map(figure: Figure, view: View, *, left_in: float, bottom_in: float) -> Axes:
-    """Adds the empty axes of a map that shows a view, with its lower left corner at a place."""
+    """Adds the empty axes of a view's map, with its lower left corner at a place."""
     width, height = figure.get_size_inches()
     axes = figure.add_axes(
         (left_in / width, bottom_in / height, view.width_in / width, view.height_in / height),

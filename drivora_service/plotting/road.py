@@ -1,4 +1,4 @@
-"""The road network as the ground of a picture: lanes, junctions, sidewalks, dividing lines."""
+"""The road network as the background of a picture: lanes, junctions, sidewalks, dividing lines."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _surface(lane: Lane) -> BaseGeometry:
 
 
 def _fill(axes: Axes, surfaces: Iterable[BaseGeometry], face: str, edge: str, *, z: float) -> None:
-    # A hair more than nothing closes the slits between neighbouring lanes.
+    # A small buffer closes the gaps between adjacent lanes.
     merged = shapely.union_all([surface.buffer(0.05) for surface in surfaces])
     vertices: list[FloatArray] = []
     codes: list[NDArray[np.uint8]] = []

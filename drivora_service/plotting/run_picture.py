@@ -31,17 +31,17 @@ def draw_run(
 ) -> None:
     """Draws a run: road, trails, boxes at start and end, signals, violations, legend.
 
-    The same run gives the same bytes.
+    The same run yields the same bytes.
 
     Args:
-        trace: What was recorded.
-        network: The network it was recorded on.
-        verdicts: What the oracles said; the violations are drawn.
-        target: Where to write; ends in ``.svg`` or ``.png``.
-        color_by: What the colour of the egos' trails says.
+        trace: The recorded run.
+        network: The network of the run.
+        verdicts: Verdicts of the oracles, of which violations are drawn.
+        target: Path of the file; ends in ``.svg`` or ``.png``.
+        color_by: Meaning of the colour of the egos' trails.
 
     Raises:
-        ValueError: The target ends in something else.
+        ValueError: The target has another suffix.
     """
     view = view_of_run(trace, verdicts)
     marks = marks_of(verdicts)

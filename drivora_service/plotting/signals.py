@@ -1,4 +1,4 @@
-"""Stop lines in the colour their signal showed when an ego came to them."""
+"""Stop lines in the colour of their signal when an ego reached them."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _LIGHT_OF_LETTER = {
 def draw_signals(
     axes: Axes, trace: Trace, network: RoadNetwork, view: View, *, step: int | None = None
 ) -> bool:
-    """Draws the signals in view; tells whether there are any.
+    """Draws the signals in view; returns whether there are any.
 
-    A stop line has the colour that its signal showed at ``step``; without one, when the first ego
-    crossed it, or, where none did, at the end of the run.
+    A stop line has the colour of its signal at ``step``; by default when the first ego crossed
+    it, or, if none did, at the end of the run.
     """
     bars, shades = [], []
     columns = {light: column for column, light in enumerate(trace.light_ids)}

@@ -1,4 +1,4 @@
-"""A run as a strip of moments side by side, each around the ego: what led to what."""
+"""A run as a strip of moments side by side, each around the ego."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SIDE_IN = 2.1
 _GAP_IN = 0.08
 _TITLE_IN = 0.34
 _TITLE_PT = (9.0, 8.0, 7.0, 6.0, 5.0)
-"""Sizes of the title's font, of which the first is taken with which it fits."""
+"""Sizes of the title's font; the first one that fits is used."""
 _CHARACTER = 0.62
 """Mean width of a bold character as a share of the font's size."""
 _LINE = 1.2
@@ -41,12 +41,12 @@ _FOOT_IN = 0.24
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Moments:
-    """What a strip shows.
+    """The content of a strip.
 
     Attributes:
         ego: Row of the ego in the middle of each picture.
         steps: Rows of the trace, ascending.
-        mark: The violation that it leads to, if any.
+        mark: The violation at its end, if any.
     """
 
     ego: int
@@ -55,12 +55,12 @@ class Moments:
 
 
 def choose_moments(trace: Trace, verdicts: Sequence[Verdict], count: int) -> Moments:
-    """Chooses the moments that say most about a run.
+    """Chooses the most informative moments of a run.
 
-    These are the seconds before its gravest violation, one each, the last of them the violation
-    itself: one at fault before others, a collision before others, the earliest. One that comes too
-    early for that is followed by the seconds after it. Without a violation of a rule that knows
-    fault: moments at equal distances from the first ego's start to its end.
+    These are the seconds before its gravest violation, one moment each, the last of them the
+    violation itself: one at fault before others, a collision before others, the earliest. If it
+    comes too early for that, the seconds after it follow. Without a violation of an oracle that
+    attributes fault: moments at equal distances from the first ego's start to its end.
 
     Raises:
         ValueError: ``count`` is not 2 to 12.
@@ -102,17 +102,17 @@ def draw_strip(
     *,
     count: int = 5,
 ) -> None:
-    """Draws a run as moments side by side; the same run gives the same bytes.
+    """Draws a run as moments side by side; the same run yields the same bytes.
 
     Args:
-        trace: What was recorded.
-        network: The network it was recorded on.
-        verdicts: What the oracles said; the gravest violation chooses the moments.
-        target: Where to write; ends in ``.svg`` or ``.png``.
-        count: Of moments; fewer are drawn where the run is too short for them.
+        trace: The recorded run.
+        network: The network of the run.
+        verdicts: Verdicts of the oracles; the gravest violation determines the moments.
+        target: Path of the file; ends in ``.svg`` or ``.png``.
+        count: Number of moments; fewer if the run is too short.
 
     Raises:
-        ValueError: The target ends in something else, or ``count`` is not 2 to 12.
+        ValueError: The target has another suffix, or ``count`` is not 2 to 12.
     """
     moments = choose_moments(trace, verdicts, count)
     width = len(moments.steps) * (_SIDE_IN + _GAP_IN) + _GAP_IN
@@ -140,7 +140,7 @@ def draw_strip(
 
 
 def _presence(trace: Trace, ego: int) -> tuple[int, int]:
-    """Returns the first and the last row in which an ego has a part."""
+    """Returns the first and the last row of an ego's part."""
     rows = np.flatnonzero(trace.present[:, ego])
     return int(rows[0]), int(min(rows[-1], trace.ego_end_steps[ego]))
 
@@ -159,7 +159,7 @@ def _view_around(trace: Trace, ego: int, step: int) -> View:
 
 
 def _draw_actors(axes: Axes, trace: Trace, view: View, step: int) -> None:
-    """Draws who is there at a step, and the way that each came in the last seconds."""
+    """Draws the present actors at a step, and their ways of the last seconds."""
     back = max(step - round(_TRAIL_S / trace.step_length), 0)
     for actor in reversed(trace.actors):
         rows = np.arange(back, step + 1)
@@ -179,11 +179,11 @@ def _draw_actors(axes: Axes, trace: Trace, view: View, step: int) -> None:
 
 
 def fitted_title(text: str, width_in: float) -> tuple[str, float]:
-    """Breaks a title into as many lines as its width needs, and shrinks what is still too high.
+    """Breaks a title into lines of its width, and reduces the font if it is still too high.
 
     Args:
         text: The title.
-        width_in: Inches that a line may take.
+        width_in: Maximum width of a line, inches.
 
     Returns:
         Its lines, and the size of the font in points.

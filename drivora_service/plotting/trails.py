@@ -1,4 +1,4 @@
-"""The ways that actors took, and where they were at the start and at the end."""
+"""The trails of actors, and their places at the start and at the end."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from drivora_service.plotting.view import View
 _TIME_MARKS = 6
 
 _FASTEST = 100.0
-"""m/s: what is farther away after a step has entered anew, at another place."""
+"""m/s; an actor that moves faster in a step has re-entered at another place."""
 
 RowArray = NDArray[np.signedinteger]
-"""Rows of a trace."""
+"""Row numbers of a trace."""
 
 
 def draw_trails(axes: Axes, trace: Trace, view: View, *, by_time: bool) -> ScalarMappable | None:
@@ -102,10 +102,10 @@ def _draw_other(axes: Axes, trace: Trace, actor: Actor, rows: RowArray, view: Vi
 
 
 def entries(trace: Trace, rows: RowArray, path: FloatArray) -> NDArray[np.bool_]:
-    """Finds where an actor enters the road, for the first time or anew.
+    """Finds the rows in which an actor enters the road, for the first time or again.
 
     Args:
-        trace: Where the actor is.
+        trace: The trace with the actor.
         rows: (n,) rows in which it is present, ascending.
         path: (n, 2) its places there.
 
@@ -117,7 +117,7 @@ def entries(trace: Trace, rows: RowArray, path: FloatArray) -> NDArray[np.bool_]
 
 
 def broken_trail(trace: Trace, rows: RowArray, path: FloatArray) -> FloatArray:
-    """Returns a path with a row of NaN, which no line crosses, before every further entry."""
+    """Returns a path with a row of NaN, which interrupts a line, before every further entry."""
     breaks = np.flatnonzero(entries(trace, rows, path))[1:]
     return np.insert(path, breaks, np.nan, axis=0)
 

@@ -1,4 +1,4 @@
-"""Where each verdict fell: numbered marks on the map that the list beside it explains."""
+"""Numbered marks of violations on the map, for the list beside it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which part of the plane a picture shows, and how large it is on paper."""
+"""The part of the plane that a picture shows, and its size on paper."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class View:
     """A rectangle of the network's plane and its size on paper.
 
     Attributes:
-        min_x: Metres, as are the other three sides.
+        min_x: Metres, like the other three sides.
         width_in: Inches.
         height_in: Inches.
     """
@@ -41,11 +41,11 @@ class View:
         return (self.max_x - self.min_x) / self.width_in
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether a point lies in the rectangle."""
+        """Returns whether a point is in the rectangle."""
         return self.min_x <= x <= self.max_x and self.min_y <= y <= self.max_y
 
     def touches(self, points: FloatArray, margin: float = 10.0) -> bool:
-        """Whether the box around (n, 2) points comes within ``margin`` metres of the rectangle."""
+        """Returns whether the box around (n, 2) points is within ``margin`` metres of the view."""
         low, high = points.min(axis=0), points.max(axis=0)
         return bool(
             high[0] >= self.min_x - margin

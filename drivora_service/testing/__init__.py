@@ -1,1 +1,1 @@
-"""What authors of plug-ins test theirs with: contract suites and synthetic traces."""
+"""Tools for testing plug-ins: contract suites and synthetic traces."""

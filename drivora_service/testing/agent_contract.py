@@ -1,4 +1,4 @@
-"""What every ADS must do, as tests that authors of agents run on theirs.
+"""The contract of agents, as a suite of tests for authors of agents.
 
 Derive a test class from ``AgentContract`` in a test module and make the agent::
 
@@ -6,7 +6,7 @@ Derive a test class from ``AgentContract`` in a test module and make the agent::
         def make_agent(self) -> Agent:
             return MyAgent()
 
-The agent drives on the shipped network ``tee-town``, in this process.
+The agent drives on the shipped network ``tee-town``, in the same process.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _START, _TURN, _END = ("harbour_0_0", 120.0), ("harbour_1_0", 60.0), ("ferry_1_0
 
 
 class AgentContract(ABC):
-    """The tests; each makes agents of its own."""
+    """The tests; each creates its own agents."""
 
     seconds: float = 120.0
     """Simulated time in which the agent must drive 290 m through a small town."""
@@ -203,7 +203,7 @@ def _observation(
 
 
 def _crowd(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Thirty actors around the start, as they come: overlapping, sideways, backwards."""
+    """Thirty actors around the start in arbitrary poses: overlapping, sideways, backwards."""
     start = _point(_START)
     crowd = np.zeros((30, len(Col)))
     crowd[:, Col.X] = start.x + rng.normal(0.0, 25.0, 30)

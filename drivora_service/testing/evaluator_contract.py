@@ -1,4 +1,4 @@
-"""What every evaluator must do: a suite of tests for authors of evaluators.
+"""The contract of evaluators, as a suite of tests for authors of evaluators.
 
 Derive a class whose name begins with ``Test`` and say how to make one::
 
@@ -26,7 +26,7 @@ from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.worker.setup import WorkerSetup
 
 _LONG_S = 300.0
-"""Seconds after which a test gives up; far beyond what anything takes."""
+"""Timeout of the tests in seconds, far above any duration."""
 
 
 class EvaluatorContract:
@@ -37,7 +37,7 @@ class EvaluatorContract:
         raise NotImplementedError
 
     def document(self, number: int) -> str:
-        """Returns the canonical JSON text of a short scenario, another one for each number."""
+        """Returns the canonical JSON text of a short scenario, a different one for each number."""
         scenario = warm_up_checks(NetworkCatalogue(shipped_networks()))
         return canonical_json(replace(scenario, max_sim_time=1.0 + 0.5 * number))
 
@@ -60,7 +60,7 @@ class EvaluatorContract:
             yield made
 
     def spec(self, number: int, document: str = "") -> RunSpec:
-        """Returns what is to be run."""
+        """Returns the requests to run."""
         return RunSpec(
             run_id=f"contract-{number}",
             document=document or self.document(number),

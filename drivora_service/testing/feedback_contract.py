@@ -1,4 +1,4 @@
-"""What every feedback must do: a suite of tests for authors of feedbacks.
+"""The contract of feedbacks, as a suite of tests for authors of feedbacks.
 
 Derive a class whose name begins with ``Test`` and give it the plug-in::
 
@@ -37,7 +37,7 @@ class FeedbackContract:
 
     Attributes:
         plugin: The feedback under test.
-        parameters: That a tester sets; the tests use the defaults for the others.
+        parameters: Parameters that a tester sets; the tests use the defaults of the others.
     """
 
     plugin: ClassVar[FeedbackPlugin]

@@ -1,4 +1,4 @@
-"""Gene spaces for trying testers without a simulator."""
+"""Gene spaces for testing testers without a simulator."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 def small_space(
     *, egos: int = 3, vehicles: int = 3, walkers: int = 2, slices: int = 4
 ) -> GeneSpace:
-    """Returns a space with every part, its blocks named and laid out as those of scenarios."""
+    """Returns a space with all parts, with blocks named and arranged as those of scenarios."""
     blocks: list[Block] = []
     start = 0
 

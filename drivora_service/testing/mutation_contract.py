@@ -1,4 +1,4 @@
-"""What every mutation must do: a suite of tests for authors of mutations.
+"""The contract of mutations, as a suite of tests for authors of mutations.
 
 Derive a class whose name begins with ``Test`` and give it the plug-in::
 
@@ -27,7 +27,7 @@ class MutationContract:
     plugin: ClassVar[MutationPlugin]
 
     def spaces(self) -> tuple[GeneSpace, ...]:
-        """Returns the spaces to work in: a full one, and ones in which parts are missing."""
+        """Returns the spaces of the tests: a full one, and ones without some parts."""
         return (
             small_space(),
             small_space(egos=0, vehicles=0, walkers=0),

@@ -1,4 +1,4 @@
-"""A road network that is small enough to know by heart."""
+"""A small road network for tests."""
 
 from __future__ import annotations
 

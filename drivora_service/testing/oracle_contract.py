@@ -1,4 +1,4 @@
-"""What every oracle must do, as tests that authors of oracles run on theirs.
+"""The contract of oracles, as a suite of tests for authors of oracles.
 
 Derive a test class from ``OracleContract`` in a test module and name the oracle::
 
@@ -31,7 +31,7 @@ from drivora_service.testing.traces import (
 
 
 class OracleContract(ABC):
-    """The tests; each runs on a fresh oracle."""
+    """The tests; each uses a new oracle."""
 
     @abstractmethod
     def make_oracle(self) -> Oracle:
@@ -141,7 +141,7 @@ def _orderly() -> Trace:
 
 
 def _wild() -> Trace:
-    """Two egos that break most rules: one backwards over a red light, one into an obstacle."""
+    """Two egos that violate most oracles: one backwards over a red light, one into an obstacle."""
     steps = 1500
     backwards = SyntheticEgo(
         id="backwards",
@@ -171,7 +171,7 @@ def _wild() -> Trace:
 
 
 def _past_a_walker() -> Trace:
-    """An ego that brushes past somebody who crosses, and past an obstacle at the kerb."""
+    """An ego that passes closely by a crossing walker and an obstacle at the kerb."""
     ego = SyntheticEgo(
         motion=Motion.steady(0.0, 0.0, steps=200, speed=8.0),
         lane=EAST,
@@ -218,7 +218,7 @@ def _single_row() -> Trace:
 
 
 def _off_everything() -> Trace:
-    """An ego in a field, for which nothing is known but where it is."""
+    """An ego off all roads, of which only the position is known."""
     return make_trace([SyntheticEgo(motion=Motion.steady(0.0, -50.0, steps=60, speed=2.0))])
 
 

@@ -1,11 +1,11 @@
-"""What every selection must do: a suite of tests for authors of selections.
+"""The contract of selections, as a suite of tests for authors of selections.
 
 Derive a class whose name begins with ``Test`` and give it the plug-in::
 
     class TestMySelection(SelectionContract):
         plugin = MY_PLUGIN
 
-One that does not look at the objectives, on purpose, sets ``looks = False``.
+A selection that intentionally ignores the objectives sets ``looks = False``.
 """
 
 from __future__ import annotations

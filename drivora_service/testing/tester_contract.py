@@ -1,4 +1,4 @@
-"""What every tester must do: a suite of tests for authors of testers.
+"""The contract of testers, as a suite of tests for authors of testers.
 
 Derive a class whose name begins with ``Test`` and give it the plug-in::
 
@@ -39,11 +39,11 @@ class TesterContract:
 
     Attributes:
         plugin: The tester under test.
-        objectives: Names of the objectives that its feedback measures.
+        objectives: Names of the objectives of its feedback.
         budget: Evaluations of the longer tests.
     """
 
-    # By its name, pytest would take it for a suite of its own wherever it is imported.
+    # Because of its name, pytest would collect it wherever it is imported.
     __test__ = False
 
     plugin: ClassVar[TesterPlugin[Any]]
@@ -51,7 +51,7 @@ class TesterContract:
     budget: ClassVar[int] = 150
 
     def __init_subclass__(cls) -> None:
-        """Makes derived classes suites."""
+        """Marks derived classes as suites."""
         super().__init_subclass__()
         cls.__test__ = True
 
@@ -104,7 +104,7 @@ class TesterContract:
         window: int,
         evaluate: Callable[[int, Proposal], Evaluation] | None = None,
     ) -> list[Evaluation]:
-        """Asks and tells as an engine does, with at most ``window`` proposals under way."""
+        """Asks and tells like an engine, with at most ``window`` proposals under way."""
         evaluate = evaluate or self.judged
         told: list[Evaluation] = []
         waiting: deque[tuple[int, Proposal]] = deque()

@@ -1,6 +1,6 @@
-"""Synthetic traces: say where everyone was, get the ``Trace`` that a run would have recorded.
+"""Synthetic traces: the ``Trace`` of a run, made from the given motion of its actors.
 
-For authors of oracles, metrics and feedbacks, who need runs with a known answer.
+For tests of oracles, metrics and feedbacks on runs with a known answer.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from drivora_service.observations.trace import (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
-    """Where an actor is at each step.
+    """The motion of an actor by step.
 
     Attributes:
         states: (T, 9) columns ``Col``.
@@ -41,13 +41,13 @@ class Motion:
     def along(
         x: ArrayLike, y: ArrayLike, *, step_length: float = 0.05, yaw: ArrayLike | None = None
     ) -> Motion:
-        """Moves through positions (T,) in metres; the rest follows by differences.
+        """Returns the motion through positions (T,) in metres; the rest follows by differences.
 
         Args:
-            x: Metres, one value a step.
-            y: Metres, one value a step.
+            x: Metres, one value for each step.
+            y: Metres, one value for each step.
             step_length: Seconds between them.
-            yaw: Radians; left out: the direction of motion, 0 where there is none.
+            yaw: Radians; by default the direction of motion, 0 at standstill.
         """
         xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
         states = np.zeros((len(xs), len(Col)))
@@ -77,7 +77,7 @@ class Motion:
         yaw: float = 0.0,
         step_length: float = 0.05,
     ) -> Motion:
-        """Moves from (x, y) metres straight on along ``yaw`` radians at a speed in m/s."""
+        """Returns the motion from (x, y) metres straight along ``yaw`` radians at ``speed`` m/s."""
         distance = speed * step_length * np.arange(steps)
         states = np.zeros((steps, len(Col)))
         states[:, Col.X] = x + distance * np.cos(yaw)
@@ -144,10 +144,10 @@ def make_trace(
     """Builds a trace; every motion has the same number of steps.
 
     Args:
-        egos: At least one.
-        others: Everyone else.
+        egos: At least one ego.
+        others: Other actors.
         step_length: Seconds.
-        contacts: As the recorder would have found them.
+        contacts: Contacts as a run would record them.
         lights: SUMO's state string at each step by traffic-light id.
         log_events: Lines of the agents' logs.
         max_sim_time: Seconds.
@@ -230,6 +230,6 @@ def make_trace(
 
 
 def with_contact(trace: Trace, *, step: int, ego: int, other: int) -> Trace:
-    """Returns the trace with one more contact, as if the recorder had found it."""
+    """Returns the trace with one more contact, as a run would record it."""
     contact = Contact(step=step, ego=ego, other=other)
     return replace(trace, contacts=(*trace.contacts, contact))

@@ -1,4 +1,4 @@
-"""Where the expert is recorded: generated routes, none of them of the benchmark's seeds."""
+"""Courses for recording the expert: generated routes, without the benchmark's seeds."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class TrainingCourse:
 
     Attributes:
         network: Name of a shipped network.
-        min_length: Metres of route at least.
-        max_length: Metres of route at most.
-        background: Vehicles of background traffic.
+        min_length: Minimum length of the route, metres.
+        max_length: Maximum length of the route, metres.
+        background: Number of background vehicles.
     """
 
     network: str
@@ -49,14 +49,14 @@ def plans(
     """Returns the runs of all courses.
 
     Args:
-        networks: Has the shipped networks.
-        runs: On each network.
-        seed: Of the routes, and of everything in the runs that is drawn at random.
-        crowding: How many times the usual background traffic there is; 0 for none.
-        leaders: Whether slow and standing cars are put on the ego's way.
+        networks: Catalogue with the shipped networks.
+        runs: Number of runs on each network.
+        seed: Seed of the routes and of all random draws in the runs.
+        crowding: Factor on the usual background traffic; 0 for none.
+        leaders: Whether slow and standing cars are added on the ego's route.
 
     Raises:
-        NetworkError: A network does not offer that many routes.
+        NetworkError: A network does not have enough routes.
     """
     random = np.random.default_rng(seed)
     for number, course in enumerate(COURSES):

@@ -1,4 +1,4 @@
-"""Weights from PyTorch's modules to the agents' dataclasses, and back."""
+"""Conversion of weights between PyTorch's modules and the agents' dataclasses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 Parts: TypeAlias = "Tensor | Sequence[Parts]"
-"""One parameter of a module, or what is stacked to one array."""
+"""One parameter of a module, or several that are stacked to one array."""
 
 W = TypeVar("W", bound="DataclassInstance")
 
@@ -25,13 +25,13 @@ def weights_of(type_: type[W], parts: Mapping[str, Parts]) -> W:
 
     Args:
         type_: The dataclass.
-        parts: By the names of its fields.
+        parts: Parameters by the names of its fields.
     """
     return type_(**{name: _array(part) for name, part in parts.items()})
 
 
 def put_weights(weights: DataclassInstance, parts: Mapping[str, Parts]) -> None:
-    """Writes a dataclass's arrays into the parameters that ``weights_of`` would take them from."""
+    """Writes a dataclass's arrays into parameters; the inverse of ``weights_of``."""
     with torch.no_grad():
         for name, part in parts.items():
             _put(getattr(weights, name), part)

@@ -1,4 +1,4 @@
-"""Fitting a network to samples, and how far off it is on samples that it was not fitted to."""
+"""Fitting of a network to samples, and its errors on held-out samples."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from drivora_service.training.recording import Samples
 
 _WEIGHT_DECAY = 1e-4
 _SIDE_WEIGHT = 2.0
-"""Of an error to the side; to one ahead 1."""
+"""Weight of a lateral error; a longitudinal one has 1."""
 _LONGEST_GRADIENT = 1.0
 
 
 class Trainee(Protocol):
-    """A network while it is trained."""
+    """A network in training."""
 
     modules: torch.nn.Module
 
@@ -38,10 +38,10 @@ class Trainee(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DisplacementErrors:
-    """Mean distances between where one is said to be and where the expert was, metres.
+    """Mean distances between predicted and actual places of the expert, metres.
 
     Attributes:
-        after: Of each waypoint, 0.5 s apart.
+        after: Errors of the waypoints, 0.5 s apart.
     """
 
     after: tuple[float, ...]
@@ -57,12 +57,12 @@ def fit(
     """Fits a network by AdamW to the least absolute error; the learning rate ends at zero.
 
     Args:
-        trainee: Goes on from its present weights.
-        samples: To fit to.
-        epochs: How many times each sample is shown.
-        batch: Samples a step.
+        trainee: Network, fitted from its present weights on.
+        samples: Samples to fit to.
+        epochs: Number of passes over the samples.
+        batch: Samples in each step.
         rate: Highest learning rate.
-        seed: Of the order in which.
+        seed: Seed of the order of the samples.
     """
     generator = torch.Generator().manual_seed(seed)
     seen, wanted = torch.from_numpy(samples.seen), torch.from_numpy(samples.waypoints)
@@ -95,7 +95,7 @@ def errors_of(trainee: Trainee, samples: Samples) -> DisplacementErrors:
 
 
 def errors_at_constant_velocity(samples: Samples) -> DisplacementErrors:
-    """Returns the errors of who says that the ego goes straight on at its speed."""
+    """Returns the errors of predicting constant velocity."""
     points = np.zeros(samples.waypoints.shape)
     speed = samples.seen[:, 0].astype(np.float64) / SPEED_SCALE
     points[:, :, 0] = speed[:, None] * INTERVAL * np.arange(1, WAYPOINTS + 1)

@@ -4,9 +4,9 @@
 
     python -m drivora_service.training.imitation plant-lite weights.npz
 
-Records the expert while a hand jerks the wheel, and fits a network; where the recipe has a second
-stage, records the expert in other traffic and goes on with all that was recorded. Prints how far
-off the waypoints are in runs that the network was not fitted to.
+Records the expert while the steering wheel is disturbed, and fits a network; a recipe with a second
+stage records the expert in other traffic and continues with all recordings. Prints the errors of
+the waypoints in runs that the network was not fitted to.
 Everything is drawn from fixed seeds and computed by one thread.
 """
 
@@ -40,7 +40,7 @@ from drivora_service.training.fitting import (
 from drivora_service.training.mlp_network import AdMlpTrainee
 from drivora_service.training.plant_network import PlantTrainee
 from drivora_service.training.recording import (
-    Deviation,
+    PerturbingDriver,
     Jerks,
     Learner,
     Recorder,
@@ -50,17 +50,17 @@ from drivora_service.training.recording import (
 )
 
 _SEED = 100_000
-"""Of the routes of the first stage; those of the next follow 100,000 further on."""
+"""Seed of the first stage's routes; each further stage adds 100,000."""
 HELD_OUT_SEED = 900_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Traffic:
-    """What the expert is recorded in.
+    """The traffic in which the expert is recorded.
 
     Attributes:
-        crowding: Times the usual traffic; 0 for none.
-        leaders: Whether there are slow and standing cars on its way.
+        crowding: Factor on the usual traffic; 0 for none.
+        leaders: Whether there are slow and standing cars on its route.
     """
 
     crowding: int = 1
@@ -69,14 +69,14 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stage:
-    """A recording, and a fit to it and to those of the stages before.
+    """A recording, and a fit to it and to those of the preceding stages.
 
     Attributes:
-        runs: On each network.
-        epochs: How often each sample is shown.
-        traffic: What the expert is recorded in.
-        with_learner: Whether the agent as fitted so far drives in between, instead of a hand that
-            jerks the wheel.
+        runs: Number of runs on each network.
+        epochs: Number of passes over the samples.
+        traffic: Traffic in which the expert is recorded.
+        with_learner: Whether the agent, as fitted so far, drives in between, instead of a disturbed
+            steering wheel.
     """
 
     runs: int
@@ -87,17 +87,17 @@ class Stage:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
-    """How an agent is trained.
+    """The recipe of an agent's training.
 
     Attributes:
-        view: Makes what its network sees.
+        view: Makes the view of its network.
         trainee: Makes the network to train.
-        weights: What the agent has of it.
-        network: Makes the agent's network of them.
-        batch: Samples a step.
+        weights: Type of the agent's weights.
+        network: Makes the agent's network from its weights.
+        batch: Samples in each step.
         rate: Highest learning rate.
-        stages: One after the other.
-        held_out: Runs on each network to which nothing is fitted, driven by the expert alone, in
+        stages: Stages in order.
+        held_out: Held-out runs on each network, driven by the expert alone, in
             the traffic of each stage.
     """
 
@@ -145,16 +145,16 @@ def record_runs(
     runs: int,
     traffic: Traffic,
     seed: int,
-    deviation: Callable[[], Deviation | None],
+    perturbing: Callable[[], PerturbingDriver | None],
 ) -> Samples:
     """Records the expert on all networks.
 
     Args:
-        recipe: Of the agent.
-        runs: On each network.
-        traffic: What else is on the roads.
-        seed: Of the routes and the runs.
-        deviation: Makes who takes the wheel in between.
+        recipe: Recipe of the agent.
+        runs: Number of runs on each network.
+        traffic: Other traffic.
+        seed: Seed of the routes and the runs.
+        perturbing: Makes the perturbing driver, or returns ``None``.
     """
     networks = NetworkCatalogue(shipped_networks())
     every = plans(
@@ -162,19 +162,19 @@ def record_runs(
     )
     return join(
         [
-            record(plan, Recorder(IdmAgent(), recipe.view(), deviation(), seed + number))
+            record(plan, Recorder(IdmAgent(), recipe.view(), perturbing(), seed + number))
             for number, plan in enumerate(every)
         ]
     )
 
 
 def held_out_samples(recipe: Recipe, runs: int, traffic: Traffic | None = None) -> Samples:
-    """Records the expert alone, in runs to which nothing is fitted; fewer are the first of more.
+    """Records the expert alone in held-out runs; fewer runs are the first ones of more.
 
     Args:
-        recipe: Of the agent.
-        runs: On each network.
-        traffic: What else is on the roads; unless given, as in the first stage.
+        recipe: Recipe of the agent.
+        runs: Number of runs on each network.
+        traffic: Other traffic; by default that of the first stage.
     """
     return record_runs(
         recipe, runs, traffic or recipe.stages[0].traffic, HELD_OUT_SEED, lambda: None
@@ -182,7 +182,7 @@ def held_out_samples(recipe: Recipe, runs: int, traffic: Traffic | None = None) 
 
 
 def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
-    """Trains an agent's network from nothing; prints how far it is."""
+    """Trains an agent's network from scratch; prints its errors."""
     torch.set_num_threads(1)
     torch.manual_seed(0)
     torch.use_deterministic_algorithms(True)
@@ -198,8 +198,8 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     recorded = []
     for number, stage in enumerate(recipe.stages):
         seed = _SEED * (number + 1)
-        deviation = _learner(recipe, trainee) if stage.with_learner else Jerks
-        recorded.append(record_runs(recipe, stage.runs, stage.traffic, seed, deviation))
+        perturbing = _learner(recipe, trainee) if stage.with_learner else Jerks
+        recorded.append(record_runs(recipe, stage.runs, stage.traffic, seed, perturbing))
         samples = join(recorded)
         fit(
             trainee, samples, epochs=stage.epochs, batch=recipe.batch, rate=recipe.rate, seed=number
@@ -210,8 +210,8 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     return weights_of(recipe.weights, trainee.parts())
 
 
-def _learner(recipe: Recipe, trainee: Trainee) -> Callable[[], Deviation]:
-    """Returns what makes a driver with the present weights."""
+def _learner(recipe: Recipe, trainee: Trainee) -> Callable[[], PerturbingDriver]:
+    """Returns a factory of drivers with the present weights."""
     network = recipe.network(weights_of(recipe.weights, trainee.parts()))
     return lambda: Learner(WaypointAgent(recipe.view(), network))
 

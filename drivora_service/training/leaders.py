@@ -1,4 +1,4 @@
-"""Slow and standing cars on an ego's way, of which generated traffic has hardly any."""
+"""Slow and standing cars on an ego's route, which are rare in generated traffic."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from drivora_service.search.space.vehicles import MODELS
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
 
 _GAPS = (14.0, 50.0)
-"""Metres along the way from the ego's start to the first car."""
+"""Metres along the route from the ego's start to the first car."""
 _SPEEDS = (1.0, 6.0)
-"""m/s of a car that drives."""
+"""Speed of a moving car, m/s."""
 _LASTS_S = (6.0, 20.0)
-"""Seconds for which the first car is on the way, before it leaves the road."""
+"""Seconds after which the first car is removed."""
 _BEYOND = (25.0, 90.0)
-"""Metres from there to a car that stands."""
+"""Metres from there to a standing car."""
 _STANDING_SHARE = 0.6
-"""Share of the runs with a car that stands, where the way is long enough for it."""
+"""Share of the runs with a standing car, if the route is long enough."""
 _LONGEST_S = 35.0
-"""Seconds of a run: whoever has stopped behind a car that stands, stays."""
+"""Duration of a run in seconds, since an ego that stops behind a standing car stays there."""
 _END_MARGIN = 12.0
 """Metres that cars keep from the end of the lanes that the ego follows without a change."""
 
 
 def with_leaders(plan: EpisodePlan, random: np.random.Generator) -> EpisodePlan:
-    """Puts a slow car on the way of a run's one ego, and often one that stands beyond it.
+    """Adds a slow car on the route of a run's single ego, and often a standing one after it.
 
-    The slow one leaves the road after a while, so that the ego gets up to speed again before it
-    comes to the other.
+    The slow car is removed after a while, so that the ego accelerates again before it
+    reaches the other.
 
     Args:
-        plan: Of a run without NPC vehicles.
-        random: For every draw; the same draws give the same cars.
+        plan: Plan of a run without NPC vehicles.
+        random: Random generator; the same draws yield the same cars.
 
     Returns:
-        The plan of the changed run; the run as it was where its way is too short.
+        The plan of the changed run; unchanged if its route is too short.
     """
     (ego,) = plan.egos
     path = DrivenPath(plan.network, ego.route)
@@ -61,7 +61,7 @@ def with_leaders(plan: EpisodePlan, random: np.random.Generator) -> EpisodePlan:
     try:
         return plan_episode(scenario, plan.network)
     except NoRoute:
-        # Between waypoints the planner may find no way that the ego's own lanes allow.
+        # Between waypoints the planner may find no way on the ego's own lanes.
         return plan
 
 

@@ -12,7 +12,7 @@ from drivora_service.training.exchange import Parts
 
 
 class AdMlpTrainee:
-    """The network while it is trained."""
+    """The network in training."""
 
     def __init__(self) -> None:
         self.modules = nn.Sequential(

@@ -19,7 +19,7 @@ from drivora_service.training.exchange import Parts
 
 
 class PlantTrainee:
-    """The network while it is trained."""
+    """The network in training."""
 
     def __init__(self) -> None:
         self.modules = nn.ModuleDict(
@@ -99,9 +99,9 @@ class PlantTrainee:
 
 
 def _first_token(layer: nn.TransformerEncoderLayer, tokens: Tensor, absent: Tensor) -> Tensor:
-    """Returns what a layer makes of the (n, WIDTH) first tokens, which is all that is wanted of it.
+    """Returns a layer's output for the (n, WIDTH) first tokens, the only ones that are needed.
 
-    The layer itself would compute every token: two thirds of its work for nothing.
+    The layer itself would compute all tokens, of which two thirds of the work are unused.
     """
     normal = layer.norm1(tokens)
     mixed, _ = layer.self_attn(

@@ -1,9 +1,8 @@
-"""Recording what an expert does, also from where it would not have come by itself.
+"""Recording of an expert's driving, also from states that it would not reach by itself.
 
-A hand jerks the wheel and a pedal now and then, so that the expert shows how to get back (Laskey,
-Lee, Fox, Dragan, Goldberg 2017: *DART: Noise Injection for Robust Imitation Learning*); or the
-agent that is trained drives for a while.
-Only what the expert does while it has the wheel is learned from.
+Random disturbances of the steering wheel and a pedal make the expert show recoveries (Laskey, Lee,
+Fox, Dragan, Goldberg 2017: *DART: Noise Injection for Robust Imitation Learning*); or the agent in
+training drives for a while. Only the expert's own driving is used for training.
 """
 
 from __future__ import annotations
@@ -31,17 +30,17 @@ from drivora_service.simulation.plan import EpisodePlan
 _PERIOD = 0.2
 """Seconds between two samples."""
 _GUILT = 3.0
-"""Seconds before a collision from which nothing is learned."""
+"""Seconds before a collision that are not used for training."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Samples:
-    """What was seen, and where the ego went from there.
+    """Network inputs, and the ego's places after them.
 
     Attributes:
-        seen: (n, K) what the network takes.
-        waypoints: (n, 4, 2) where the ego was after each half second, in the frame that it had,
-            metres; 0 where not known.
+        seen: (n, K) inputs of the network.
+        waypoints: (n, 4, 2) the ego's places after each half second, in its frame of the sample,
+            metres; 0 if unknown.
         known: (n, 4) whether the expert drove until then.
     """
 
@@ -50,51 +49,51 @@ class Samples:
     known: BoolArray
 
 
-class Deviation(Protocol):
-    """Somebody who drives in the expert's place."""
+class PerturbingDriver(Protocol):
+    """Perturbing driver, which drives instead of the expert for some time."""
 
     def setup_env(self, context: AgentContext) -> None:
         """Prepares for a run."""
         ...
 
     def begin(self, random: np.random.Generator) -> float:
-        """Takes the wheel; gives for how many seconds."""
+        """Begins to drive; returns for how many seconds."""
         ...
 
     def drive(self, observation: Observation, expert: AccelerationControl) -> Control:
-        """Drives a step; called also while the expert has the wheel."""
+        """Returns the control of a step; also called while the expert drives."""
         ...
 
 
 class Jerks:
-    """A hand that pulls at the wheel and steps on a pedal for a moment."""
+    """Short random disturbances of steering and acceleration."""
 
     def setup_env(self, context: AgentContext) -> None:  # noqa: ARG002  # needed by others
         """Prepares for a run."""
         self._steer = self._acceleration = 0.0
 
     def begin(self, random: np.random.Generator) -> float:
-        """Draws how it pulls."""
+        """Draws the disturbance."""
         self._steer = float(random.normal(0.0, 0.06))
         self._acceleration = float(random.normal(0.0, 1.2))
         return float(random.uniform(0.5, 1.8))
 
     def drive(self, observation: Observation, expert: AccelerationControl) -> Control:
-        """Adds to what the expert does."""
-        # At speed the same pull would throw the car off the road.
+        """Adds the disturbance to the expert's control."""
+        # At high speed the same angle would move the car off the road.
         steer = self._steer * min(1.0, 5.0 / max(observation.speed, 1.0))
         return AccelerationControl(expert.acceleration + self._acceleration, expert.steer + steer)
 
 
 class Learner:
-    """The agent that is to be trained, as far as it has come: it shows where it goes wrong.
+    """The agent in its present state of training, which reaches states of its own errors.
 
     Ross, Gordon, Bagnell: *A Reduction of Imitation Learning and Structured Prediction to No-Regret
-    Online Learning* (AISTATS 2011), with turns in place of a mixture.
+    Online Learning* (AISTATS 2011), with alternation instead of a mixture.
     """
 
     def __init__(self, agent: Agent) -> None:
-        """Args: agent: Drives one run."""
+        """Args: agent: The agent, for one run."""
         self._agent = agent
 
     def setup_env(self, context: AgentContext) -> None:
@@ -103,37 +102,39 @@ class Learner:
         self._agent.setup_env(replace(context, log=AgentLog()))
 
     def begin(self, random: np.random.Generator) -> float:
-        """Drives for long: what goes wrong may take its time."""
+        """Draws a long duration, in which errors can develop."""
         return float(random.uniform(4.0, 20.0))
 
     def drive(self, observation: Observation, expert: AccelerationControl) -> Control:  # noqa: ARG002  # not followed
-        """Drives as it has learned to."""
+        """Returns the agent's own control."""
         return self._agent.run_step(observation)
 
 
 class Recorder:
-    """An agent that lets an expert drive, and somebody else in between, and keeps what was seen."""
+    """An agent that alternates an expert and a perturbing driver, and records samples."""
 
-    def __init__(self, expert: Agent, view: View, deviation: Deviation | None, seed: int) -> None:
+    def __init__(
+        self, expert: Agent, view: View, perturbing: PerturbingDriver | None, seed: int
+    ) -> None:
         """Makes the recorder.
 
         Args:
-            expert: Answers with ``AccelerationControl``.
-            view: What the network will see.
-            deviation: Who drives in between, if anybody.
-            seed: Of who drives when.
+            expert: Expert, whose controls are ``AccelerationControl``.
+            view: View of the network.
+            perturbing: Perturbing driver, or ``None``.
+            seed: Seed of the alternation.
         """
         self._expert = expert
         self._view = view
-        self._deviation = deviation
+        self._perturbing = perturbing
         self._random = np.random.default_rng(seed)
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares everybody for a run."""
+        """Prepares expert, view and perturbing driver for a run."""
         self._expert.setup_env(context)
         self._view.setup_env(context)
-        if self._deviation is not None:
-            self._deviation.setup_env(context)
+        if self._perturbing is not None:
+            self._perturbing.setup_env(context)
         self._step_length = context.step_length
         self._every = max(round(_PERIOD / context.step_length), 1)
         self._poses: list[tuple[float, float, float]] = []
@@ -144,7 +145,7 @@ class Recorder:
         self._until = float(self._random.uniform(0.0, 4.0))
 
     def run_step(self, observation: Observation) -> Control:
-        """Lets drive whose turn it is."""
+        """Returns the control of the present driver."""
         control = self._expert.run_step(observation)
         if not isinstance(control, AccelerationControl):
             raise TypeError(f"the expert answers with {type(control).__name__}")
@@ -156,29 +157,29 @@ class Recorder:
             self._at.append(len(self._poses))
         self._poses.append((x, y, yaw))
         answer: Control = control
-        if self._deviation is not None:
+        if self._perturbing is not None:
             if observation.time >= self._until:
                 self._deviating = not self._deviating
                 lasts = self._random.uniform(2.5, 5.0)
                 if self._deviating:
-                    lasts = self._deviation.begin(self._random)
+                    lasts = self._perturbing.begin(self._random)
                 self._until = observation.time + float(lasts)
-            other = self._deviation.drive(observation, control)
+            other = self._perturbing.drive(observation, control)
             if self._deviating:
                 answer = other
         self._expert_drove.append(not self._deviating)
         return answer
 
     def samples(self, *, collided: bool) -> Samples:
-        """Returns what was recorded in the run that is over.
+        """Returns the samples of the finished run.
 
         Args:
-            collided: Whether it ended by a collision; its last seconds are left out then.
+            collided: Whether it ended by a collision; its last seconds are then omitted.
         """
         steps = len(self._poses)
         usable = steps - round(_GUILT / self._step_length) if collided else steps
         poses, apart = np.array(self._poses), round(INTERVAL / self._step_length)
-        # How many steps from here on the expert has the wheel.
+        # Number of steps from here on in which the expert drives.
         left = np.zeros(steps + 1, dtype=np.int64)
         for k in range(steps - 1, -1, -1):
             left[k] = left[k + 1] + 1 if self._expert_drove[k] else 0
@@ -201,7 +202,7 @@ class Recorder:
 
 
 def record(plan: EpisodePlan, recorder: Recorder) -> Samples:
-    """Drives a run with one ego and gives what was recorded."""
+    """Runs a plan with one ego and returns the samples."""
     episode = Episode(plan, [recorder])
     while not episode.done:
         episode.step()
@@ -210,7 +211,7 @@ def record(plan: EpisodePlan, recorder: Recorder) -> Samples:
 
 
 def join(parts: list[Samples]) -> Samples:
-    """Puts samples of several runs together, in order."""
+    """Concatenates samples of several runs, in order."""
     return Samples(
         seen=np.concatenate([part.seen for part in parts]),
         waypoints=np.concatenate([part.waypoints for part in parts]),

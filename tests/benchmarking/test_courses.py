@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from drivora_service.benchmarking.courses import COURSES, RUNS, VERSION, heats
+from drivora_service.benchmarking.courses import COURSES, RUNS, VERSION, benchmark_scenarios
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
 
@@ -17,14 +17,16 @@ def networks() -> NetworkCatalogue:
 
 
 def test_scenarios_of_a_version_never_change(networks: NetworkCatalogue) -> None:
-    texts = "".join(document_text(heat.document) for heat in heats(networks, RUNS))
+    texts = "".join(
+        document_text(scenario.document) for scenario in benchmark_scenarios(networks, RUNS)
+    )
     assert hashlib.sha256(texts.encode()).hexdigest() == HASHES[VERSION], (
         "cards compare only between equal scenarios: give the benchmark a new version"
     )
 
 
 def test_fewer_scenarios_are_the_first_of_more(networks: NetworkCatalogue) -> None:
-    few, more = tuple(heats(networks, 2)), tuple(heats(networks, 4))
-    assert few == tuple(heat for heat in more if heat.number <= 2)
-    assert [heat.network for heat in few] == [c.network for c in COURSES for _ in range(2)]
-    assert all(heat.document.background_traffic is not None for heat in few)
+    few, more = tuple(benchmark_scenarios(networks, 2)), tuple(benchmark_scenarios(networks, 4))
+    assert few == tuple(scenario for scenario in more if scenario.number <= 2)
+    assert [scenario.network for scenario in few] == [c.network for c in COURSES for _ in range(2)]
+    assert all(scenario.document.background_traffic is not None for scenario in few)

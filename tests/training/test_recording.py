@@ -18,7 +18,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.simulation.plan import plan_episode
 from drivora_service.training.courses import COURSES, plans
 from drivora_service.training.recording import (
-    Deviation,
+    PerturbingDriver,
     Jerks,
     Learner,
     Recorder,
@@ -32,10 +32,10 @@ START, END = place("harbour_0_0", 20), place("harbour_0_0", 150)
 
 
 def recorded(
-    expert: Scripted | IdmAgent, deviation: Deviation | None, initial_speed: float = 0.0
+    expert: Scripted | IdmAgent, perturbing: PerturbingDriver | None, initial_speed: float = 0.0
 ) -> Samples:
     what = scenario(ego(START, END, initial_speed=initial_speed), seconds=9.0)
-    return record(plan_episode(what, network()), Recorder(expert, AdMlpView(), deviation, 3))
+    return record(plan_episode(what, network()), Recorder(expert, AdMlpView(), perturbing, 3))
 
 
 class Braking(Jerks):
