@@ -153,12 +153,12 @@ def make_trace(
         max_sim_time: Seconds.
     """
     steps = len(egos[0].motion.states)
-    everyone: list[SyntheticEgo | SyntheticActor] = [*egos, *others]
-    present = np.ones((steps, len(everyone)), dtype=np.bool_)
+    all_actors: list[SyntheticEgo | SyntheticActor] = [*egos, *others]
+    present = np.ones((steps, len(all_actors)), dtype=np.bool_)
     for row, actor in enumerate(others, start=len(egos)):
         if actor.present is not None:
             present[:, row] = actor.present
-    states = np.stack([actor.motion.states for actor in everyone], axis=1)
+    states = np.stack([actor.motion.states for actor in all_actors], axis=1)
     states[~present] = np.nan
 
     values = np.full((steps, len(egos), len(EgoCol)), np.nan)
@@ -206,7 +206,7 @@ def make_trace(
                 length=actor.length,
                 width=actor.width,
             )
-            for row, actor in enumerate(everyone)
+            for row, actor in enumerate(all_actors)
         ),
         states=states,
         present=present,

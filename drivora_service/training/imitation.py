@@ -40,9 +40,9 @@ from drivora_service.training.fitting import (
 from drivora_service.training.mlp_network import AdMlpTrainee
 from drivora_service.training.plant_network import PlantTrainee
 from drivora_service.training.recording import (
-    PerturbingDriver,
     Jerks,
     Learner,
+    PerturbingDriver,
     Recorder,
     Samples,
     join,

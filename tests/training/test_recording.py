@@ -1,4 +1,4 @@
-"""What is recorded of an expert, and of whom nothing is learned."""
+"""Samples of the expert are recorded, and none of the perturbing driver."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.simulation.plan import plan_episode
 from drivora_service.training.courses import COURSES, plans
 from drivora_service.training.recording import (
-    PerturbingDriver,
     Jerks,
     Learner,
+    PerturbingDriver,
     Recorder,
     Samples,
     join,
