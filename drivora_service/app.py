@@ -160,7 +160,8 @@ def create_service(
         settings.agents_folder,
     )
     context = ApiContext(
-        database=database,
+        opened=lambda: database,
+        revision=database.changes.value,
         catalogues=catalogues,
         tokens=tokens,
         limits=Limits(

@@ -2,7 +2,8 @@
 
 It holds no ``ServerLock``, so that commands work beside a service on the same data folder. The runs
 that a command asks for are handed to its own workers alone, and are cancelled when it ends or dies;
-its campaigns run in its process.
+its campaigns run in its process. The database is opened, and made, by the first request that needs
+it.
 """
 
 from __future__ import annotations
@@ -37,22 +38,49 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
-_BATCH_ITEMS = 1_000_000
+_NO_LIMIT = 1 << 60
 """A command is bounded by its own memory."""
+
+LOCAL_EVALUATOR = "local"
+
+
+class CommandDatabase:
+    """The database of a command, opened when it is needed."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Prepares; nothing is opened or made."""
+        self._settings = settings
+        self._opening = threading.Lock()
+        self._database: Database | None = None
+
+    def __call__(self) -> Database:
+        """Returns the database.
+
+        Raises:
+            StoreError: It cannot be used.
+        """
+        with self._opening:
+            if self._database is None:
+                self._settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
+                self._database = open_database(self._settings.resolved_database_url)
+            return self._database
+
+    def close(self) -> None:
+        """Closes every connection."""
+        if self._database is not None:
+            self._database.close()
 
 
 class CommandRuns:
     """The dispatcher of a command and its workers; they start with the first runs."""
 
-    def __init__(self, settings: Settings, database: Database, traces: TraceFolder) -> None:
+    def __init__(self, settings: Settings, database: CommandDatabase, traces: TraceFolder) -> None:
         """Begins with none."""
         self._settings, self._database, self._traces = settings, database, traces
-        self._ownership = Ownership(
-            database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
-        )
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
         self._dispatcher: Dispatcher | None = None
+        self._owner_id = ""
 
     @property
     def fault(self) -> str:
@@ -68,7 +96,7 @@ class CommandRuns:
         with self._starting:
             if self._dispatcher is None:
                 self._dispatcher = self._started(min(self._settings.workers, max(1, runs)))
-        return self._ownership.owner_id
+        return self._owner_id
 
     def wake(self) -> None:
         """Tells that something was queued or cancelled."""
@@ -76,31 +104,34 @@ class CommandRuns:
             self._dispatcher.wake()
 
     def close(self) -> None:
-        """Ends what runs; what has not ended is cancelled."""
+        """Ends the runs that go on; runs that have not ended are cancelled."""
         if self._dispatcher is not None:
             self._dispatcher.stop()
         self._stack.close()
 
     def _started(self, slots: int) -> Dispatcher:
+        database, settings = self._database(), self._settings
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="drivora-")))
         infrastructure = Infrastructure(
-            {"database": self._database.probe, "traces": folder_probe(self._traces.root)},
+            {"database": database.probe, "traces": folder_probe(self._traces.root)},
             on_fatal=lambda _message: None,
         )
         executor = self._stack.enter_context(
             LocalExecutor(
                 slots=slots,
-                setup=worker_setup(self._settings),
+                setup=worker_setup(settings),
                 folder=folder,
-                limits=run_limits(self._settings),
+                limits=run_limits(settings),
             )
         )
-        dispatcher = Dispatcher(
-            self._database, executor, self._traces, infrastructure, self._ownership
+        ownership = Ownership(
+            database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
         )
+        dispatcher = Dispatcher(database, executor, self._traces, infrastructure, ownership)
         infrastructure.start(on_change=dispatcher.wake)
         self._stack.callback(infrastructure.stop)
         dispatcher.start()
+        self._owner_id = ownership.owner_id
         return dispatcher
 
 
@@ -108,7 +139,7 @@ def create_command_app(
     settings: Settings,
     *,
     workers: int | None = None,
-    evaluator: str = "local",
+    evaluator: str = LOCAL_EVALUATOR,
     on_error: Callable[[DrivoraError], None] = lambda _error: None,
 ) -> FastAPI:
     """Builds the application of a command.
@@ -117,15 +148,13 @@ def create_command_app(
         settings: Of the installation.
         workers: For campaigns, in place of their own number.
         evaluator: Name of the evaluator of campaigns.
-        on_error: Told why a campaign cannot go on.
+        on_error: Told why a campaign cannot continue.
 
     Raises:
-        StoreError: The database cannot be used.
         UnknownName: There is no such evaluator.
     """
     plugin = evaluator_plugins().plugin(evaluator)
-    settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
-    database = open_database(settings.resolved_database_url)
+    database = CommandDatabase(settings)
     traces = TraceFolder(settings.traces_dir)
     runs = CommandRuns(settings, database, traces)
     catalogues = installed_catalogues(
@@ -167,14 +196,11 @@ def create_command_app(
         return {"workers": campaigns.fault or runs.fault}
 
     context = ApiContext(
-        database=database,
+        opened=database,
+        revision=lambda: None,
         catalogues=catalogues,
         tokens=None,
-        limits=Limits(
-            body_bytes=int(settings.max_body_mb * (1 << 20)),
-            batch_items=_BATCH_ITEMS,
-            queued_runs=settings.queue_limit,
-        ),
+        limits=Limits(body_bytes=_NO_LIMIT, batch_items=_NO_LIMIT, queued_runs=_NO_LIMIT),
         trace_path=traces.path,
         gene_spaces=GeneSpaces(catalogues),
         campaign_folder=campaign_folder,

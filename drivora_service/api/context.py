@@ -42,6 +42,9 @@ class ApiContext:
     """Everything below the HTTP layer.
 
     Attributes:
+        opened: Returns the database, and opens it if it is not open yet.
+        revision: Returns another number after each change of the database, without waiting;
+            ``None``: not known.
         catalogues: Where names in documents are looked up.
         tokens: Who may use the service; ``None``: everyone who reaches it.
         trace_path: Where the trace of a run lies, by the run's id.
@@ -57,7 +60,8 @@ class ApiContext:
         stopping: Whether the service takes no more work because it is being stopped.
     """
 
-    database: Database
+    opened: Callable[[], Database]
+    revision: Callable[[], int | None]
     catalogues: Catalogues
     tokens: TokenFile | None
     limits: Limits
@@ -72,6 +76,15 @@ class ApiContext:
     stopping: Callable[[], bool]
 
     @property
+    def database(self) -> Database:
+        """The database.
+
+        Raises:
+            StoreError: It cannot be used.
+        """
+        return self.opened()
+
+    @property
     def networks(self) -> NetworkCatalogue:
         """Road networks by name."""
         return self.catalogues.networks
@@ -83,7 +96,7 @@ class ApiContext:
 
     @property
     def oracles(self) -> OracleCatalogue:
-        """Rules by name."""
+        """Oracles by name."""
         return self.catalogues.oracles
 
 

@@ -26,7 +26,7 @@ class CommandCampaigns:
 
     def __init__(
         self,
-        database: Database,
+        database: Callable[[], Database],
         folder: Callable[[str], CampaignFolder],
         catalogues: Catalogues,
         evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
@@ -36,7 +36,7 @@ class CommandCampaigns:
         """Begins with none.
 
         Args:
-            database: Holds the campaigns.
+            database: Returns the database with the campaigns.
             folder: Returns the folder of a campaign.
             catalogues: Catalogues for the names in campaigns.
             evaluator: Returns the evaluator, for the number of workers of a campaign.
@@ -88,7 +88,7 @@ class CommandCampaigns:
         watcher = Watcher(requested=self._requested, on_begun=lambda: begun.set_result(None))
         try:
             run_stored(
-                self._database,
+                self._database(),
                 campaign_id,
                 self._folder(campaign_id),
                 catalogues=self._catalogues,

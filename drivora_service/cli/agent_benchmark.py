@@ -12,7 +12,7 @@ from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, card_of
 from drivora_service.benchmarking.courses import BenchmarkScenario, benchmark_scenarios
 from drivora_service.cli.drawing import draw_trace
-from drivora_service.cli.embedded import network_catalogue
+from drivora_service.cli.installation import network_catalogue
 from drivora_service.cli.output import number, print_table
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import run_all

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-from drivora_service.campaigns import progress as campaign_progress
-from drivora_service.campaigns.engine import Told
 from drivora_service.cli.output import number
-from drivora_service.store.campaign_records import Confirmation
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.campaigns import Campaign
 
 
 class CampaignDisplay:
@@ -21,7 +22,6 @@ class CampaignDisplay:
 
     def __init__(self, budget: int) -> None:
         """Begins at the beginning."""
-        self._meter = campaign_progress.ProgressMeter(budget)
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),
@@ -32,25 +32,15 @@ class CampaignDisplay:
         self._found = Text()
 
     def __rich__(self) -> Group:
-        """Returns what is to be seen."""
+        """Returns what is shown."""
         return Group(self._bar, self._found)
 
-    def on_told(self, told: Told) -> None:
-        """Shows an evaluation."""
-        self._meter.note(told)
-        self.show(self._meter.progress())
-
-    def on_confirmed(self, number_: int, confirmation: Confirmation) -> None:
-        """Shows that a failing scenario was run again."""
-        self._meter.note_again(number_, confirmation)
-        self.show(self._meter.progress())
-
-    def show(self, now: campaign_progress.Progress) -> None:
-        """Shows how a campaign stands."""
-        left = "" if now.left_s is None else f", {_duration(now.left_s)} left"
-        pace = "" if now.rate is None else f"{now.rate:.1f}/s{left}"
-        self._bar.update(self._task, completed=now.counts.simulations, pace=pace)
-        self._found.plain = _found(now)
+    def show(self, campaign: Campaign) -> None:
+        """Shows how far a campaign is."""
+        left = "" if campaign.left_s is None else f", {_duration(campaign.left_s)} left"
+        pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
+        self._bar.update(self._task, completed=campaign.simulations, pace=pace)
+        self._found.plain = _found(campaign)
 
 
 @contextmanager
@@ -64,19 +54,21 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
         console.line()
 
 
-def _found(now: campaign_progress.Progress) -> str:
-    counts = now.counts
+def _found(campaign: Campaign) -> str:
+    counts = campaign.counts
     parts = [
-        f"failing {counts.violating}: {now.kinds} kinds, {counts.at_fault} at fault, "
-        f"{counts.avoidable} avoidable",
+        f"failing {counts.violating}: {len(campaign.kinds)} kinds, {counts.at_fault} at fault, "
+        f"{counts.avoidable or 0} avoidable",
         f"invalid {counts.invalid}",
     ]
     if counts.failed:
         parts.append(f"without a result {counts.failed}")
-    if now.best is not None:
-        parts.append(f"best {now.best[0].replace('_', ' ')} {number(now.best[1], 3)}")
-    if now.confirmed or now.flaky:
-        parts.append(f"confirmed {now.confirmed}, flaky {now.flaky}")
+    for name, best in list(campaign.best.items())[:1]:
+        parts.append(f"best {name.replace('_', ' ')} {number(best.value, 3)}")
+    confirmed = sum(kind.confirmed for kind in campaign.kinds)
+    flaky = sum(kind.flaky for kind in campaign.kinds)
+    if confirmed or flaky:
+        parts.append(f"confirmed {confirmed}, flaky {flaky}")
     return " · ".join(parts)
 
 

@@ -1,4 +1,4 @@
-"""Reports of campaigns with their pictures, of a data folder or of a service."""
+"""Reports of campaigns with their pictures."""
 
 from __future__ import annotations
 
@@ -7,17 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.campaigns.documents import CampaignDocument
-from drivora_service.cli.embedded import network_catalogue, settings_for
+from drivora_service.cli.installation import catalogues_for
 from drivora_service.cli.output import note
-from drivora_service.cli.service_campaigns import ServiceCampaigns
-from drivora_service.cli.stored_campaigns import StoredCampaigns
+from drivora_service.client import Client
 from drivora_service.errors import UnknownName
-from drivora_service.settings import Settings
+from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.store.campaign_records import CampaignRecord
-from drivora_service.studies.campaign_report import CampaignReport, group, read_report
+from drivora_service.studies.campaign_report import CampaignReport, group
 from drivora_service.studies.report_pictures import draw_examples
 
 
@@ -33,81 +31,60 @@ class DrawnReport:
     pictures: Mapping[int, Path]
 
 
-def report_here(campaign_id: str, data_dir: Path | None, folder: Path | None) -> DrawnReport:
-    """Reports on a campaign of a data folder.
-
-    Args:
-        campaign_id: Which.
-        data_dir: The data folder; ``None``: the one of the environment.
-        folder: Where pictures go; ``None``: none are drawn.
-
-    Raises:
-        UnknownName: There is no such campaign.
-    """
-    with StoredCampaigns(data_dir) as campaigns:
-        catalogues = _catalogues(campaigns.settings)
-        report = read_report(campaigns.database, campaign_id, catalogues)
-        traces = campaigns.folder(campaign_id).traces
-        pictures = {} if folder is None else draw_examples(report, traces, catalogues, folder)
-    return DrawnReport(report=report, pictures=pictures)
-
-
-def report_of_service(
-    url: str, campaign_id: str, data_dir: Path | None, folder: Path | None
+def drawn_report(
+    client: Client, campaign_id: str, data_dir: Path | None, folder: Path | None
 ) -> DrawnReport:
-    """Reports on a campaign of a service.
+    """Reports on a campaign.
 
     Args:
-        url: Address of the service.
-        campaign_id: Which.
+        client: Of what has the campaign.
+        campaign_id: Which campaign.
         data_dir: Has the imported road networks that pictures show.
         folder: Where pictures go; ``None``: none are drawn.
 
     Raises:
         ServiceError: There is no such campaign, or the service did not answer.
     """
-    with ServiceCampaigns(url) as service:
-        found = service.found(campaign_id)
-        figures, why_not = service.figures(campaign_id)
-        report = CampaignReport(
-            record=found.record,
-            document=CampaignDocument.model_validate(found.record.document),
-            figures=figures,
-            groups=group(found.failures),
-            note=why_not,
-        )
-        catalogues = _catalogues(settings_for(data_dir))
-        if folder is None or not _has_network(catalogues, found.record):
-            return DrawnReport(report=report, pictures={})
-        with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
-            fetched = _with_traces(report, service, Path(scratch))
-            pictures = draw_examples(fetched, Path(scratch), catalogues, folder)
+    campaign = client.campaign(campaign_id)
+    figures = client.figures(campaign_id)
+    report = CampaignReport(
+        record=campaign,
+        document=CampaignDocument.model_validate(campaign.document),
+        figures=figures.figures,
+        groups=group(tuple(client.failures(campaign_id))),
+        note=figures.note,
+        privileged=figures.privileged,
+    )
+    if folder is None:
+        return DrawnReport(report=report, pictures={})
+    catalogues = catalogues_for(data_dir)
+    if not _has_network(catalogues.networks, campaign):
+        return DrawnReport(report=report, pictures={})
+    with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
+        fetched = _with_traces(report, client, Path(scratch))
+        pictures = draw_examples(fetched, Path(scratch), catalogues, folder)
     return DrawnReport(report=report, pictures=pictures)
 
 
-def _catalogues(settings: Settings) -> Catalogues:
-    return installed_catalogues(network_catalogue(settings), settings.agents_folder)
-
-
-def _has_network(catalogues: Catalogues, record: CampaignRecord) -> bool:
-    """Says whether the road network of a campaign is here; tells the user if it is not."""
+def _has_network(networks: NetworkCatalogue, record: CampaignRecord) -> bool:
+    """Whether the road network of a campaign is here; tells the user if it is not."""
     try:
-        network = catalogues.networks.get(record.town)
+        network = networks.get(record.town)
     except UnknownName:
         note(f"no pictures: the road network {record.town!r} is not here; import it to have them")
         return False
     if network.sha256 != record.network_sha256:
-        note(f"no pictures: the road network {record.town!r} is not the one of the service")
+        note(f"no pictures: the road network {record.town!r} is not the one of the campaign")
         return False
     return True
 
 
-def _with_traces(report: CampaignReport, service: ServiceCampaigns, folder: Path) -> CampaignReport:
+def _with_traces(report: CampaignReport, client: Client, folder: Path) -> CampaignReport:
     """Fetches the traces of the examples, and names them as a folder of traces does."""
     for one in report.groups:
         target = folder / trace_name(one.example.evaluation)
-        if not target.exists():
-            service.save_trace(report.record.id, one.example, target)
+        if one.example.trace and not target.exists():
+            client.save_evaluation_observations(target, report.record.id, one.example.evaluation)
     groups = tuple(
         replace(
             one,

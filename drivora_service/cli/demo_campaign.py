@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from drivora_service.api.schemas.campaigns import Campaign, Failure
 from drivora_service.cli.campaign_files import read_campaign_file, shipped_campaigns
-from drivora_service.cli.campaign_results import CampaignFindings, print_campaign
-from drivora_service.cli.campaigns import export_campaign
+from drivora_service.cli.campaign_results import print_campaign
+from drivora_service.cli.campaign_running import export_campaign, follow
 from drivora_service.cli.drawing import draw_trace
-from drivora_service.cli.embedded import settings_for
+from drivora_service.cli.installation import settings_for
 from drivora_service.cli.output import note
-from drivora_service.cli.service_campaigns import ServiceCampaigns
+from drivora_service.client import Client
 
 _EXAMPLE = "side-collision.yaml"
 
@@ -27,17 +29,18 @@ class DemoCampaign:
         pictures: Of the first failure of each kind, beside its trace.
     """
 
-    found: CampaignFindings
+    campaign: Campaign
+    failures: tuple[Failure, ...]
     file: Path
     folder: Path
     pictures: tuple[Path, ...]
 
 
-def search_on(url: str, data_dir: Path, *, simulations: int) -> DemoCampaign:
+def search_with(client: Client, data_dir: Path, *, simulations: int) -> DemoCampaign:
     """Has a service run the campaign, shows it meanwhile, and then what it has found.
 
     Args:
-        url: Address of the service.
+        client: Of the service.
         data_dir: Folder of the demo.
         simulations: Budget of the campaign.
 
@@ -45,16 +48,19 @@ def search_on(url: str, data_dir: Path, *, simulations: int) -> DemoCampaign:
         ServiceError: The service refused or did not answer.
     """
     file = _write_campaign(data_dir, simulations)
-    with ServiceCampaigns(url) as campaigns:
-        record, _ = campaigns.post(file)
-        note(f"the campaign in {file} searches for failures: {record.name}")
-        campaigns.follow(record.id)
-        folder = data_dir / "failures"
-        export_campaign(campaigns, record.id, folder)
-        found = campaigns.found(record.id)
-    print_campaign(found)
+    posted = client.post_campaign(file.read_bytes())
+    note(f"the campaign in {file} searches for failures: {posted.name}")
+    campaign = follow(client, posted.id)
+    folder = data_dir / "failures"
+    export_campaign(client, campaign, folder)
+    print_campaign(campaign)
+    failures = tuple(client.failures(campaign.id))
     return DemoCampaign(
-        found=found, file=file, folder=folder, pictures=_draw(found, folder, data_dir)
+        campaign=campaign,
+        failures=failures,
+        file=file,
+        folder=folder,
+        pictures=_draw(campaign, failures, folder, data_dir),
     )
 
 
@@ -67,14 +73,16 @@ def _write_campaign(data_dir: Path, simulations: int) -> Path:
     return file
 
 
-def _draw(found: CampaignFindings, folder: Path, data_dir: Path) -> tuple[Path, ...]:
+def _draw(
+    campaign: Campaign, failures: Sequence[Failure], folder: Path, data_dir: Path
+) -> tuple[Path, ...]:
     settings = settings_for(data_dir)
     pictures = []
-    for number in sorted({kind.first for kind in found.kinds}):
+    for number in sorted({kind.first for kind in campaign.kinds}):
         trace = folder / f"{number:06d}.trace.parquet"
         if trace.is_file():
             picture = folder / f"{number:06d}.png"
-            rules = {f.verdict.oracle for f in found.failures if f.evaluation == number}
-            draw_trace(trace, settings, picture, rules=rules)
+            oracles = {f.verdict.oracle for f in failures if f.evaluation == number}
+            draw_trace(trace, settings, picture, oracles=oracles)
             pictures.append(picture)
     return tuple(pictures)

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Literal
 
-from drivora_service.cli.embedded import network_catalogue
+from drivora_service.cli.installation import network_catalogue
 from drivora_service.cli.output import note
 from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
@@ -23,7 +23,7 @@ def draw_trace(
     target: Path,
     *,
     color_by: Literal["actor", "time"] = "actor",
-    rules: Collection[str] = (),
+    oracles: Collection[str] = (),
     moments: int | None = None,
 ) -> None:
     """Judges a trace and draws it.
@@ -33,26 +33,26 @@ def draw_trace(
         settings: Where networks are looked up.
         target: Where to write; ends in ``.svg`` or ``.png``.
         color_by: What the colour of the egos' trails says.
-        rules: Names of the rules whose violations are marked; none: of all.
+        oracles: Names of the oracles whose violations are marked; none: of all.
         moments: Draws a strip of so many moments rather than the whole run.
 
     Raises:
         StoreError: The file is no trace.
-        UnknownName: Its network is not in the catalogue, or there is no such rule.
+        UnknownName: Its network is not in the catalogue, or there is no such oracle.
         OracleError: A package's oracle that is to judge cannot.
     """
     catalogue = OracleCatalogue()
     known = catalogue.names()
-    for name in rules:
+    for name in oracles:
         if name not in known:
-            raise UnknownName("rule", name, known)
-    # Whoever names rules is not kept from a picture by others that are broken.
-    oracles = [catalogue.oracle(name) for name in known if not rules or name in rules]
+            raise UnknownName("oracle", name, known)
+    # An oracle that cannot judge costs no picture in which only others are marked.
+    chosen = [catalogue.oracle(name) for name in known if not oracles or name in oracles]
     trace = read_trace(path)
     network = network_catalogue(settings).get(trace.network)
     if network.sha256 != trace.network_sha256:
         note(f"network {network.name} has changed since this run; the picture may not fit")
-    verdicts = judge_all(trace, network, oracles)
+    verdicts = judge_all(trace, network, chosen)
     target.parent.mkdir(parents=True, exist_ok=True)
     if moments is None:
         draw_run(trace, network, verdicts, target, color_by=color_by)

@@ -15,6 +15,6 @@ class ExitCode(IntEnum):
 
 
 EPILOG = (
-    "Exit codes: 0 done · 1 a gate failed · 2 wrong use · 3 the work could not be done. "
+    "Exit codes: 0 done · 1 a gate failed · 2 usage error · 3 the work could not be done. "
     "Settings are read from DRIVORA_… variables."
 )

@@ -1,4 +1,4 @@
-"""What ``--gate`` fails on: which broken rules count, and in how many runs they may be broken."""
+"""What ``--gate`` fails on: which oracles count, and in how many runs they may be violated."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from drivora_service.cli.results import accountability_of
 from drivora_service.errors import ConfigurationError
 from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict import Severity, Verdict
@@ -22,10 +20,10 @@ _RUNS = re.compile(r"[0-9]{1,9}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Broken:
-    """A broken rule as a gate looks at it."""
+class Violation:
+    """A violated oracle as a gate counts it."""
 
-    rule: str
+    oracle: str
     is_observation: bool
     accountability: Accountability
 
@@ -35,27 +33,27 @@ class GateAnswer:
     """What a gate says of runs.
 
     Attributes:
-        fails: Whether some rule was broken in more runs than the gate allows.
-        failing_runs: Runs in which a rule of the gate was broken.
+        fails: Whether some oracle was violated in more runs than the gate allows.
+        failing_runs: Runs in which an oracle of the gate was violated.
         violations: How often.
-        by_rule: Failing runs by rule.
+        by_oracle: Failing runs by oracle.
         passed_over: Violations that do not count, since the ego is not accountable for them.
     """
 
     fails: bool
     failing_runs: int
     violations: int
-    by_rule: Mapping[str, int]
+    by_oracle: Mapping[str, int]
     passed_over: int
 
     def __str__(self) -> str:
         """Says it in one line."""
         runs = f"{self.failing_runs} failing run{'' if self.failing_runs == 1 else 's'}"
         times = f"{self.violations} violation{'' if self.violations == 1 else 's'}"
-        rules = ", ".join(f"{rule} in {count}" for rule, count in sorted(self.by_rule.items()))
+        oracles = ", ".join(f"{name} in {count}" for name, count in sorted(self.by_oracle.items()))
         text = f"gate {'failed' if self.fails else 'passed'}: {runs}, {times}"
-        if rules:
-            text += f" ({rules})"
+        if oracles:
+            text += f" ({oracles})"
         if self.passed_over:
             text += f"; {self.passed_over} that the ego is not accountable for"
         return text
@@ -63,85 +61,86 @@ class GateAnswer:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gate:
-    """Rules and the number of runs in which each may be broken.
+    """Oracles and the number of runs in which each may be violated.
 
     Attributes:
-        allowed: Runs by rule; empty: every rule but observations, in none.
+        allowed: Runs by oracle; empty: every oracle but observations, in none.
     """
 
     allowed: Mapping[str, int] = field(default_factory=dict)
 
-    def judge(self, runs: Iterable[Sequence[Broken]]) -> GateAnswer:
-        """Counts the runs in which rules of this gate were broken."""
-        by_rule: Counter[str] = Counter()
+    def judge(self, runs: Iterable[Sequence[Violation]]) -> GateAnswer:
+        """Counts the runs in which oracles of this gate were violated."""
+        by_oracle: Counter[str] = Counter()
         failing = violations = passed_over = 0
-        for broken in runs:
-            looked_at = [one for one in broken if self._looks_at(one)]
+        for violated in runs:
+            looked_at = [one for one in violated if self._looks_at(one)]
             counted = [one for one in looked_at if one.accountability in ACCOUNTABLE]
-            by_rule.update({one.rule for one in counted})
+            by_oracle.update({one.oracle for one in counted})
             failing += bool(counted)
             violations += len(counted)
             passed_over += len(looked_at) - len(counted)
         return GateAnswer(
-            fails=any(count > self.allowed.get(rule, 0) for rule, count in by_rule.items()),
+            fails=any(count > self.allowed.get(name, 0) for name, count in by_oracle.items()),
             failing_runs=failing,
             violations=violations,
-            by_rule=dict(by_rule),
+            by_oracle=dict(by_oracle),
             passed_over=passed_over,
         )
 
-    def _looks_at(self, broken: Broken) -> bool:
-        return broken.rule in self.allowed if self.allowed else not broken.is_observation
+    def _looks_at(self, violation: Violation) -> bool:
+        return violation.oracle in self.allowed if self.allowed else not violation.is_observation
 
 
-def read_gate(rules: Sequence[str], known: Collection[str], *, whose: str) -> Gate:
-    """Reads ``RULE`` and ``RULE=RUNS``.
+def read_gate(wanted: Sequence[str], known: Collection[str], *, counted_by: str) -> Gate:
+    """Reads ``ORACLE`` and ``ORACLE=RUNS``.
 
     Args:
-        rules: As they were written.
-        known: Names of the rules that runs are judged by.
-        whose: Judges them by those, for the message.
+        wanted: As they were written.
+        known: Names of the oracles that runs are judged by.
+        counted_by: What counts them, for the message.
 
     Raises:
-        ConfigurationError: A rule is not among ``known``, or what it allows is no number.
+        ConfigurationError: An oracle is not among ``known``, or what it allows is no number.
     """
     allowed = {}
-    for text in rules:
-        rule, equals, runs = text.partition("=")
-        if rule not in known:
+    for text in wanted:
+        name, equals, runs = text.partition("=")
+        if name not in known:
             raise ConfigurationError(
-                f"--gate-rule {text}: {whose} no rule {rule!r}; there are: {', '.join(known)}"
+                f"--gate-oracle {text}: {counted_by} has no oracle {name!r}; known: "
+                f"{', '.join(known)}"
             )
         if equals and not _RUNS.fullmatch(runs):
             raise ConfigurationError(
-                f"--gate-rule {rule}: {runs[:40]!r} is no number of runs; write it as {rule}=0"
+                f"--gate-oracle {name}: {runs[:40]!r} is no number of runs; write it as {name}=0"
             )
-        allowed[rule] = int(runs or 0)
+        allowed[name] = int(runs or 0)
     return Gate(allowed=allowed)
 
 
-def broken_in_result(violations: Iterable[Mapping[str, Any]]) -> list[Broken]:
-    """Returns the broken rules of a printed result."""
+def violations_of_run(violated: Iterable[Verdict]) -> list[Violation]:
+    """Returns the violations of a run."""
     return [
-        Broken(
-            rule=verdict["oracle"],
-            is_observation=verdict["severity"] == Severity.OBSERVATION,
-            accountability=accountability_of(verdict),
+        Violation(
+            oracle=verdict.oracle,
+            is_observation=verdict.severity is Severity.OBSERVATION,
+            accountability=accountability(verdict),
         )
-        for verdict in violations
+        for verdict in violated
     ]
 
 
-def broken_in_campaign(violations: Iterable[tuple[int, Verdict]]) -> list[list[Broken]]:
-    """Returns the broken rules by evaluation.
+def violations_of_campaign(violated: Iterable[tuple[int, Verdict]]) -> list[list[Violation]]:
+    """Returns the violations by evaluation.
 
     What a campaign counts as a failure is no observation to its gate: the campaign has named it.
     """
-    runs: dict[int, list[Broken]] = {}
-    for number, verdict in violations:
+    runs: dict[int, list[Violation]] = {}
+    for number, verdict in violated:
         runs.setdefault(number, []).append(
-            Broken(
-                rule=verdict.oracle,
+            Violation(
+                oracle=verdict.oracle,
                 is_observation=False,
                 accountability=accountability(verdict),
             )

@@ -18,6 +18,7 @@ from drivora_service.cli.commands import (
     plot,
     rejudge,
     run,
+    runs,
     schema,
     seeds,
     serve,
@@ -28,7 +29,13 @@ from drivora_service.cli.commands import (
 )
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
 from drivora_service.cli.output import fail, note
-from drivora_service.errors import ConfigurationError, DrivoraError, PluginError, UnknownName
+from drivora_service.errors import (
+    ConfigurationError,
+    DrivoraError,
+    NotFound,
+    PluginError,
+    UnknownName,
+)
 
 
 class Commands(typer.Typer):
@@ -38,7 +45,7 @@ class Commands(typer.Typer):
         """Runs the command that the command line names."""
         try:
             return super().__call__(*args, **kwargs)
-        except (ConfigurationError, UnknownName) as error:
+        except (ConfigurationError, UnknownName, NotFound) as error:
             fail(str(error))
             raise SystemExit(ExitCode.WRONG_USE) from error
         except DrivoraError as error:
@@ -64,6 +71,7 @@ app.command("plot", epilog=EPILOG)(plot.plot)
 app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
+app.add_typer(runs.app, name="runs", epilog=EPILOG)
 app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
 app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)

@@ -13,7 +13,7 @@ ServerOption = Annotated[
         "--server",
         metavar="URL",
         envvar="DRIVORA_SERVER",
-        help="Ask the service at URL (token: DRIVORA_TOKEN) rather than work here.",
+        help="Ask the service at URL (token: DRIVORA_TOKEN) instead of working in this process.",
     ),
 ]
 DataDirOption = Annotated[
@@ -24,12 +24,16 @@ DataDirOption = Annotated[
         help="Folder of the database, traces and imported networks [default: drivora-data].",
     ),
 ]
-GateRuleOption = Annotated[
+GateOracleOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--gate-rule",
-        metavar="RULE[=RUNS]",
-        help="Exit with 1 if RULE was broken in more than RUNS runs [default: 0]; may be repeated; "
-        "rules that are not named do not count then.",
+        "--gate-oracle",
+        metavar="ORACLE[=RUNS]",
+        help="Exit with 1 if ORACLE was violated in more than RUNS runs [default: 0]; may be "
+        "repeated; oracles that are not named do not count then.",
     ),
+]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(min=1, help="Worker processes [default: one a core]; not with --server."),
 ]

@@ -5,9 +5,27 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Collection, Iterable, Sequence
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
 import typer
+
+from drivora_service.errors import UnknownName
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+
+class Named(Protocol):
+    """An entry of a catalogue."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+
+Entry = TypeVar("Entry", bound=Named)
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
@@ -16,6 +34,45 @@ def print_json(value: Any) -> None:
     """Prints one JSON value; what is not finite becomes null."""
     json.dump(_finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write("\n")
+
+
+def print_shape(kind: Any, value: object) -> None:
+    """Prints a value of a type as the JSON that the API has for it."""
+    from drivora_service.shapes import adapter
+
+    print_json(adapter(kind).dump_python(value, mode="json"))
+
+
+def print_models(models: Sequence[BaseModel]) -> None:
+    """Prints the entries of a catalogue as the JSON that the API has for them."""
+    print_json([model.model_dump(mode="json") for model in models])
+
+
+def named(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
+    """Returns the entry of a catalogue with a name.
+
+    Args:
+        kind: Kind of the entries, for the message.
+        name: Name of the entry.
+        entries: All entries.
+
+    Raises:
+        UnknownName: There is no entry of that name.
+    """
+    known = {entry.name: entry for entry in entries}
+    if name not in known:
+        raise UnknownName(kind, name, tuple(known))
+    return known[name]
+
+
+def write_text(text: str, out: Path | None) -> None:
+    """Writes a text to a file and prints its name, or prints the text itself."""
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_text(text)
+    typer.echo(str(out))
 
 
 def print_table(

@@ -1,4 +1,4 @@
-"""Stored traces under today's rules, beside what was said of them before."""
+"""Stored traces under today's oracles, beside their earlier verdicts."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _TRACE = ".trace.parquet"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """A rule that says something else of an ego than before.
+    """An oracle whose verdict on an ego has changed.
 
     Attributes:
-        before: In words; ``not judged`` where there was no such rule.
-        after: In words; ``not judged`` where there is no such rule any more.
+        before: In words; ``not judged`` if there was no such oracle.
+        after: In words; ``not judged`` if there is no such oracle any more.
     """
 
-    rule: str
+    oracle: str
     ego: str
     before: str
     after: str
@@ -38,7 +38,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rejudged:
-    """A trace under today's rules.
+    """A trace under today's oracles.
 
     Attributes:
         error: Why it could not be judged, or "".
@@ -110,7 +110,7 @@ def _reported(path: Path) -> list[dict[str, Any]] | None:
 
 
 def _in_words(verdicts: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
-    """Describes what each rule says of each ego, several violations counted."""
+    """Describes what each oracle says of each ego, several violations counted."""
     said: dict[tuple[str, str], Counter[str]] = {}
     for verdict in verdicts:
         key = (str(verdict["oracle"]), str(verdict["ego"]))
@@ -143,7 +143,7 @@ def _words(verdict: Mapping[str, Any]) -> str:
 def _changes(
     before: Mapping[tuple[str, str], str], after: Mapping[tuple[str, str], str]
 ) -> Iterable[Change]:
-    for rule, ego in dict.fromkeys((*after, *before)):
-        old, new = (said.get((rule, ego), "not judged") for said in (before, after))
+    for oracle, ego in dict.fromkeys((*after, *before)):
+        old, new = (said.get((oracle, ego), "not judged") for said in (before, after))
         if old != new:
-            yield Change(rule=rule, ego=ego, before=old, after=new)
+            yield Change(oracle=oracle, ego=ego, before=old, after=new)

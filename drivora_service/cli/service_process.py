@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -12,10 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import httpx
-
-from drivora_service.cli.client import worker_fault
-from drivora_service.errors import ServiceError
+from drivora_service.client import Client
+from drivora_service.errors import ServiceError, ServiceUnavailable
 
 _START_S = 180.0
 """A fresh installation compiles first, which takes a busy machine more than a minute."""
@@ -70,14 +69,12 @@ def _wait_until_ready(process: subprocess.Popen[bytes], announcement: Path) -> s
             )
         if announcement.is_file():
             url: str = json.loads(announcement.read_text())["url"]
-            try:
-                readiness = httpx.get(f"{url}/readyz")
-            except httpx.HTTPError:
-                pass
-            else:
-                if readiness.is_success:
+            with contextlib.suppress(ServiceUnavailable), Client(url, retry_s=0.0) as client:
+                readiness = client.readiness()
+                if readiness.ready:
                     return url
-                if fault := worker_fault(readiness):
-                    raise ServiceError(fault)
+                for check in readiness.checks:
+                    if check.name == "workers" and not check.ok:
+                        raise ServiceError(check.detail)
         time.sleep(_POLL_S)
     raise ServiceError(f"the service was not ready within {_START_S:g} s")

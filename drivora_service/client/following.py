@@ -16,13 +16,16 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
+_LOCAL_S = 0.05
+"""Between two looks at an application in this process, which cost a few milliseconds."""
 _GROWTH = 1.5
 
 
 class _Pace:
     """How long to wait between two looks: short while things change, longer while they do not."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_local: bool) -> None:
+        self._longest_s = _LOCAL_S if is_local else _LONGEST_S
         self._wait_s = _SHORTEST_S
         self._looked_at = time.monotonic()
         self._seen: object = None
@@ -44,10 +47,10 @@ class _Pace:
             retry_after_s: After which the service says that looking is worth it: the bound of the
                 waits that grow, not their beginning, as what changes may end at any time.
         """
-        bound = min(max(retry_after_s or _LONGEST_S, _SHORTEST_S), _LONGEST_S)
+        bound = min(max(retry_after_s or self._longest_s, _SHORTEST_S), self._longest_s)
         self._wait_s = min(self._wait_s, bound)
         # Looks at a large batch take time, and shall not take all of it.
-        return Sleep(min(max(self._wait_s, time.monotonic() - self._looked_at), _LONGEST_S))
+        return Sleep(min(max(self._wait_s, time.monotonic() - self._looked_at), self._longest_s))
 
 
 def expecting_workers(terms: Terms) -> Flow[None]:
@@ -77,7 +80,7 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     handed_out: set[str] = set()
-    pace = _Pace()
+    pace = _Pace(is_local=terms.service.is_local)
     while True:
         pace.look()
         answer = yield from asking(jobs.batch(batch_id), terms)
@@ -131,7 +134,7 @@ def followed_campaign(
     """
     from drivora_service.store.campaign_records import CampaignState
 
-    pace = _Pace()
+    pace = _Pace(is_local=terms.service.is_local)
     while True:
         pace.look()
         answer = yield from asking(campaigns.campaign(campaign_id), terms)

@@ -126,7 +126,8 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
             return CampaignFolder(tmp_path / "campaigns", campaign_id)
 
         context = ApiContext(
-            database=database,
+            opened=lambda: database,
+            revision=database.changes.value,
             catalogues=catalogues,
             tokens=tokens,
             limits=Limits(body_bytes=body_bytes, batch_items=batch_items, queued_runs=queued_runs),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Annotated, Any
 
@@ -25,6 +26,7 @@ from drivora_service.api.schemas.batches import (
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.validation import ValidScenario
 from drivora_service.shapes import to_json
 from drivora_service.store.database import Transaction
 from drivora_service.store.records import NewRun, Page, Priority
@@ -66,20 +68,19 @@ def post_batch(
     def prepare() -> Work:
         check_overrides(context, overrides)
         documents = bodies.split_batch(request, body, most=context.limits.batch_items)
-        runs, rejected = _checked(context, documents, overrides)
-        owner_id = context.reserve(len(runs))
+        checked = _checked(context, documents, overrides)
+        owner_id = context.reserve(len(checked.runs))
 
         def commit(transaction: Transaction) -> Answer:
             batch = transaction.batches.create(name=name, priority=priority, owner_id=owner_id)
             job_ids = transaction.jobs.submit(
-                runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
+                checked.runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
             )
-            items = _item_results(len(documents), runs, job_ids, rejected)
             answer = BatchSubmission(
                 batch=batch_of(transaction.batches.get(batch.id), PREFIX),
-                accepted=len(runs),
-                rejected=len(rejected),
-                items=items,
+                accepted=len(checked.runs),
+                rejected=len(checked.problems),
+                items=_item_results(checked, job_ids),
             )
             headers = {"Location": f"{PREFIX}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
             return Answer(
@@ -170,25 +171,37 @@ def resume_batch(context: Context, batch_id: str) -> Batch:
     return batch_of(batch, PREFIX)
 
 
-def _checked(
-    context: ApiContext, documents: Sequence[Any], overrides: Overrides
-) -> tuple[list[NewRun], dict[int, tuple[Problem, ...]]]:
-    """Checks the documents of a batch.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Checked:
+    """The scenarios of a batch.
 
-    Returns:
-        The runs of those that can be run, and the problems of the others, by their places.
+    Attributes:
+        runs: Of the scenarios that can be run.
+        notes: On those, by place in the batch.
+        problems: Of the other scenarios, by place in the batch.
+    """
+
+    runs: list[NewRun] = field(default_factory=list)
+    notes: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    problems: dict[int, tuple[Problem, ...]] = field(default_factory=dict)
+
+
+def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides) -> _Checked:
+    """Checks the documents of a batch.
 
     Raises:
         InvalidDocument: None can be run, or there are so many mistakes that the rest is not looked
             at.
     """
     checker = Checker(context, overrides)
-    runs: list[NewRun] = []
-    rejected: dict[int, tuple[Problem, ...]] = {}
+    checked = _Checked()
+    runs, rejected = checked.runs, checked.problems
     found = 0
     for item, document in enumerate(documents):
         try:
-            runs.append(_prepared(checker, document, overrides, item))
+            valid = _validated(checker, document)
+            runs.append(new_run(valid, overrides, item=item, label=""))
+            checked.notes[item] = valid.notes
             continue
         except InvalidDocument as error:
             rejected[item] = error.problems
@@ -198,10 +211,10 @@ def _checked(
             raise _all_rejected(rejected, unchecked=len(documents) - item - 1, found=found)
     if not runs:
         raise _all_rejected(rejected, found=found)
-    return runs, rejected
+    return checked
 
 
-def _prepared(checker: Checker, document: Any, overrides: Overrides, item: int) -> NewRun:
+def _validated(checker: Checker, document: Any) -> ValidScenario:
     if not isinstance(document, bytes | Mapping):
         raise InvalidDocument(
             (
@@ -210,7 +223,7 @@ def _prepared(checker: Checker, document: Any, overrides: Overrides, item: int) 
                 ),
             )
         )
-    return new_run(checker.validated(document), overrides, item=item, label="")
+    return checker.validated(document)
 
 
 def _all_rejected(
@@ -232,20 +245,15 @@ def _all_rejected(
     return InvalidDocument((stopped, *islice(every, MOST_PROBLEMS)))
 
 
-def _item_results(
-    count: int,
-    runs: list[NewRun],
-    job_ids: tuple[str, ...],
-    rejected: Mapping[int, tuple[Problem, ...]],
-) -> tuple[BatchItem, ...]:
-    accepted = {run.item: job_id for run, job_id in zip(runs, job_ids, strict=True)}
-    return tuple(
-        BatchItem(item=item, result=ItemResult.ACCEPTED, job_id=accepted[item])
-        if item in accepted
-        else BatchItem(
-            item=item,
-            result=ItemResult.REJECTED,
-            problems=tuple(problem_items(rejected[item])),
+def _item_results(checked: _Checked, job_ids: Sequence[str]) -> tuple[BatchItem, ...]:
+    accepted = [
+        BatchItem(
+            item=run.item, result=ItemResult.ACCEPTED, job_id=job_id, notes=checked.notes[run.item]
         )
-        for item in range(count)
-    )
+        for run, job_id in zip(checked.runs, job_ids, strict=True)
+    ]
+    rejected = [
+        BatchItem(item=item, result=ItemResult.REJECTED, problems=tuple(problem_items(problems)))
+        for item, problems in checked.problems.items()
+    ]
+    return tuple(sorted((*accepted, *rejected), key=lambda one: one.item))

@@ -36,12 +36,14 @@ class BatchItem(Shape):
         item: Place in the request, from 0.
         job_id: Empty if rejected.
         problems: Every problem; pointers are into the one scenario.
+        notes: How it was interpreted, where that may surprise.
     """
 
     item: int
     result: ItemResult
     job_id: str = ""
     problems: tuple[ProblemItem, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

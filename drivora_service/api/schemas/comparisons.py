@@ -15,7 +15,9 @@ class Figures(Shape):
     Attributes:
         figures: null where what it searched is not there any more.
         note: Why they are not known; empty if they are.
+        privileged: Egos that saw more than the perception model lets through.
     """
 
     figures: CampaignFigures | None
     note: str
+    privileged: tuple[str, ...] = ()

@@ -55,7 +55,7 @@ def benchmark(
     from drivora_service.benchmarking.card_files import cards_content, write_cards
     from drivora_service.benchmarking.courses import COURSES, RUNS
     from drivora_service.cli import agent_benchmark
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
 
     settings = settings_for(data_dir, workers=workers)
     number = RUNS if runs is None else runs

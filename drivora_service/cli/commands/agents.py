@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
 from drivora_service.cli.commands.agent_benchmark import benchmark
+from drivora_service.cli.connection import connected
 from drivora_service.cli.options import DataDirOption, ServerOption
-from drivora_service.cli.output import JsonOption, note, print_json, print_table
-from drivora_service.cli.parameters import parameter_contents, print_parameters
+from drivora_service.cli.output import (
+    JsonOption,
+    named,
+    note,
+    print_json,
+    print_models,
+    print_table,
+)
+from drivora_service.cli.parameters import print_parameters
 
 app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
 app.command()(benchmark)
@@ -22,28 +28,29 @@ def list_agents(
     server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
 ) -> None:
     """Lists the agents."""
-    agents = _agents(server, data_dir)
+    with connected(server, data_dir) as client:
+        agents = client.agents().items
     if as_json:
-        print_json(agents)
+        print_models(agents)
         return
     print_table(
         "",
         ("name", "kind", "usable", "licence", "source"),
         (
             (
-                agent["name"],
-                agent["kind"],
-                "yes" if agent["installed"] else "no",
-                agent["licence"] or "none stated",
-                agent["source"],
+                agent.name,
+                agent.kind,
+                "yes" if agent.installed else "no",
+                agent.licence or "none stated",
+                agent.source,
             )
             for agent in agents
         ),
         cut=("licence", "source"),
     )
     for agent in agents:
-        if not agent["installed"]:
-            print(f"{agent['name']} cannot be used yet: {agent['reason']}")
+        if not agent.installed:
+            print(f"{agent.name} cannot be used yet: {agent.reason}")
     print("What an agent does and which parameters it takes: `drivora agents show NAME`")
 
 
@@ -55,21 +62,22 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an agent with its parameters."""
-    agent = entry_named("agent", name, _agents(server, data_dir))
+    with connected(server, data_dir) as client:
+        agent = named("agent", name, client.agents().items)
     if as_json:
-        print_json(agent)
+        print_json(agent.model_dump(mode="json"))
         return
-    print(f"{agent['name']} ({agent['kind']}): {agent['description']}")
-    print(f"From: {agent['source']}. Licence: {agent['licence'] or 'none stated'}")
-    print(f"Version: {agent['version'] or 'none stated'}")
-    if agent["privileged"]:
+    print(f"{agent.name} ({agent.kind}): {agent.description}")
+    print(f"From: {agent.source}. Licence: {agent.licence or 'none stated'}")
+    print(f"Version: {agent.version or 'none stated'}")
+    if agent.privileged:
         print("It sees everything, not only what the perception model lets through")
-    if not agent["installed"]:
-        print(f"It cannot be used yet: {agent['reason']}")
-    if agent["parameters"] is None:
+    if not agent.installed:
+        print(f"It cannot be used yet: {agent.reason}")
+    if agent.parameters is None:
         print("It does not say which parameters it takes: they are not checked before a run")
-    elif agent["parameters"]:
-        print_parameters(agent["parameters"])
+    elif agent.parameters:
+        print_parameters(agent.parameters)
     else:
         print("It takes no parameters")
 
@@ -84,7 +92,7 @@ def install(
 ) -> None:
     """Fetches what an agent needs: an environment of its own, or files of other packages."""
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
 
     settings = settings_for(data_dir)
     catalogue = AgentCatalogue(folder=settings.agents_folder)
@@ -98,21 +106,3 @@ def install(
         typer.echo(f"installed {name} in {settings.agents_folder}")
     else:
         typer.echo(f"{name} needs nothing more to be installed")
-
-
-def _agents(server: str, data_dir: Path | None) -> list[dict[str, Any]]:
-    """Returns the agents of a service, or those that there are here, in the same form."""
-    if server:
-        return entries_of_service(server, "/agents")
-    from dataclasses import asdict
-
-    from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.cli.embedded import settings_for
-
-    catalogue = AgentCatalogue(folder=settings_for(data_dir).agents_folder)
-    agents = []
-    for entry in catalogue.entries():
-        parameters = catalogue.parameters(entry.name)
-        told = None if parameters is None else parameter_contents(parameters)
-        agents.append({**asdict(entry), "parameters": told})
-    return agents

@@ -4,35 +4,40 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivora_service.cli.commands.campaign_comparison import compare, report
+from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, GateRuleOption, ServerOption
-from drivora_service.cli.output import JsonOption, fail, note, print_json
-from drivora_service.errors import ConfigurationError, InvalidDocument, WorkersCannotStart
+from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption
+from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
+from drivora_service.errors import ConfigurationError, InvalidDocument, PluginError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from drivora_service.cli.campaigns import Campaigns
+    from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.cli.gates import Gate
-    from drivora_service.cli.service_campaigns import ServiceCampaigns
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
-    from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest
+    from drivora_service.client import Client
+    from drivora_service.errors import DrivoraError
 
 app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
 
 IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a campaign.")]
 WorkersOption = Annotated[
     int | None,
-    typer.Option(min=1, help="Worker processes [default: as the campaign says, or one a core]."),
+    typer.Option(
+        min=1,
+        help="Worker processes [default: as the campaign says, or one a core]; not with --server.",
+    ),
 ]
 EvaluatorOption = Annotated[
     str,
-    typer.Option(metavar="NAME", help="What evaluates: an evaluator by its name [default: local]."),
+    typer.Option(
+        metavar="NAME", help="Evaluator to use, by its name [default: local]; not with --server."
+    ),
 ]
 OutOption = Annotated[
     Path | None,
@@ -56,7 +61,7 @@ def run(
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
     gate: GateOption = False,
-    gate_rule: GateRuleOption = None,
+    gate_oracle: GateOracleOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -66,40 +71,27 @@ def run(
 
     With --server the service runs it; an interrupt then only ends the watching.
     """
-    if server:
-        from drivora_service.cli.service_campaigns import ServiceCampaigns
+    _refuse_detaching(detach, server)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        workers=workers,
+        evaluator=evaluator,
+        on_error=_say_error,
+    ) as client:
+        import json
 
-        _refuse_local_options(workers, evaluator)
-        with ServiceCampaigns(server) as service:
-            with _problems_of(file):
-                _check_gate(file, gate_rule or ())
-                record, notes = service.post(file)
-            _announce(record, notes)
-            chosen = _gate(service, record.id, gate_rule or (), is_wanted=gate)
-            if not detach:
-                _follow(service, record.id, server, out=out, gate=chosen, as_json=as_json)
-            elif as_json:
-                _show(service, record.id, as_json=True)
-        return
-    _prepare()
-    from drivora_service.cli.local_campaigns import create_campaign
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
+        from drivora_service.cli.campaign_files import read_campaign_file
 
-    with StoredCampaigns(data_dir) as campaigns:
         with _problems_of(file):
-            _check_gate(file, gate_rule or ())
-            record, notes = create_campaign(campaigns, file, workers=workers)
-        _announce(record, notes)
-        chosen = _gate(campaigns, record.id, gate_rule or (), is_wanted=gate)
-        _work(
-            campaigns,
-            record.id,
-            workers=workers,
-            out=out,
-            evaluator=evaluator,
-            gate=chosen,
-            as_json=as_json,
-        )
+            document = read_campaign_file(file)
+            chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+            campaign = client.post_campaign(json.dumps(document))
+        for remark in campaign.notes:
+            note(f"note: {remark}")
+        note(f"campaign {campaign.id}")
+        _finish(client, campaign, server, out=out, gate=chosen, detach=detach, as_json=as_json)
 
 
 @app.command()
@@ -109,39 +101,26 @@ def resume(
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
     gate: GateOption = False,
-    gate_rule: GateRuleOption = None,
+    gate_oracle: GateOracleOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Goes on with a campaign that was paused, failed or killed, as if nothing had happened."""
-    if server:
-        from drivora_service.cli.service_campaigns import ServiceCampaigns
-
-        _refuse_local_options(workers, evaluator)
-        with ServiceCampaigns(server) as service:
-            chosen = _gate(service, campaign_id, gate_rule or (), is_wanted=gate)
-            service.resume(campaign_id)
-            if not detach:
-                _follow(service, campaign_id, server, out=out, gate=chosen, as_json=as_json)
-            elif as_json:
-                _show(service, campaign_id, as_json=True)
-        return
-    _prepare()
-    from drivora_service.cli.stored_campaigns import StoredCampaigns
-
-    with StoredCampaigns(data_dir) as campaigns:
-        chosen = _gate(campaigns, campaign_id, gate_rule or (), is_wanted=gate)
-        _work(
-            campaigns,
-            campaign_id,
-            workers=workers,
-            out=out,
-            evaluator=evaluator,
-            gate=chosen,
-            as_json=as_json,
-        )
+    """Resumes a campaign that was paused, failed or killed, as if it had not been interrupted."""
+    _refuse_detaching(detach, server)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        workers=workers,
+        evaluator=evaluator,
+        on_error=_say_error,
+    ) as client:
+        document = client.campaign(campaign_id).document
+        chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+        campaign = client.resume_campaign(campaign_id)
+        _finish(client, campaign, server, out=out, gate=chosen, detach=detach, as_json=as_json)
 
 
 @app.command("list")
@@ -152,15 +131,15 @@ def list_campaigns(
     as_json: JsonOption = False,
 ) -> None:
     """Lists campaigns, newest first."""
-    from drivora_service.cli import campaign_results
-    from drivora_service.cli.campaigns import open_campaigns
+    with connected(server, data_dir) as client:
+        campaigns = tuple(client.campaigns(limit=limit))
+    from drivora_service.cli.campaign_results import print_campaigns
+    from drivora_service.store.campaign_records import CampaignSummary
 
-    with open_campaigns(server, data_dir) as campaigns:
-        listed = [(record, campaigns.is_running(record)) for record in campaigns.newest(limit)]
     if as_json:
-        print_json([campaign_results.summary(record, running=on) for record, on in listed])
+        print_shape(tuple[CampaignSummary, ...], campaigns)
     else:
-        campaign_results.print_campaigns(listed)
+        print_campaigns(campaigns)
 
 
 @app.command()
@@ -168,25 +147,24 @@ def show(
     campaign_id: IdArgument,
     evaluation: Annotated[
         int | None,
-        typer.Option(min=0, metavar="N", help="Show this evaluation and what it descends from."),
+        typer.Option(min=0, metavar="N", help="Show this evaluation and its ancestors."),
     ] = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Shows a campaign and the failures that it has found, or one of its evaluations."""
-    from drivora_service.cli import campaign_results
-    from drivora_service.cli.campaigns import open_campaigns
-
-    with open_campaigns(server, data_dir) as campaigns:
+    with connected(server, data_dir) as client:
         if evaluation is None:
-            _show(campaigns, campaign_id, as_json=as_json)
+            _show(client, client.campaign(campaign_id), as_json=as_json)
             return
-        lineage = campaigns.lineage(campaign_id, evaluation)
+        found = client.evaluation(campaign_id, evaluation)
+    from drivora_service.cli.campaign_results import print_evaluation
+
     if as_json:
-        print_json({"lineage": [campaign_results.evaluation_result(e) for e in lineage]})
+        print_shape(type(found), found)
     else:
-        campaign_results.print_evaluation(lineage)
+        print_evaluation(found)
 
 
 @app.command()
@@ -199,17 +177,10 @@ def scenario(
     server: ServerOption = "",
     data_dir: DataDirOption = None,
 ) -> None:
-    """Returns the scenario of an evaluation, for `drivora run`."""
-    from drivora_service.cli.campaigns import open_campaigns
-
-    with open_campaigns(server, data_dir) as campaigns:
-        text = campaigns.scenario(campaign_id, number)
-    if out is None:
-        typer.echo(text, nl=False)
-    else:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.write_text(text)
-        typer.echo(str(out))
+    """Prints the scenario of an evaluation, for `drivora run`."""
+    with connected(server, data_dir) as client:
+        text = client.evaluation_scenario(campaign_id, number)
+    write_text(text, out)
 
 
 @app.command()
@@ -219,10 +190,9 @@ def pause(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Asks the process that runs a campaign to pause it."""
-    from drivora_service.store.campaign_records import CampaignRequest
-
-    _ask_for(campaign_id, CampaignRequest.PAUSE, server, data_dir, as_json=as_json)
+    """Pauses a campaign, whichever process runs it."""
+    with connected(server, data_dir) as client:
+        _say_state(client.pause_campaign(campaign_id), as_json=as_json)
 
 
 @app.command()
@@ -232,10 +202,9 @@ def cancel(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Returns a campaign up for good; what it has found stays."""
-    from drivora_service.store.campaign_records import CampaignRequest
-
-    _ask_for(campaign_id, CampaignRequest.CANCEL, server, data_dir, as_json=as_json)
+    """Cancels a campaign permanently; what it has found stays."""
+    with connected(server, data_dir) as client:
+        _say_state(client.cancel_campaign(campaign_id), as_json=as_json)
 
 
 app.command()(compare)
@@ -244,7 +213,7 @@ app.command()(report)
 
 @contextmanager
 def _problems_of(file: Path) -> Iterator[None]:
-    """Prints what is wrong with a campaign file, each thing with its place."""
+    """Prints what is wrong with a campaign file, each problem with its place."""
     try:
         yield
     except InvalidDocument as error:
@@ -254,160 +223,100 @@ def _problems_of(file: Path) -> Iterator[None]:
         raise typer.Exit(ExitCode.WRONG_USE) from error
 
 
-def _announce(record: CampaignRecord, notes: tuple[str, ...]) -> None:
-    for remark in notes:
-        note(f"note: {remark}")
-    note(f"campaign {record.id}")
-
-
-def _refuse_local_options(workers: int | None, evaluator: str) -> None:
-    if workers is not None or evaluator:
+def _refuse_detaching(detach: bool, server: str) -> None:
+    if detach and not server:
         raise ConfigurationError(
-            "--workers and --evaluator are for campaigns that run here; a service has its own "
-            "workers, and a campaign may want fewer of them (`workers` in its file)"
+            "--detach is for campaigns of a service (--server): a campaign of this process ends "
+            "with it"
         )
 
 
-def _prepare() -> None:
-    """Lets worker processes get ready while this one reads and checks what they are to do."""
-    from drivora_service.cli.private_files import keep_files_private
-    from drivora_service.execution.fork_server import prepare_processes
-
-    keep_files_private()
-    prepare_processes()
+def _say_error(error: DrivoraError) -> None:
+    """Prints the log of a package's code; what went wrong stands in the campaign."""
+    if isinstance(error, PluginError) and error.log:
+        note(error.log)
 
 
-def _work(
-    campaigns: StoredCampaigns,
-    campaign_id: str,
-    *,
-    workers: int | None,
-    out: Path | None,
-    evaluator: str,
-    gate: Gate | None,
-    as_json: bool,
-) -> None:
-    from drivora_service.cli.local_campaigns import run_campaign
-
-    try:
-        record = run_campaign(
-            campaigns, campaign_id, workers=workers, evaluator=evaluator or "local"
-        )
-    except WorkersCannotStart:
-        note(f"paused; go on with: drivora campaign resume {campaign_id}")
-        raise
-    _conclude(campaigns, record, out=out, gate=gate, as_json=as_json)
-
-
-def _follow(
-    service: ServiceCampaigns,
-    campaign_id: str,
+def _finish(
+    client: Client,
+    campaign: Campaign,
     server: str,
     *,
     out: Path | None,
     gate: Gate | None,
+    detach: bool,
     as_json: bool,
 ) -> None:
-    try:
-        record = service.follow(campaign_id)
-    except KeyboardInterrupt as error:
-        note(
-            "the service goes on with it; stop it with: "
-            f"drivora campaign pause {campaign_id} --server {server}"
-        )
-        raise typer.Exit(ExitCode.NOT_DONE) from error
-    _conclude(service, record, out=out, gate=gate, as_json=as_json)
-
-
-def _conclude(
-    campaigns: Campaigns,
-    record: CampaignRecord,
-    *,
-    out: Path | None,
-    gate: Gate | None,
-    as_json: bool,
-) -> None:
-    from drivora_service.cli.campaigns import export_campaign
+    """Follows a campaign to its end, shows it and judges it."""
+    from drivora_service.cli.campaign_running import export_campaign, follow, pause_and_wait
     from drivora_service.store.campaign_records import CampaignState
 
+    if detach:
+        if as_json:
+            _show(client, campaign, as_json=True)
+        return
+    try:
+        campaign = follow(client, campaign.id)
+    except KeyboardInterrupt as error:
+        if server:
+            note(
+                "the service continues it; stop it with: "
+                f"drivora campaign pause {campaign.id} --server {server}"
+            )
+            raise typer.Exit(ExitCode.NOT_DONE) from error
+        campaign = pause_and_wait(client, campaign.id)
     if out is not None:
-        export_campaign(campaigns, record.id, out)
-    _show(campaigns, record.id, as_json=as_json)
-    if record.state is CampaignState.PAUSED:
-        note(f"paused; go on with: drivora campaign resume {record.id}")
-    if record.state is not CampaignState.FINISHED:
+        export_campaign(client, campaign, out)
+    _show(client, campaign, as_json=as_json)
+    if campaign.state is CampaignState.PAUSED:
+        note(f"paused; resume it with: drivora campaign resume {campaign.id}")
+    if campaign.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate is not None:
-        from drivora_service.cli.gates import broken_in_campaign
+        from drivora_service.cli.gates import violations_of_campaign
 
-        failures = campaigns.found(record.id).failures
-        answer = gate.judge(broken_in_campaign((one.evaluation, one.verdict) for one in failures))
+        failures = ((one.evaluation, one.verdict) for one in client.failures(campaign.id))
+        answer = gate.judge(violations_of_campaign(failures))
         note(str(answer))
         if answer.fails:
             raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _gate(
-    campaigns: Campaigns, campaign_id: str, rules: Sequence[str], *, is_wanted: bool
+def _gate_of_document(
+    document: Mapping[str, Any], wanted: Sequence[str], *, is_wanted: bool
 ) -> Gate | None:
-    """Reads the gate of a campaign; its rules are those whose violations it counts as failures."""
-    if not (rules or is_wanted):
+    """Reads the gate of a campaign: of the oracles whose violations it counts as failures.
+
+    It is read before the campaign is posted, so that a wrong one costs nothing.
+    """
+    if not (wanted or is_wanted):
         return None
-    from drivora_service.campaigns.documents import CampaignDocument
-
-    text = campaigns.found(campaign_id).record.document
-    return _read_gate(rules, CampaignDocument.model_validate(text).oracles)
-
-
-def _check_gate(file: Path, rules: Sequence[str]) -> None:
-    """Refuses rules that the campaign of a file does not count, before the campaign is stored."""
-    if not rules:
-        return
     from drivora_service.campaigns.campaign import DEFAULT_ORACLES
-    from drivora_service.cli.campaign_files import read_campaign_file
+    from drivora_service.cli.gates import Gate, read_gate
 
-    counted = read_campaign_file(file).get("oracles", DEFAULT_ORACLES)
-    if isinstance(counted, list | tuple):  # what else it is, is refused with the file
-        _read_gate(rules, [str(one) for one in counted])
-
-
-def _read_gate(rules: Sequence[str], counted: Sequence[str]) -> Gate:
-    from drivora_service.cli.gates import read_gate
-
+    counted = document.get("oracles", DEFAULT_ORACLES)
+    if not isinstance(counted, list | tuple):
+        # It is refused with the document.
+        return Gate()
     try:
-        return read_gate(rules, counted, whose="the campaign counts")
+        return read_gate(wanted, [str(one) for one in counted], counted_by="the campaign")
     except ConfigurationError as error:
         fail(str(error))
         raise typer.Exit(ExitCode.WRONG_USE) from error
 
 
-def _show(campaigns: Campaigns, campaign_id: str, *, as_json: bool) -> None:
-    from drivora_service.cli import campaign_results
+def _show(client: Client, campaign: Campaign, *, as_json: bool) -> None:
+    from drivora_service.cli.campaign_results import campaign_content, print_campaign
 
-    found = campaigns.found(campaign_id)
     if as_json:
-        print_json(campaign_results.campaign_result(found))
+        print_json(campaign_content(campaign, tuple(client.failures(campaign.id))))
     else:
-        campaign_results.print_campaign(found)
+        print_campaign(campaign)
 
 
-def _ask_for(
-    campaign_id: str,
-    request: CampaignRequest,
-    server: str,
-    data_dir: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    from drivora_service.cli import campaign_results
-    from drivora_service.cli.campaigns import open_campaigns
-
-    with open_campaigns(server, data_dir) as campaigns:
-        record = campaigns.ask_for(campaign_id, request)
-        running = campaigns.is_running(record)
+def _say_state(campaign: Campaign, *, as_json: bool) -> None:
     if as_json:
-        print_json(campaign_results.summary(record, running=running))
-    else:
-        state = campaign_results.state_of(record, running=running)
-        wanted = f", {record.request} wanted" if record.request else ""
-        typer.echo(f"campaign {campaign_id} is {state}{wanted}")
+        print_shape(type(campaign), campaign)
+        return
+    requested = f", {campaign.request} requested" if campaign.request else ""
+    typer.echo(f"campaign {campaign.id} is {campaign.state}{requested}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,11 +12,11 @@ from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.output import note, number, print_table
 
 if TYPE_CHECKING:
-    from drivora_service.cli.client import ServiceClient
+    from drivora_service.api.schemas.runs import Run
     from drivora_service.cli.demo_campaign import DemoCampaign
+    from drivora_service.client import Client
 
 _TOWN = "tee-town"
-_POLL_S = 0.2
 
 
 def demo(
@@ -33,40 +33,36 @@ def demo(
     """Shows the whole way: a service judges generated scenarios, then searches for failures."""
     import time
 
-    from drivora_service.cli.client import ServiceClient
-    from drivora_service.cli.demo_campaign import search_on
+    from drivora_service.cli.demo_campaign import search_with
     from drivora_service.cli.service_process import running_service
+    from drivora_service.client import Client
+    from drivora_service.runs.report import RunStatus
     from drivora_service.store.campaign_records import CampaignState
 
     begun = time.monotonic()
     documents = _seeds(data_dir, town, num)
     note(f"{len(documents)} scenarios on {town} in {data_dir / 'seeds'}")
-    with running_service(data_dir, workers=workers) as url:
+    with running_service(data_dir, workers=workers) as url, Client(url) as client:
         note(f"the service runs at {url} with {workers} workers")
-        with ServiceClient(url) as client:
-            answer = client.post_batch(documents, name="demo")
-            batch_id = answer["batch"]["id"]
-            _follow(client, batch_id, answer["accepted"])
-            jobs = sorted(client.jobs(batch_id), key=lambda job: job["item"])
-            runs = [client.get(f"/runs/{job['id']}") for job in jobs]
+        runs = _judged(client, documents)
         _print_verdicts(town, runs)
-        campaign = search_on(url, data_dir, simulations=simulations)
-    shown = max(runs, key=lambda run: run["violations"] or 0)
+        campaign = search_with(client, data_dir, simulations=simulations)
+    shown = max(runs, key=lambda run: run.violations or 0)
     picture = _draw(data_dir, shown)
-    finished = sum(run["status"] == "finished" for run in runs)
-    record = campaign.found.record
+    finished = sum(run.status is RunStatus.FINISHED for run in runs)
+    record = campaign.campaign
     typer.echo(
         f"{finished} of {len(runs)} runs judged, and failures in {record.counts.violating} of "
-        f"{record.counts.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
+        f"{record.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
     )
-    _print_where(data_dir, batch_id, shown["id"], picture, campaign)
+    _print_where(data_dir, shown, picture, campaign)
     if finished < len(runs) or record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
 
 
 def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
     """Makes scenarios with some traffic around the ego, and keeps them as files."""
-    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.entities import BackgroundTrafficDocument
     from drivora_service.scenario.seeds import generate_seeds
@@ -86,62 +82,57 @@ def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
     return texts
 
 
-def _follow(client: ServiceClient, batch_id: str, total: int) -> None:
-    import time
-
+def _judged(client: Client, documents: Sequence[str]) -> list[Run]:
+    """Has the service run scenarios, shows how far they are, and returns their runs in order."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    posted = client.post_batch(documents, name="demo")
+    runs = []
     with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("runs", total=total)
-        while True:
-            batch = client.get(f"/batches/{batch_id}")
-            open_runs = sum(batch["counts"].get(status, 0) for status in ("queued", "running"))
-            progress.update(task, completed=total - open_runs)
-            if batch["done"]:
-                return
-            client.expect_workers()
-            time.sleep(_POLL_S)
+        task = progress.add_task("runs", total=posted.accepted)
+        for run in client.wait_for_batch(posted.batch.id):
+            runs.append(run)
+            progress.advance(task)
+    return sorted(runs, key=lambda run: run.item)
 
 
-def _print_verdicts(town: str, runs: Sequence[dict[str, Any]]) -> None:
-    from drivora_service.cli.results import summary
+def _print_verdicts(town: str, runs: Sequence[Run]) -> None:
+    from drivora_service.cli.run_results import summary
 
-    def row(run: dict[str, Any]) -> tuple[str, ...]:
+    def row(run: Run) -> tuple[str, ...]:
         return (
-            f"{town}_{run['item'] + 1:04d}",
-            run["status"].replace("_", " "),
-            f"{run['sim_time_s']:.1f} s" if run["sim_time_s"] else "-",
-            number(run["metrics"].get("driving_score"), 2),
+            f"{town}_{run.item + 1:04d}",
+            run.status.replace("_", " "),
+            f"{run.sim_time_s:.1f} s" if run.sim_time_s else "-",
+            number(run.metrics.get("driving_score"), 2),
             summary(run),
         )
 
     print_table(
         "",
-        ("scenario", "status", "sim time", "driving score", "rules broken"),
+        ("scenario", "status", "sim time", "driving score", "violations"),
         map(row, runs),
-        wrap=("rules broken",),
+        wrap=("violations",),
     )
 
 
-def _draw(data_dir: Path, run: dict[str, Any]) -> Path | None:
-    """Draws the run in which most went wrong."""
+def _draw(data_dir: Path, run: Run) -> Path | None:
+    """Draws the run with the most violations."""
     from drivora_service.cli.drawing import draw_trace
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
     from drivora_service.store.traces import TraceFolder
 
-    if not run["trace_sha256"]:
+    if not run.trace_sha256:
         return None
     settings = settings_for(data_dir)
     picture = data_dir / "run.svg"
-    draw_trace(TraceFolder(settings.traces_dir).path(run["id"]), settings, picture)
+    draw_trace(TraceFolder(settings.traces_dir).path(run.id), settings, picture)
     return picture
 
 
-def _print_where(
-    data_dir: Path, batch_id: str, run_id: str, picture: Path | None, campaign: DemoCampaign
-) -> None:
+def _print_where(data_dir: Path, run: Run, picture: Path | None, campaign: DemoCampaign) -> None:
     lines = [
         "Where to look:",
         f"  scenarios        {data_dir / 'seeds'}",
@@ -153,9 +144,9 @@ def _print_where(
     if picture is not None:
         lines.append(f"  a run, drawn     {picture}")
     lines += [f"  a failure, drawn {drawn}" for drawn in campaign.pictures]
-    campaign_id = campaign.found.record.id
+    campaign_id = campaign.campaign.id
     lines += ["Go on:", f"  drivora campaign show {campaign_id} --data-dir {data_dir}"]
-    for failure in campaign.found.failures[:1]:
+    for failure in campaign.failures[:1]:
         name = campaign.folder / f"{failure.evaluation:06d}"
         lines += [
             f"  drivora campaign show {campaign_id} --evaluation {failure.evaluation} "
@@ -164,10 +155,10 @@ def _print_where(
             f"  drivora plot {name}.trace.parquet",
         ]
     lines += [
-        f"  drivora plot {run_id} --data-dir {data_dir}",
+        f"  drivora plot {run.id} --data-dir {data_dir}",
         f"  drivora serve --data-dir {data_dir}    then open",
         f"    http://127.0.0.1:8000/api/v1/campaigns/{campaign_id}",
-        f"    http://127.0.0.1:8000/api/v1/batches/{batch_id}",
-        f"    http://127.0.0.1:8000/api/v1/runs/{run_id}",
+        f"    http://127.0.0.1:8000/api/v1/batches/{run.batch_id}",
+        f"    http://127.0.0.1:8000/api/v1/runs/{run.id}",
     ]
     typer.echo("\n".join(lines))

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from drivora_service.cli.catalogue_entries import entries_of_service
+from drivora_service.cli.connection import connected
 from drivora_service.cli.options import DataDirOption, ServerOption
-from drivora_service.cli.output import JsonOption, print_json, print_table
-
-if TYPE_CHECKING:
-    from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.cli.output import JsonOption, print_json, print_models, print_table
 
 app = typer.Typer(help="Road networks that scenarios may take place on.", no_args_is_help=True)
 
@@ -22,17 +19,13 @@ def list_networks(
     server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
 ) -> None:
     """Lists the networks, shipped and imported."""
-    if server:
-        names = [network["name"] for network in entries_of_service(server, "/networks")]
-    else:
-        from drivora_service.cli.embedded import network_catalogue, settings_for
-
-        names = list(network_catalogue(settings_for(data_dir)).names())
+    with connected(server, data_dir) as client:
+        networks = client.networks().items
     if as_json:
-        print_json(names)
+        print_models(networks)
     else:
-        for name in names:
-            typer.echo(name)
+        for network in networks:
+            typer.echo(network.name)
 
 
 @app.command()
@@ -43,15 +36,8 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Describes a network."""
-    if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            facts = client.get(f"/networks/{name}")
-    else:
-        from drivora_service.cli.embedded import network_catalogue, settings_for
-
-        facts = _facts(network_catalogue(settings_for(data_dir)).get(name))
+    with connected(server, data_dir) as client:
+        facts = client.network(name).model_dump(mode="json")
     if as_json:
         print_json(facts)
     else:
@@ -70,34 +56,21 @@ def import_network(
     as_json: JsonOption = False,
 ) -> None:
     """Imports a network for scenarios that are run here."""
-    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.cli.installation import settings_for
     from drivora_service.networks import importing
 
-    settings = settings_for(data_dir)
     chosen = name or file.name.partition(".")[0]
-    importing.import_network(file, chosen, settings.imported_networks_dir, replace=replace)
-    facts = _facts(network_catalogue(settings).get(chosen))
+    folder = settings_for(data_dir).imported_networks_dir
+    importing.import_network(file, chosen, folder, replace=replace)
+    with connected("", data_dir) as client:
+        network = client.network(chosen)
     if as_json:
-        print_json(facts)
+        print_json(network.model_dump(mode="json"))
     else:
         typer.echo(
-            f"imported {chosen}: {facts['drivable_km']:.1f} km of lanes, "
-            f"{facts['traffic_lights']} traffic lights"
+            f"imported {chosen}: {network.drivable_km:.1f} km of lanes, "
+            f"{network.traffic_lights} traffic lights"
         )
-
-
-def _facts(network: RoadNetwork) -> dict[str, Any]:
-    driven = [lane for lane in network.lanes if lane.drivable and not lane.is_internal]
-    return {
-        "name": network.name,
-        "sha256": network.sha256,
-        "bounds": list(network.bounds),
-        "net_offset": list(network.net_offset),
-        "lanes": len(network.lanes),
-        "drivable_km": round(sum(lane.length for lane in driven) / 1000.0, 3),
-        "traffic_lights": len(network.programs),
-        "has_sidewalks": any(lane.walkable and not lane.drivable for lane in network.lanes),
-    }
 
 
 def _text(value: Any) -> str:

@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
+from drivora_service.cli.connection import connected
 from drivora_service.cli.options import ServerOption
-from drivora_service.cli.output import JsonOption, print_json, print_table
+from drivora_service.cli.output import JsonOption, named, print_json, print_models, print_table
 
-app = typer.Typer(help="The rules that runs are judged by.", no_args_is_help=True)
+app = typer.Typer(help="The oracles that runs are judged by.", no_args_is_help=True)
 
 
 @app.command("list")
 def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None:
     """Lists the oracles in the order of judging."""
-    oracles = _oracles(server)
+    with connected(server, None) as client:
+        oracles = client.oracles().items
     if as_json:
-        print_json(oracles)
+        print_models(oracles)
         return
     print_table(
         "",
         ("name", "package", "usable", "description"),
         (
             (
-                oracle["name"],
-                oracle["package"] or "built in",
-                "yes" if oracle["installed"] else f"no: {oracle['reason']}",
-                oracle["description"],
+                oracle.name,
+                oracle.package or "built in",
+                "yes" if oracle.installed else f"no: {oracle.reason}",
+                oracle.description,
             )
             for oracle in oracles
         ),
@@ -44,35 +45,16 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an oracle with its thresholds."""
-    oracle = entry_named("oracle", name, _oracles(server))
+    with connected(server, None) as client:
+        oracle = named("oracle", name, client.oracles().items)
     if as_json:
-        print_json(oracle)
+        print_json(oracle.model_dump(mode="json"))
         return
-    print(f"{oracle['name']}: {oracle['description'] or oracle['reason']}")
-    if oracle["thresholds"]:
+    print(f"{oracle.name}: {oracle.description or oracle.reason}")
+    if oracle.thresholds:
         print_table(
             "",
             ("threshold", "value (SI units)"),
-            ((key, json.dumps(value)) for key, value in oracle["thresholds"].items()),
+            ((key, json.dumps(value)) for key, value in oracle.thresholds.items()),
             wrap=("value (SI units)",),
         )
-
-
-def _oracles(server: str) -> list[dict[str, Any]]:
-    if server:
-        return entries_of_service(server, "/oracles")
-    from drivora_service.oracles.catalogue import OracleCatalogue
-
-    catalogue = OracleCatalogue()
-    # The printed form is that of the HTTP API.
-    return [
-        {
-            "name": entry.name,
-            "description": entry.description,
-            "thresholds": dict(entry.thresholds),
-            "package": entry.package,
-            "installed": not entry.reason,
-            "reason": entry.reason,
-        }
-        for entry in map(catalogue.entry, catalogue.names())
-    ]

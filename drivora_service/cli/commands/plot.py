@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from drivora_service.cli.connection import connected
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, print_json
 from drivora_service.errors import ConfigurationError
-
-if TYPE_CHECKING:
-    from drivora_service.settings import Settings
 
 
 class ColorBy(StrEnum):
@@ -35,9 +34,9 @@ def plot(
     color_by: Annotated[
         ColorBy, typer.Option(help="What the colour of the egos' trails says.")
     ] = ColorBy.ACTOR,
-    rule: Annotated[
+    oracle: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Mark violations of this rule only; may be repeated."),
+        typer.Option(metavar="NAME", help="Mark violations of this oracle only; may be repeated."),
     ] = None,
     moments: Annotated[
         int | None,
@@ -54,7 +53,7 @@ def plot(
 ) -> None:
     """Draws a run from above: roads, trails, signals, and where each verdict fell."""
     from drivora_service.cli.drawing import draw_trace
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
 
     settings = settings_for(data_dir)
     target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
@@ -64,44 +63,24 @@ def plot(
         raise ConfigurationError(
             "--color-by time colours the trails of a whole run: leave it out with --moments"
         )
-    path = _downloaded(server, run, target) if server else _trace_path(run, settings)
-    try:
+
+    def draw(trace: Path) -> None:
         draw_trace(
-            path, settings, target, color_by=color_by.value, rules=rule or (), moments=moments
+            trace, settings, target, color_by=color_by.value, oracles=oracle or (), moments=moments
         )
-    finally:
-        if server:
-            path.unlink()
+
+    trace = Path(run)
+    if trace.suffix == ".parquet" and trace.is_file():
+        draw(trace)
+    else:
+        with (
+            connected(server, data_dir) as client,
+            tempfile.TemporaryDirectory(prefix="drivora-") as scratch,
+        ):
+            trace = Path(scratch) / "run.trace.parquet"
+            client.save_run_observations(trace, run)
+            draw(trace)
     if as_json:
         print_json({"picture": str(target)})
     else:
         typer.echo(str(target))
-
-
-def _trace_path(run: str, settings: Settings) -> Path:
-    path = Path(run)
-    if path.suffix == ".parquet" and path.is_file():
-        return path
-    from drivora_service.store.database import open_database
-    from drivora_service.store.traces import TraceFolder
-
-    database = open_database(settings.resolved_database_url)
-    try:
-        with database.read() as transaction:
-            record = transaction.jobs.get(run)
-    finally:
-        database.close()
-    return TraceFolder(settings.traces_dir).path(record.id)
-
-
-def _downloaded(server: str, run: str, target: Path) -> Path:
-    from drivora_service.cli.client import ServiceClient
-
-    with ServiceClient(server) as client:
-        content = client.download(
-            f"/runs/{run}/observations", accept="application/vnd.apache.parquet"
-        )
-    target.parent.mkdir(parents=True, exist_ok=True)
-    path = target.with_suffix(".trace.tmp")
-    path.write_bytes(content)
-    return path

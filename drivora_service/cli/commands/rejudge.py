@@ -21,12 +21,12 @@ def rejudge(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Judges stored traces under today's rules and says what changed.
+    """Judges stored traces under today's oracles and prints what changed.
 
-    What was said before is read from the report beside a trace (NAME.report.json). Exits with 1 if
+    Earlier verdicts are read from the report beside a trace (NAME.report.json). Exits with 1 if
     a verdict changed, and with 3 if a trace could not be judged.
     """
-    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.cli.rejudging import find_traces, rejudge
     from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.oracles.verdict_json import verdict_to_json
@@ -42,7 +42,7 @@ def rejudge(
                 "error": one.error,
                 "compared": one.compared,
                 "changes": [
-                    {"rule": c.rule, "ego": c.ego, "before": c.before, "after": c.after}
+                    {"oracle": c.oracle, "ego": c.ego, "before": c.before, "after": c.after}
                     for c in one.changes
                 ],
                 "verdicts": [json.loads(verdict_to_json(verdict)) for verdict in one.verdicts],
@@ -53,10 +53,10 @@ def rejudge(
     else:
         if changes:
             rows = [
-                (path.name.partition(".")[0], c.rule, c.ego, c.before, c.after)
+                (path.name.partition(".")[0], c.oracle, c.ego, c.before, c.after)
                 for path, c in changes
             ]
-            columns = ("run", "rule", "ego", "before", "after")
+            columns = ("run", "oracle", "ego", "before", "after")
             print_table("", columns, rows, wrap=("before", "after"))
         for one in done:
             if one.error:

@@ -33,7 +33,7 @@ def generate(
     Ends always; if the network does not offer enough routes, says why and exits with 3.
     """
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.cli.embedded import network_catalogue, settings_for
+    from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.errors import ConfigurationError, InvalidDocument, NetworkError
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.seeds import generate_seeds

@@ -116,7 +116,7 @@ def prune(
     """Removes runs that ended long ago, with their traces; for good."""
     from datetime import UTC, datetime, timedelta
 
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
     from drivora_service.errors import ConfigurationError
     from drivora_service.retention_settings import retention
     from drivora_service.store.free_space import rewrite_database
@@ -154,7 +154,7 @@ def prune(
 
 @contextmanager
 def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
     from drivora_service.cli.private_files import keep_files_private
     from drivora_service.store.database import open_database
     from drivora_service.store.traces import CampaignTraces, TraceFolder

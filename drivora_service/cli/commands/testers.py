@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from drivora_service.cli.catalogue_entries import entries_of_service, entry_named
+from drivora_service.cli.connection import connected
 from drivora_service.cli.options import ServerOption
-from drivora_service.cli.output import JsonOption, print_json, print_table
-from drivora_service.cli.parameters import parameter_contents, print_parameters
-from drivora_service.errors import SearchError
-
-if TYPE_CHECKING:
-    from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.cli.output import JsonOption, named, print_json, print_models, print_table
+from drivora_service.cli.parameters import print_parameters
 
 app = typer.Typer(help="The methods that can search for failures.", no_args_is_help=True)
 
@@ -21,20 +17,21 @@ app = typer.Typer(help="The methods that can search for failures.", no_args_is_h
 @app.command("list")
 def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None:
     """Lists the testers."""
-    testers = _testers(server)
+    with connected(server, None) as client:
+        testers = client.testers().items
     if as_json:
-        print_json(testers)
+        print_models(testers)
         return
     print_table(
         "",
         ("name", "method", "in generations", "usable", "description"),
         (
             (
-                tester["name"],
-                tester["title"],
-                "yes" if tester["generational"] else "no",
-                "yes" if tester["installed"] else f"no: {tester['reason']}",
-                tester["description"],
+                tester.name,
+                tester.title,
+                "yes" if tester.generational else "no",
+                "yes" if tester.installed else f"no: {tester.reason}",
+                tester.description,
             )
             for tester in testers
         ),
@@ -49,50 +46,11 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a tester with its parameters."""
-    tester = entry_named("tester", name, _testers(server))
+    with connected(server, None) as client:
+        tester = named("tester", name, client.testers().items)
     if as_json:
-        print_json(tester)
+        print_json(tester.model_dump(mode="json"))
         return
-    print(f"{tester['title']} ({tester['name']}): {tester['description']}")
-    print(f"Source: {tester['source']}. Measured by: {tester['feedback']}")
-    print_parameters(tester["parameters"])
-
-
-def _testers(server: str) -> list[dict[str, Any]]:
-    if server:
-        return entries_of_service(server, "/testers")
-    from drivora_service.search.catalogue import TesterCatalogue
-
-    catalogue = TesterCatalogue()
-    return [_tester(catalogue, name) for name in catalogue.names()]
-
-
-def _tester(catalogue: TesterCatalogue, name: str) -> dict[str, Any]:
-    """Returns the printed form of a tester, which is that of the HTTP API."""
-    from drivora_service.parameters import describe_parameters
-
-    try:
-        plugin = catalogue.plugin(name)
-    except SearchError as error:
-        return {
-            "name": name,
-            "title": name,
-            "description": "",
-            "source": "",
-            "generational": False,
-            "feedback": "",
-            "parameters": [],
-            "installed": False,
-            "reason": str(error),
-        }
-    return {
-        "name": plugin.name,
-        "title": plugin.title,
-        "description": plugin.description,
-        "source": plugin.source,
-        "generational": plugin.is_generational,
-        "feedback": plugin.feedback.name,
-        "parameters": parameter_contents(describe_parameters(plugin.parameters)),
-        "installed": True,
-        "reason": "",
-    }
+    print(f"{tester.title} ({tester.name}): {tester.description}")
+    print(f"Source: {tester.source}. Measured by: {tester.feedback}")
+    print_parameters(tester.parameters)

@@ -75,6 +75,6 @@ def revoke(
 
 def _tokens(data_dir: Path | None) -> TokenFile:
     from drivora_service.api.tokens import TokenFile
-    from drivora_service.cli.embedded import settings_for
+    from drivora_service.cli.installation import settings_for
 
     return TokenFile(settings_for(data_dir).tokens_path)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, ServerOption
 from drivora_service.cli.output import JsonOption, fail, print_json
@@ -16,9 +16,7 @@ from drivora_service.errors import InvalidDocument, Problem
 
 if TYPE_CHECKING:
     from drivora_service.cli.scenario_files import UnreadableFile
-
-Check = Callable[[str | bytes, Literal["json", "yaml"]], Sequence[str]]
-"""Checks a document and answers with notes, or raises ``InvalidDocument``."""
+    from drivora_service.client import Client
 
 
 def validate(
@@ -28,19 +26,19 @@ def validate(
     as_json: JsonOption = False,
 ) -> None:
     """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
-    from drivora_service.cli.scenario_files import find_files, read_files
-    from drivora_service.scenario.documents import document_text
+    with connected(server, data_dir) as client:
+        from drivora_service.cli.scenario_files import find_files, read_files
+        from drivora_service.scenario.documents import document_text
 
-    scenarios, unreadable = read_files(files, agent="")
-    with _checker(server, data_dir) as check:
+        scenarios, unreadable = read_files(files, agent="")
         results = [
-            _result(str(file.path), "", (), _all_problems(file, check)) for file in unreadable
+            _result(str(file.path), "", (), _all_problems(file, client)) for file in unreadable
         ]
         for scenario in scenarios:
             path, name = str(scenario.path), scenario.name
             try:
-                notes = (*scenario.notes, *check(document_text(scenario.document), "json"))
-                results.append(_result(path, name, notes, ()))
+                checked = client.validate_scenario(document_text(scenario.document))
+                results.append(_result(path, name, (*scenario.notes, *checked.notes), ()))
             except InvalidDocument as error:
                 results.append(_result(path, name, scenario.notes, error.problems))
     order = {str(path): place for place, path in enumerate(find_files(files))}
@@ -53,26 +51,7 @@ def validate(
     raise typer.Exit(ExitCode.DONE if valid else ExitCode.GATE_FAILED)
 
 
-@contextmanager
-def _checker(server: str, data_dir: Path | None) -> Iterator[Check]:
-    """Returns what checks a document here, or asks a service to."""
-    if server:
-        from drivora_service.cli.client import ServiceClient
-
-        with ServiceClient(server) as client:
-            yield lambda text, form: client.validate(text, form=form)["notes"]
-        return
-    from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.cli.embedded import network_catalogue, settings_for
-    from drivora_service.scenario.validation import validate_data
-
-    settings = settings_for(data_dir)
-    networks = network_catalogue(settings)
-    agents = AgentCatalogue(folder=settings.agents_folder).availability()
-    yield lambda text, form: validate_data(text, networks, agents, form).notes
-
-
-def _all_problems(file: UnreadableFile, check: Check) -> tuple[Problem, ...]:
+def _all_problems(file: UnreadableFile, client: Client) -> tuple[Problem, ...]:
     """Returns what is wrong with a file, its well-formed parts checked against the road network."""
     from drivora_service.scenario.importers.reading import FileFormat, detect_format
 
@@ -80,9 +59,9 @@ def _all_problems(file: UnreadableFile, check: Check) -> tuple[Problem, ...]:
     try:
         match detect_format(data):
             case FileFormat.JSON:
-                check(data, "json")
+                client.validate_scenario(data)
             case FileFormat.YAML:
-                check(data, "yaml")
+                client.validate_scenario(data, language="yaml")
     except InvalidDocument as error:
         return error.problems
     return file.problems

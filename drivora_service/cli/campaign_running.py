@@ -1,0 +1,65 @@
+"""Following a campaign, and what is written of it at its end."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from drivora_service.cli.campaign_display import campaign_display
+from drivora_service.cli.campaign_results import campaign_content
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.client import Client
+
+
+def follow(client: Client, campaign_id: str) -> Campaign:
+    """Shows a campaign until it has ended or rests.
+
+    Raises:
+        KeyboardInterrupt: The command was interrupted or is to terminate; the campaign goes on.
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    budget = client.campaign(campaign_id).budget
+    with _terminated_by_interrupt(), campaign_display(budget) as display:
+        return client.follow_campaign(campaign_id, on_progress=display.show)
+
+
+def pause_and_wait(client: Client, campaign_id: str) -> Campaign:
+    """Pauses a campaign and waits until it rests."""
+    client.pause_campaign(campaign_id)
+    return client.follow_campaign(campaign_id)
+
+
+def export_campaign(client: Client, campaign: Campaign, target: Path) -> None:
+    """Writes a campaign, and the scenario and trace of each failing evaluation."""
+    failures = list(client.failures(campaign.id))
+    target.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(campaign_content(campaign, failures), indent=2, ensure_ascii=False)
+    (target / "campaign.json").write_text(text + "\n")
+    for failure in {failure.evaluation: failure for failure in failures}.values():
+        name, number = f"{failure.evaluation:06d}", failure.evaluation
+        (target / f"{name}.json").write_text(client.evaluation_scenario(campaign.id, number))
+        if failure.observations_url:
+            client.save_evaluation_observations(
+                target / f"{name}.trace.parquet", campaign.id, number
+            )
+
+
+@contextmanager
+def _terminated_by_interrupt() -> Iterator[None]:
+    """Makes a request to terminate an interrupt."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,81 @@
+"""The client of a command: of a service, or of the application in the command's own process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivora_service.cli.output import note
+from drivora_service.errors import ConfigurationError, DrivoraError, ServiceError
+
+if TYPE_CHECKING:
+    from drivora_service.client import Client
+
+_RETRY_S = 20.0
+"""Seconds for which a command asks a service again that does not answer."""
+
+
+@contextmanager
+def connected(
+    server: str,
+    data_dir: Path | None,
+    *,
+    works: bool = False,
+    workers: int | None = None,
+    evaluator: str = "",
+    on_error: Callable[[DrivoraError], None] = lambda _error: None,
+) -> Iterator[Client]:
+    """Opens a client, and closes it at the end; runs in this process end with it.
+
+    Args:
+        server: Address of a service; "": this process does the work.
+        data_dir: Data folder in that case; ``None``: the one of the environment.
+        works: Whether runs will be made, so that worker processes may get ready meanwhile.
+        workers: Worker processes in this process.
+        evaluator: Evaluator of campaigns in this process.
+        on_error: Told why a campaign in this process cannot continue.
+
+    Raises:
+        ConfigurationError: Options for work in this process were given for a service.
+    """
+    if server:
+        _refuse_local_options(workers, evaluator)
+        from drivora_service.client import Client
+
+        with Client(server, retry_s=_RETRY_S, on_retry=_say_retry) as client:
+            yield client
+        return
+    from drivora_service.cli.private_files import keep_files_private
+
+    keep_files_private()
+    if works:
+        from drivora_service.execution.fork_server import prepare_processes
+
+        # They get ready while this process reads and checks what they are to do.
+        prepare_processes()
+    from drivora_service.cli.installation import settings_for
+    from drivora_service.client import ApplicationTransport, Client
+    from drivora_service.command_app import LOCAL_EVALUATOR, create_command_app
+
+    app = create_command_app(
+        settings_for(data_dir, workers=workers),
+        workers=workers,
+        evaluator=evaluator or LOCAL_EVALUATOR,
+        on_error=on_error,
+    )
+    with Client(transport=ApplicationTransport(app)) as client:
+        yield client
+
+
+def _refuse_local_options(workers: int | None, evaluator: str) -> None:
+    if workers is not None or evaluator:
+        raise ConfigurationError(
+            "--workers and --evaluator are for work in this process; a service has its own "
+            "workers, and a campaign may want fewer of them (`workers` in its file)"
+        )
+
+
+def _say_retry(error: ServiceError, seconds: float) -> None:
+    note(f"{error}; trying again in {seconds:.1f} s")

@@ -1,0 +1,96 @@
+"""The runs of scenario files, by whatever answers a client."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from drivora_service.api.schemas.batches import BatchItem, ItemResult
+from drivora_service.cli.run_results import ScenarioResult
+from drivora_service.cli.scenario_files import ScenarioFile
+from drivora_service.client import Client
+from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.scenario.documents import document_text
+from drivora_service.store.records import Priority
+
+
+def run_files(
+    client: Client,
+    files: Sequence[ScenarioFile],
+    *,
+    agent: str,
+    agent_parameters: Sequence[str],
+    seed: int | None,
+    out: Path | None,
+    on_result: Callable[[ScenarioResult], None],
+) -> list[ScenarioResult]:
+    """Runs scenarios as one batch and returns their results in the order of the files.
+
+    Args:
+        client: Of what runs them.
+        files: The scenarios.
+        agent: Drives every ego; "": as documented.
+        agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
+        seed: In place of the documents'.
+        out: Folder for the traces; ``None``: they are not fetched.
+        on_result: Told of each result, in any order.
+
+    Raises:
+        ConfigurationError: The agent or one of its parameters cannot be used.
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    if not files:
+        return []
+    try:
+        posted = client.post_batch(
+            [document_text(file.document) for file in files],
+            name="drivora run",
+            priority=Priority.INTERACTIVE,
+            agent=agent,
+            agent_parameters=agent_parameters,
+            seed=seed,
+        )
+    except InvalidDocument as error:
+        if all(not problem.pointer for problem in error.problems):
+            # It is the request that is wrong, such as the name of the agent.
+            raise ConfigurationError(str(error.problems[0].message)) from error
+        return [
+            ScenarioResult(
+                scenario=file.name, problems=_of_item(error.problems, item), notes=file.notes
+            )
+            for item, file in enumerate(files)
+        ]
+    results = {item.item: _posted(item, files[item.item]) for item in posted.items}
+    for item in posted.items:
+        if item.result is ItemResult.REJECTED:
+            on_result(results[item.item])
+    for run in client.wait_for_batch(posted.batch.id):
+        trace = ""
+        if out is not None and run.observations_url:
+            path = out / f"{files[run.item].name}.trace.parquet"
+            client.save_run_observations(path, run.id)
+            trace = str(path)
+        results[run.item] = replace(results[run.item], run=run, trace=trace)
+        on_result(results[run.item])
+    return [results[item] for item in range(len(files))]
+
+
+def _posted(item: BatchItem, file: ScenarioFile) -> ScenarioResult:
+    return ScenarioResult(
+        scenario=file.name,
+        problems=tuple(
+            Problem(pointer=p.pointer, code=p.code, message=p.message) for p in item.problems
+        ),
+        notes=(*file.notes, *item.notes),
+    )
+
+
+def _of_item(problems: Sequence[Problem], item: int) -> tuple[Problem, ...]:
+    """Returns the problems of one scenario of a batch; those of the whole belong to each."""
+    prefix = f"/{item}"
+    return tuple(
+        Problem(pointer=p.pointer.removeprefix(prefix), code=p.code, message=p.message)
+        for p in problems
+        if p.pointer == "" or p.pointer == prefix or p.pointer.startswith(f"{prefix}/")
+    )
