@@ -185,7 +185,8 @@ def application(database: Database, folder: Path) -> FastAPI:
     catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
     return create_api(
         ApiContext(
-            database=database,
+            opened=lambda: database,
+            revision=database.changes.value,
             catalogues=catalogues,
             tokens=None,
             limits=Limits(body_bytes=1 << 20, batch_items=100, queued_runs=10**6),

@@ -24,9 +24,10 @@ _TIME_LIMIT_S = 120.0
 _PRELOADED = (
     "drivora_service.worker.preloaded",
     "drivora_service.app",
-    "drivora_service.cli.local_campaigns",
-    "drivora_service.cli.local_runs",
-    "drivora_service.cli.service_comparison",
+    "drivora_service.command_app",
+    "drivora_service.client",
+    "drivora_service.cli.running",
+    "drivora_service.cli.campaign_reports",
     "drivora_service.plotting.run_picture",
 )
 

@@ -91,7 +91,7 @@ def test_real_campaigns_are_compared_and_reported(
     assert result["baseline"] == "random"
     assert [f["campaign"] for f in result["campaigns"]] == study
     assert {f["simulations"] for f in result["campaigns"]} == {10}
-    assert {row["group"] for row in result["differences"]} == {"avfuzzer"}
+    assert {row["method"] for row in result["differences"]} == {"avfuzzer"}
     assert all(
         0.0 <= row["low"] <= row["a12"] <= row["high"] <= 1.0 for row in result["differences"]
     )
@@ -129,7 +129,7 @@ def test_real_campaigns_are_compared_and_reported(
         "kinds",
     )
     assert timed.code == 0, timed.err
-    assert "different failures (by key) (more is better)" in timed.out
+    assert "kinds of failures (more is better)" in timed.out
     assert "of one worker" in timed.out
 
     report = tmp_path / "reports" / "first.md"

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -44,6 +45,21 @@ def campaign_file(tmp_path: Path) -> Path:
     return path
 
 
+CIRCUMSTANCES = {
+    *("id", "batch_id", "run_id", "trace", "rate", "left_s", "active_s", "created_at"),
+    *("started_at", "ended_at", "updated_at", "told_at", "search_s", "prepare_s", "wall_time_s"),
+    *("step_cost_us", "agent_cost_us", "run_url", "runs_url", "scenario_url", "failures_url"),
+    *("observations_url", "evaluations_url"),
+}
+
+
+def without_circumstances(value: Any) -> Any:
+    """Leaves out what is of one campaign and its times."""
+    if isinstance(value, dict):
+        return {k: without_circumstances(v) for k, v in value.items() if k not in CIRCUMSTANCES}
+    return [without_circumstances(one) for one in value] if isinstance(value, list) else value
+
+
 def test_every_problem_is_named_as_without_a_service(
     drivora: Drivora, campaign_file: Path, service_url: str
 ) -> None:
@@ -61,7 +77,7 @@ def test_what_is_not_there_or_makes_no_sense(
     server = ("--server", service_url)
     for command in ("show", "pause", "cancel", "resume", "report"):
         ended = drivora("campaign", command, "0123", *server)
-        assert ended.code == 3
+        assert ended.code == 2
         assert "unknown campaign '0123'" in ended.err
     for option in (("--workers", "1"), ("--evaluator", "local")):
         ended = drivora("campaign", "run", campaign_file, *server, *option)
@@ -79,28 +95,18 @@ def test_a_service_finds_what_a_command_finds(
     assert ended.code == 1, ended.err
     there = ended.json()
     here = drivora("campaign", "run", campaign_file, "--workers", "1", "--json").json()
-    timely = {"id", "rate", "left_s", "active_s", "created_at", "ended_at", "failures"}
-    assert {k: v for k, v in there.items() if k not in timely} == {
-        k: v for k, v in here.items() if k not in timely
-    }
-    assert [{**f, "trace": ""} for f in there["failures"]] == [
-        {**f, "trace": ""} for f in here["failures"]
-    ]
+    assert without_circumstances(there) == without_circumstances(here)
+    assert there["failures"]
     number = there["failures"][0]["evaluation"]
     mine = drivora("campaign", "show", here["id"], "--evaluation", number, "--json").json()
     theirs = drivora(
         "campaign", "show", there["id"], "--evaluation", number, "--json", *server
     ).json()
-    for one in (*mine["lineage"], *theirs["lineage"]):
-        for timed in ("search_s", "prepare_s"):
-            del one[timed]
-        for timed in ("run_id", "wall_time_s", "step_cost_us", "agent_cost_us"):
-            del one["report"][timed]
-    assert theirs == mine
-    assert mine["lineage"][-1]["report"]["measurement"]["objectives"]
+    assert without_circumstances(theirs) == without_circumstances(mine)
+    assert mine["objectives"]
 
     trace = read_trace(out / f"{number:06d}.trace.parquet")
-    assert trace_sha256(trace) == mine["lineage"][-1]["report"]["trace_sha256"]
+    assert trace_sha256(trace) == mine["trace_sha256"]
     printed = drivora("campaign", "scenario", there["id"], number, *server)
     assert printed.out == (out / f"{number:06d}.json").read_text()
     assert printed.out == drivora("campaign", "scenario", here["id"], number).out
@@ -139,7 +145,7 @@ def test_a_campaign_is_left_alone_paused_resumed_and_given_up(
     state_becomes("running")
     watching.send_signal(signal.SIGINT)
     _, said = watching.communicate(timeout=240.0)
-    assert "the service goes on with it" in said
+    assert "the service continues it" in said
     assert watching.returncode == 3
     state_becomes("running")
     cancelled = drivora("campaign", "cancel", campaign["id"], *server, "--json").json()

@@ -13,6 +13,7 @@ from tests.cli.conftest import Drivora
 
 COMMANDS = ["run", "serve", "validate", "plot", "rejudge", "schema", "demo"]
 GROUPS = {
+    "runs": ["list", "show", "scenario"],
     "campaign": ["run", "resume", "list", "show", "scenario", "pause", "cancel"],
     "seeds": ["generate", "import"],
     "networks": ["list", "show", "import"],
@@ -38,7 +39,13 @@ def test_help_loads_neither_simulator_nor_compiler() -> None:
 
 
 def test_lists_and_runs_load_the_filters_of_motion_in_no_command() -> None:
-    modules = ("cli.local_runs", "oracles.built_in", "metrics.built_in", "feedback.catalogue")
+    modules = (
+        "cli.running",
+        "command_app",
+        "oracles.built_in",
+        "metrics.built_in",
+        "feedback.catalogue",
+    )
     imports = "; ".join(f"import drivora_service.{module}" for module in modules)
     code = f"import sys; {imports}; print('scipy.signal' in sys.modules)"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -132,7 +139,7 @@ def test_networks_are_listed_shown_and_imported(
     drivora: Drivora, repository: Path, service_url: str
 ) -> None:
     source = repository / "sumo_nets" / "tee-town" / "tee-town.net.xml"
-    assert "tee-town" in drivora("networks", "list", "--json").json()
+    assert "tee-town" in {one["name"] for one in drivora("networks", "list", "--json").json()}
     imported = drivora("networks", "import", source, "--name", "copy", "--json")
     assert imported.code == 0, imported.err
     assert imported.json() == drivora("networks", "show", "copy", "--json").json()

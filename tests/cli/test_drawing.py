@@ -24,8 +24,8 @@ def test_oracles_of_packages_judge_what_is_drawn_if_they_are_asked_for(
     write_trace(replace(make_trace([ego]), network="tee-town"), path)
     settings = Settings(data_dir=tmp_path / "data")
 
-    def drawn(*rules: str) -> str:
-        draw_trace(path, settings, picture, rules=rules)
+    def drawn(*oracles: str) -> str:
+        draw_trace(path, settings, picture, oracles=oracles)
         return picture.read_text()
 
     assert len(drawn("top_speed")) > len(drawn("red_light"))

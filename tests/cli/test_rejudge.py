@@ -36,7 +36,7 @@ def test_what_changed_is_said_and_decides_the_exit_code(drivora: Drivora, result
     assert changed.code == 1
     (run,) = changed.json()["runs"]
     assert run["compared"]
-    assert {(c["rule"], c["before"], c["after"]) for c in run["changes"]} == {
+    assert {(c["oracle"], c["before"], c["after"]) for c in run["changes"]} == {
         ("collision", "violated (at fault)", "passed"),
         (dropped["oracle"], "not judged", dropped["outcome"].replace("_", " ")),
     }

@@ -86,7 +86,7 @@ def test_a_folder_is_a_batch_in_which_broken_files_harm_nobody(
     assert lost["error"]["problems"][0]["pointer"] == "/map_region/town"
 
 
-def test_a_gate_fails_on_a_broken_rule(drivora: Drivora, tmp_path: Path) -> None:
+def test_a_gate_fails_on_a_violated_oracle(drivora: Drivora, tmp_path: Path) -> None:
     x, y = 3.01, 104.32
     hit = {
         **SCENARIO,
@@ -102,12 +102,12 @@ def test_a_gate_fails_on_a_broken_rule(drivora: Drivora, tmp_path: Path) -> None
     assert violated
     assert ended.code == 1
     assert "gate failed: 1 failing run" in ended.err
-    rule = next(v["oracle"] for v in violated if v["severity"] != "observation")
-    assert drivora("run", path, "--gate-rule", f"{rule}=1").code == 0
-    assert drivora("run", path, "--gate-rule", rule).code == 1
-    refused = drivora("run", path, "--gate-rule", "sleeping")
+    oracle = next(v["oracle"] for v in violated if v["severity"] != "observation")
+    assert drivora("run", path, "--gate-oracle", f"{oracle}=1").code == 0
+    assert drivora("run", path, "--gate-oracle", oracle).code == 1
+    refused = drivora("run", path, "--gate-oracle", "sleeping")
     assert refused.code == 2
-    assert "there is no rule 'sleeping'" in refused.err
+    assert "no oracle 'sleeping'" in refused.err
 
 
 @pytest.mark.parametrize(
@@ -144,18 +144,18 @@ def test_a_service_gives_the_same_run(
     assert there["trace_sha256"] == here["trace_sha256"]
     assert set(there) >= PROMISED
     picture = tmp_path / "run.svg"
-    drawn = drivora("plot", there["run_id"], "--server", service_url, "--out", picture)
+    drawn = drivora("plot", there["id"], "--server", service_url, "--out", picture)
     assert drawn.code == 0, drawn.err
     assert picture.read_text().startswith("<?xml")
     plain = drivora("plot", out / "crossing.trace.parquet", "--out", tmp_path / "run.png")
     assert plain.code == 0, plain.err
 
 
-def test_a_picture_marks_the_rules_that_are_asked_for(drivora: Drivora, tmp_path: Path) -> None:
+def test_a_picture_marks_the_oracles_that_are_asked_for(drivora: Drivora, tmp_path: Path) -> None:
     assert drivora("run", EXAMPLES / "walker-behind-van.json", "--out", tmp_path).code == 0
 
-    def picture(*rules: str) -> bytes:
-        options = [part for rule in rules for part in ("--rule", rule)]
+    def picture(*oracles: str) -> bytes:
+        options = [part for oracle in oracles for part in ("--oracle", oracle)]
         trace, target = tmp_path / "walker-behind-van.trace.parquet", tmp_path / "run.svg"
         drawn = drivora("plot", trace, "--out", target, *options)
         assert drawn.code == 0, drawn.err
@@ -170,7 +170,7 @@ def test_a_picture_marks_the_rules_that_are_asked_for(drivora: Drivora, tmp_path
     mixed = drivora("plot", trace, "--moments", "4", "--color-by", "time", "--out", strip)
     assert mixed.code == 2
     assert "leave it out with --moments" in mixed.err
-    wrong = drivora("plot", tmp_path / "walker-behind-van.trace.parquet", "--rule", "crash")
+    wrong = drivora("plot", tmp_path / "walker-behind-van.trace.parquet", "--oracle", "crash")
     assert wrong.code == 2
     assert "collision" in wrong.err
 

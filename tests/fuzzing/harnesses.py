@@ -18,7 +18,7 @@ MODULES: Mapping[str, str] = {
     "manifest": "manifests",
     "trace": "traces",
     "agent-parameter": "command_line",
-    "gate-rule": "command_line",
+    "gate-oracle": "command_line",
 }
 """Modules of ``tests.fuzzing.parsers``."""
 

@@ -17,9 +17,9 @@ from tests.scenario.conftest import GOOD
 
 
 def _parse_gate(data: bytes) -> bool:
-    rules = data.decode("utf-8", "surrogateescape").split("\n")
+    wanted = data.decode("utf-8", "surrogateescape").split("\n")
     try:
-        gate = read_gate(rules, _rules(), whose="there is")
+        gate = read_gate(wanted, _oracles(), counted_by="Drivora")
     except ConfigurationError as error:
         check_refusal(error)
         return False
@@ -28,7 +28,7 @@ def _parse_gate(data: bytes) -> bool:
 
 
 @cache
-def _rules() -> tuple[str, ...]:
+def _oracles() -> tuple[str, ...]:
     return tuple(OracleCatalogue().names())
 
 
@@ -60,7 +60,7 @@ def _parameter_seeds() -> Mapping[str, bytes]:
     }
 
 
-GATE = Harness(name="gate-rule", parse=_parse_gate, seeds=_gate_seeds)
+GATE = Harness(name="gate-oracle", parse=_parse_gate, seeds=_gate_seeds)
 AGENT_PARAMETER = Harness(
     name="agent-parameter", parse=_parse_parameter, seeds=_parameter_seeds, max_length=8192
 )

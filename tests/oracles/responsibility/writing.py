@@ -128,7 +128,7 @@ def draw() -> None:
                 path = Path(folder) / f"{case.name}.trace.parquet"
                 write_trace(recorded(case), path)
                 target = PICTURES / f"{case.name}.png"
-                draw_trace(path, settings, target, rules=("collision",), moments=3)
+                draw_trace(path, settings, target, oracles=("collision",), moments=3)
 
 
 def write() -> None:
