@@ -1,1 +1,1 @@
-"""The ADS interface, the catalogue, and the ADSs that are built in."""
+"""The interface of agents, the catalogue, and the built-in agents."""

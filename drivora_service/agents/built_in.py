@@ -1,4 +1,4 @@
-"""The agents that Drivora brings, but for those that need an environment of their own."""
+"""The built-in agents, without those that need their own environments."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             kind=AgentKind.END_TO_END,
             description=(
                 "perceptron from its own history, its way and the light to waypoints; trained here "
-                "by imitation of `idm`; sees nobody, so it hits whoever is in its way"
+                "by imitation of `idm`; perceives no actors, so it hits those ahead"
             ),
             source="written and trained here after Zhai et al. 2023 (AD-MLP)",
             licence="Apache-2.0",
@@ -116,8 +116,8 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             name="scripted",
             kind=AgentKind.BASELINE,
             description=(
-                "no ADS: drives where and when its parameters say, whatever happens; for scenarios "
-                "with a known answer"
+                "no ADS: follows the trajectory of its parameters, regardless of other actors; for "
+                "scenarios with a known answer"
             ),
             source="written here",
             licence="Apache-2.0",

@@ -1,4 +1,4 @@
-"""The agents that a document may name."""
+"""The catalogue of agents."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ if TYPE_CHECKING:
     from drivora_service.agents.remote.processes import AgentHosts
 
 LONGEST_CALL_S = 10.0
-"""Seconds that one call of an agent may take unless the settings say otherwise."""
+"""Default limit of one call of an agent, seconds."""
 
 
 class AgentCatalogue:
-    """The agents that are built in, those that packages bring, and those that an operator brings.
+    """The built-in agents, those of installed packages, and those of the operator.
 
-    Packages bring them by entry point; an operator by manifests in a folder, which may come and go
-    while the process runs. A built-in agent is never replaced, and one of a package not by a
-    manifest.
+    Packages provide them by entry points; an operator by manifests in a folder, which may be added
+    and removed while the process runs. A built-in agent is never replaced, and one of a package not
+    by a manifest.
     """
 
     def __init__(
@@ -61,14 +61,14 @@ class AgentCatalogue:
         longest_call_s: float = LONGEST_CALL_S,
         confinement: Confinement = Confinement(),  # noqa: B008 # frozen
     ) -> None:
-        """Looks up what there is, without loading it.
+        """Looks up the existing agents, without loading them.
 
         Args:
-            built_in: Agents that need nothing.
+            built_in: Agents without further requirements.
             fetched: Agents that need files of other packages.
-            folder: Where agents are installed, and where the operator's manifests lie; without one
-                no agent counts as installed that would have to be.
-            longest_call_s: Seconds that one call of an agent may take.
+            folder: Folder of installed agents and of the operator's manifests; without one, agents
+                that need an installation count as not installed.
+            longest_call_s: Limit of one call of an agent, seconds.
             confinement: User account and limits of ADSs in processes of their own.
         """
         self._table = PluginTable(
@@ -99,7 +99,7 @@ class AgentCatalogue:
         )
 
     def entry(self, name: str) -> AgentEntry:
-        """Returns what is known of an agent; of one that cannot be used, why.
+        """Returns the entry of an agent, with the reason if it cannot be used.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -135,10 +135,10 @@ class AgentCatalogue:
         return tuple(self.entry(name) for name in self.names())
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Returns the version of an agent by the name of its package, or by its own.
+        """Returns the version of an agent by the name of its package or its own name.
 
         Returns:
-            Nothing for those that Drivora brings, nor where the manifest tells none.
+            Empty for built-in agents, and if the manifest has no version.
 
         Raises:
             AgentError: If its manifest cannot be used.
@@ -149,11 +149,11 @@ class AgentCatalogue:
         return {name: manifest.version} if manifest.version else {}
 
     def availability(self) -> AgentDirectory:
-        """Returns what documents are checked against; looked up when asked."""
+        """Returns the directory for checking documents, with lookup on use."""
         return _Availability(self)
 
     def parameters(self, name: str) -> tuple[ParameterDescription, ...] | None:
-        """Returns the parameters that an agent takes; ``None`` where it does not declare them.
+        """Returns the parameters of an agent; ``None`` if it does not declare them.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -172,10 +172,10 @@ class AgentCatalogue:
         return AgentChoice(name=choice.name, parameters={**defaults, **choice.parameters})
 
     def parameter_problems(self, name: str, parameters: Mapping[str, Any]) -> tuple[Problem, ...]:
-        """Finds what is wrong with the parameters of an agent; none where it declares none.
+        """Returns the problems of an agent's parameters; empty if it declares none.
 
         Returns:
-            With pointers that begin at the parameters.
+            Problems with pointers relative to the parameters.
 
         Raises:
             UnknownName: If there is no such agent.
@@ -186,11 +186,11 @@ class AgentCatalogue:
         return parameter_problems(type_, parameters, of=f"agent {name!r}")
 
     def lane_change_model(self, name: str, parameters: Mapping[str, Any]) -> str:
-        """Returns the lane-change model that one of SUMO's drivers needs; "" of any other agent.
+        """Returns the lane-change model that one of SUMO's drivers needs; "" for any other agent.
 
         Raises:
             UnknownName: If there is no such agent.
-            AgentError: If it does not take these parameters.
+            AgentError: If it rejects these parameters.
         """
         if self._parameters(name) is not SumoDriverParameters:
             return ""
@@ -199,11 +199,11 @@ class AgentCatalogue:
     def create(self, name: str, parameters: Mapping[str, Any]) -> Agent | SumoDriver:
         """Makes an agent for one ego and one run.
 
-        An ADS in a process of its own is started, unless one is left from an earlier run.
+        An ADS with its own process is started, unless one is idle from an earlier run.
 
         Raises:
             UnknownName: If there is no such agent.
-            AgentError: If it does not take these parameters, is not installed, cannot be loaded,
+            AgentError: If it rejects these parameters, is not installed, cannot be loaded,
                 started or reached.
         """
         manifest = self._manifest(name)
@@ -229,7 +229,7 @@ class AgentCatalogue:
             ) from error
 
     def is_in_process(self, name: str) -> bool:
-        """Returns whether the code of an agent runs in the process that makes it.
+        """Returns whether the code of an agent runs in the calling process.
 
         Raises:
             AgentError: If its manifest cannot be used.
@@ -237,7 +237,7 @@ class AgentCatalogue:
         return self._manifest(name) is None
 
     def begin_run(self) -> None:
-        """Takes back the ADSs of the last run, whose agents are not used any more."""
+        """Releases the ADSs of the last run, whose agents are no longer used."""
         if self._hosts is not None:
             self._hosts.begin_run()
 
@@ -247,15 +247,15 @@ class AgentCatalogue:
             self._hosts.close()
 
     def install(self, name: str, *, again: bool = False) -> bool:
-        """Installs what an agent needs; gives whether there was anything to do.
+        """Installs an agent's requirements; returns whether this was necessary.
 
         Args:
-            name: Of the agent.
-            again: Do it even if it is there.
+            name: Name of the agent.
+            again: Reinstall if it is installed.
 
         Raises:
             UnknownName: If there is no such agent.
-            AgentError: If it cannot be done.
+            AgentError: If the installation fails.
         """
         if self._folder is None:
             raise AgentError("there is no folder to install agents in", cause="agent_install")
@@ -282,7 +282,7 @@ class AgentCatalogue:
             if manifest is None:
                 return self._plugin(name).parameters
         except AgentError:
-            # Its entry tells why it cannot be used.
+            # Its entry has the reason why it cannot be used.
             return None
         return None if manifest.parameters is None else parameters_type(manifest.parameters)
 
@@ -293,7 +293,7 @@ class AgentCatalogue:
 
     def _all_hosts(self) -> AgentHosts:
         if self._hosts is None:
-            # gRPC takes a while to load, which those who only look names up need not wait for.
+            # Imported here, since gRPC is slow to load and not needed for looking up names.
             from drivora_service.agents.remote.processes import AgentHosts
 
             self._hosts = AgentHosts(self._longest_call_s, self._confinement)

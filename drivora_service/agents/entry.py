@@ -1,4 +1,4 @@
-"""What a catalogue says of an agent."""
+"""Entries of the catalogue of agents."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class AgentKind(StrEnum):
-    """How an ADS is built."""
+    """The kind of an ADS."""
 
     MODULE_BASED = "module-based"
     END_TO_END = "end-to-end"
@@ -17,14 +17,14 @@ class AgentKind(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentEntry:
-    """What the catalogue says of an agent.
+    """The catalogue's entry of an agent.
 
     Attributes:
-        source: Where it comes from: paper, package.
-        version: Of the package that brings it, or what its manifest says; "" if that says nothing.
+        source: Source: paper, package.
+        version: Version of its package or of its manifest; "" if unknown.
         installed: Whether it can be run here.
-        reason: Why not, or "".
-        privileged: Whether it sees more than the perception model lets through.
+        reason: Reason if not installed, or "".
+        privileged: Whether it bypasses the perception model.
     """
 
     name: str

@@ -1,7 +1,8 @@
-"""What agents need beside Drivora: environments of their own, and files of other packages.
+"""Installation of agents' requirements: their own environments, and files of other packages.
 
-All of it lies in a folder of agents, and counts only with a stamp, which is written last and says
-what was installed: a half-made installation is never taken for one.
+All of it is in a folder of agents, and counts only with a stamp, which is written last and names
+the
+content: an incomplete installation is never used.
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from drivora_service.agents.package_files import PackageFile, fetch_all
 from drivora_service.errors import AgentError
 
 REQUIREMENTS = "requirements.txt"
-"""Beside a manifest: what its environment holds, pinned and with hashes."""
+"""File beside a manifest with the packages of its environment, pinned and with hashes."""
 
 _STAMP = "installed"
 _LOG_CHARACTERS = 4000
 
 
 def environment_python(manifest: AgentManifest, agents: Path | None) -> Path | None:
-    """Returns the interpreter for an ADS: of its environment, or ours if it asks for none.
+    """Returns the interpreter for an ADS: of its environment, or Drivora's if it needs none.
 
     Returns:
         ``None`` if its environment is not installed.
@@ -41,18 +42,18 @@ def environment_python(manifest: AgentManifest, agents: Path | None) -> Path | N
 
 
 def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = False) -> bool:
-    """Makes the virtual environment of an ADS.
+    """Creates the virtual environment of an ADS.
 
     Args:
-        manifest: Of the ADS; its requirements lie beside it.
+        manifest: Manifest of the ADS; its requirements are beside it.
         agents: The folder of agents.
-        again: Make it anew even if it is there.
+        again: Recreate an existing one.
 
     Returns:
-        Whether anything was done.
+        Whether it was created.
 
     Raises:
-        AgentError: It cannot be made, or somebody else is making it.
+        AgentError: It cannot be created, or another process is creating it.
     """
     requirements = manifest.folder / REQUIREMENTS
     if not requirements.is_file():
@@ -77,7 +78,7 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
 
 
 def installed_files(name: str, files: Sequence[PackageFile], agents: Path | None) -> Path | None:
-    """Returns the folder with the fetched files of an agent, ``None`` if they are not there."""
+    """Returns the folder with the fetched files of an agent, ``None`` if they are missing."""
     if agents is None:
         return None
     folder = agents / name / "files"
@@ -111,7 +112,7 @@ def _python(environment: Path) -> Path:
 
 
 def _is_whole(environment: Path, identity: str) -> bool:
-    # Its interpreter is a link to the one that made it, which may have been moved or removed.
+    # Its interpreter is a link to the one that created it, which may have been moved or removed.
     return _has(environment, identity) and _python(environment).exists()
 
 
@@ -132,7 +133,7 @@ def _has(folder: Path, identity: str) -> bool:
 
 
 def _remove(folder: Path) -> None:
-    # The stamp first: what is left after an interruption must not count.
+    # The stamp first, so that the rest does not count after an interruption.
     (folder / _STAMP).unlink(missing_ok=True)
     if folder.exists():
         shutil.rmtree(folder)
@@ -140,11 +141,11 @@ def _remove(folder: Path) -> None:
 
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Keeps others from installing into a folder at the same time."""
-    # Here, not above: workers, which import this module, shall not have its hooks of every fork.
+    """Prevents other processes from installing into a folder at the same time."""
+    # Imported here, so that workers, which import this module, do not get its fork hooks.
     from filelock import Timeout, UnixFileLock
 
-    # A file that exists, instead of a lock on it, would outlive a process that is killed.
+    # The mere existence of a file, unlike a lock on it, would outlive a killed process.
     lock = UnixFileLock(folder / "lock", fallback_to_soft=False)
     try:
         held = lock.acquire(blocking=False)
@@ -168,7 +169,7 @@ def _run(command: list[str]) -> None:
     if done.returncode:
         raise _failed(
             f"an environment cannot be made: `{' '.join(command)}` exited with code "
-            f"{done.returncode}. Its last words:\n{done.stdout[-_LOG_CHARACTERS:]}"
+            f"{done.returncode}. Its last output:\n{done.stdout[-_LOG_CHARACTERS:]}"
         )
 
 

@@ -20,18 +20,18 @@ from drivora_service.scenario.actor_models import ActorModel
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentContext:
-    """What an agent is told before the first step.
+    """The context of a run for an agent, before the first step.
 
     Attributes:
         ego_id: The vehicle it will drive.
         model: Size and limits of that vehicle.
         network: The road network; read-only.
-        route: The way to drive; read-only.
+        route: The route; read-only.
         step_length: Seconds between two calls of ``run_step``.
-        friction: Tyre-road friction coefficient that the ego will find, 0..1.
-        seed: For every random draw of the agent.
-        parameters: From the document, as the agent's catalogue entry allows.
-        log: Where the agent writes what it thinks.
+        friction: Tyre-road friction coefficient of the run, 0..1.
+        seed: Seed for all random draws of the agent.
+        parameters: Parameters from the document, checked by the agent's catalogue entry.
+        log: Log of the agent.
     """
 
     ego_id: str
@@ -47,13 +47,13 @@ class AgentContext:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Observation:
-    """What the agent perceives at one step.
+    """The agent's observation of one step.
 
-    All of it is the agent's own: what it writes there changes neither the run nor its record. The
-    arrays of objects are used again for the next step; ``ego`` is not.
+    The arrays belong to the agent: changing them affects neither the run nor its record. Those of
+    objects are reused for the next step; ``ego`` is not.
 
     Attributes:
-        time: Seconds of simulation.
+        time: Simulation time, seconds.
         step: Row of the trace.
         ego: (9,) state of the ego, columns ``observations.trace.Col``.
         speed: Signed longitudinal speed of the ego, m/s.
@@ -64,11 +64,11 @@ class Observation:
         objects: (n, 9) perceived actors, columns ``Col``.
         object_sizes: (n, 2) length and width, metres.
         object_kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
-        object_ids: (n,) a number that stays with an actor through the run.
+        object_ids: (n,) a constant number of the actor in the run.
         light: State of the next signal on the route.
         light_protected: Whether a green light gives the right of way over all others ("G" in SUMO);
             with a permissive one, conflicting traffic with priority goes first.
-        light_distance: Metres from the front bumper to its stop line; inf where there is none.
+        light_distance: Metres from the front bumper to its stop line; inf if there is none.
         speed_limit: m/s on the current lane.
     """
 
@@ -91,9 +91,9 @@ class Observation:
 
 
 class PedalControl(NamedTuple):
-    """Pedals and wheel as CARLA has them: throttle and brake 0..1, steer -1 (right) .. 1 (left).
+    """Pedals and wheel as in CARLA: throttle and brake 0..1, steer -1 (right) .. 1 (left).
 
-    Unlike CARLA's, steer is positive to the left, as every angle here.
+    Unlike CARLA's, steer is positive to the left, like all angles here.
     """
 
     throttle: float
@@ -109,7 +109,7 @@ class AccelerationControl(NamedTuple):
 
 
 class PoseControl(NamedTuple):
-    """A pose to be at after this step; reached as far as the vehicle's limits allow.
+    """A pose for the end of this step; reached as far as the vehicle's limits allow.
 
     Attributes:
         speed: m/s there; ``None``: from the displacement.
@@ -126,7 +126,7 @@ class TrajectoryControl(NamedTuple):
 
     Attributes:
         points: (n, 4) time from now (s), x, y (m), speed (m/s); times ascend. The heading is that
-            of the way; where all places are one, it stays as it is.
+            of the way; if all places coincide, it is kept.
     """
 
     points: FloatArray
@@ -143,5 +143,5 @@ class Agent(Protocol):
         ...
 
     def run_step(self, observation: Observation) -> Control:
-        """Decides what to do until the next step."""
+        """Returns the control until the next step."""
         ...

@@ -1,4 +1,4 @@
-"""Braking for traffic lights on behalf of policies that know none."""
+"""Braking for traffic lights for policies without lights."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drivora_service.agents.interface import Observation
 from drivora_service.observations.trace import Light
 
 _LINE_GAP = 0.5
-"""Metres that stay between the front bumper and the stop line."""
+"""Metres between the front bumper and the stop line at standstill."""
 _CALM_BRAKING = 3.0
 """m/s²; a yellow light that would need more is passed."""
 _HARDEST_BRAKING = 7.5
@@ -18,14 +18,14 @@ _HARDEST_BRAKING = 7.5
 
 
 def light_acceleration(observation: Observation, max_braking: float) -> float:
-    """Returns the most acceleration that the next light on the route allows, m/s².
+    """Returns the maximum acceleration that the next light on the route allows, m/s².
 
     Args:
-        observation: Of this step.
+        observation: Observation of this step.
         max_braking: m/s², positive.
 
     Returns:
-        inf where the light asks for nothing.
+        inf if the light does not require braking.
     """
     light, distance, speed = observation.light, observation.light_distance, observation.speed
     if light not in (Light.RED, Light.YELLOW) or distance <= -_LINE_GAP:
@@ -39,5 +39,5 @@ def light_acceleration(observation: Observation, max_braking: float) -> float:
 
 @lru_cache(maxsize=1)
 def compile_braking() -> None:
-    """Compiles what braking takes, which would else be done at an agent's first red light."""
+    """Compiles the braking, which would otherwise happen at an agent's first red light."""
     halt(1.0, 1.0, 1.0, 1.0)

@@ -1,4 +1,4 @@
-"""What an agent thinks, step by step: numeric columns written in place, and lines of text."""
+"""The log of an agent by step: numeric columns written in place, and lines of text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 class AgentLog:
-    """One ego's log. The episode moves ``step``; the agent writes.
+    """The log of one ego's agent; the episode advances ``step``.
 
     Attributes:
         names: Numeric columns, declared once in ``setup_env``.

@@ -1,4 +1,4 @@
-"""The manifest of an ADS that runs in a process of its own: ``agent.yaml``."""
+"""The manifest of an ADS with its own process: ``agent.yaml``."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentDeadlines:
-    """Seconds of wall time that an ADS may take.
+    """Limits of an ADS in seconds of wall time.
 
     Attributes:
         start: From the start of its process until it answers ``Describe``.
@@ -47,21 +47,21 @@ class AgentDeadlines:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentManifest:
-    """What an operator says of an ADS.
+    """The operator's description of an ADS.
 
     Attributes:
-        folder: Where the manifest lies.
-        version: Of the ADS, "" if it tells none.
-        command: What starts it, placeholders and all; empty where somebody else runs it.
-        variables: Environment variables that it gets.
-        settings: Names of the operator's environment variables that it gets, of those that begin
-            with ``DRIVORA_`` and else go to no ADS: what may be secret goes to who needs it.
-        address: Where it listens, if somebody else runs it, else "".
-        environment: Name of the virtual environment that it runs in; agents may share one.
-        resolved: Whether its requirements are complete, so that what the packages themselves ask
-            for, other packages and a version of Python, is not looked at.
-        deadlines: What it may take.
-        parameters: Those that documents may set; ``None``: only the ADS knows.
+        folder: Folder of the manifest.
+        version: Version of the ADS, "" if unknown.
+        command: Command that starts it, with placeholders; empty if it runs elsewhere.
+        variables: Its environment variables.
+        settings: Names of the operator's environment variables for it, among those that begin with
+            ``DRIVORA_`` and are otherwise withheld from ADSs, since they may be secret.
+        address: Address of an ADS that runs elsewhere, else "".
+        environment: Name of its virtual environment, which agents may share.
+        resolved: Whether its requirements are complete, so that the packages' own requirements of
+            other packages and of Python are ignored.
+        deadlines: Its deadlines.
+        parameters: Parameters that documents may set; ``None``: known to the ADS only.
     """
 
     name: str
@@ -127,7 +127,7 @@ def read_manifest(path: Path, name: str) -> AgentManifest:
     """Reads the manifest of the agent ``name``.
 
     Raises:
-        AgentError: With every problem and its place.
+        AgentError: With all problems and their places.
     """
     try:
         text = path.read_bytes()

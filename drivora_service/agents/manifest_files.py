@@ -1,4 +1,4 @@
-"""Where manifests lie: those that are shipped, and those in the operator's folder."""
+"""Paths of manifests: shipped ones, and those in the operator's folder."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from drivora_service.scenario.fields import NAME_PATTERN
 
 FILE_NAME = "agent.yaml"
-"""Of an operator's manifest, in a folder called like the agent."""
+"""Name of an operator's manifest, in a folder named after the agent."""
 
 _NAME = re.compile(NAME_PATTERN)
 _SHIPPED = Path(__file__).resolve().parent / "adapters"

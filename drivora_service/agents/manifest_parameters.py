@@ -26,7 +26,7 @@ _TYPES: dict[ParameterKind, type[ParameterValue]] = {
 }
 _Limit = Annotated[float, Field(allow_inf_nan=False)]
 _WHOLE = 2.0**63
-"""Beyond which a limit of an integer is none that can be checked."""
+"""Largest limit of an integer that can be checked."""
 _Text = Annotated[str, Field(strict=True, max_length=2000)]
 _Value = (
     Annotated[bool, Field(strict=True)]
@@ -38,13 +38,13 @@ _Value = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ManifestParameter:
-    """A parameter that an ADS takes.
+    """A parameter of an ADS.
 
     Attributes:
-        default: What the ADS does without it; ``None`` where the manifest does not say.
-        minimum: Least number that is allowed.
-        maximum: Greatest number that is allowed.
-        choices: Texts that are allowed; empty: any.
+        default: Value without it; ``None`` if the manifest has none.
+        minimum: Least allowed number.
+        maximum: Greatest allowed number.
+        choices: Allowed texts; empty: any.
     """
 
     name: str
@@ -57,7 +57,7 @@ class ManifestParameter:
 
 
 class ParameterDocument(BaseModel):
-    """A parameter as a manifest states it."""
+    """A parameter in a manifest."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -109,7 +109,7 @@ class ParameterDocument(BaseModel):
 
 @cache
 def parameters_type(parameters: Sequence[ManifestParameter]) -> type[DataclassInstance]:
-    """Makes the dataclass that documents are checked against."""
+    """Makes the dataclass for checking documents."""
     fields = [
         (parameter.name, _annotation(parameter), field(default=parameter.default))
         for parameter in parameters

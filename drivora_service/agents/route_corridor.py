@@ -1,4 +1,4 @@
-"""The part of the road that a route may use, as learned policies know roads: middle and width.
+"""The part of the road that a route may use, by middle and width, for learned policies.
 
 Frame: the network's plane, metres, radians counter-clockwise from east.
 """
@@ -19,19 +19,19 @@ from drivora_service.networks.line_tracking import track_line
 from drivora_service.networks.road_network import RoadNetwork
 
 _MAX_CHAIN = 8
-"""Internal lanes in a row, at most, that lead through one junction."""
+"""Maximum number of consecutive internal lanes through one junction."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RouteCorridor:
-    """The lanes from which the route goes on, side by side, at each point of its reference line.
+    """The lanes from which the route can be continued, at each point of its reference line.
 
     Attributes:
         arc: (n,) arc length of each point on the route's reference line, metres, ascending.
         middle: (n, 2) middle of those lanes, metres.
         heading: (n,) their direction, radians, without jumps of a full turn.
         width: (n,) metres from their right to their left border.
-        lanes: (n,) how many they are.
+        lanes: (n,) their number.
     """
 
     arc: FloatArray
@@ -45,8 +45,8 @@ class RouteCorridor:
 def find_corridor(network: RoadNetwork, route: LaneRoute) -> RouteCorridor:
     """Finds the corridor of a route.
 
-    A lane from which the next edge of the route cannot be reached belongs to it only as far as the
-    reference line itself has not left it.
+    A lane from which the next edge of the route cannot be reached belongs to it only until the
+    reference line leaves it.
     """
     count = len(route.arc)
     middle = np.empty((count, 2))
@@ -72,7 +72,7 @@ def find_corridor(network: RoadNetwork, route: LaneRoute) -> RouteCorridor:
 
 
 def _blocks(network: RoadNetwork, route: LaneRoute) -> list[tuple[int, int]]:
-    """Returns the first point and the one behind the last of each stay on an edge."""
+    """Returns the first point and the end of each stretch on an edge."""
     edges = [network.lanes[lane].edge_id for lane in route.point_lanes.tolist()]
     starts = [0, *(i for i, (one, two) in enumerate(pairwise(edges), 1) if one != two)]
     return list(pairwise([*starts, len(edges)]))
@@ -84,7 +84,7 @@ def _runs_of_equal(values: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 
 def _next_edge(network: RoadNetwork, route: LaneRoute, blocks: list[tuple[int, int]]) -> str:
-    """Returns the next edge outside a junction, "" behind the last."""
+    """Returns the next edge outside a junction, "" after the last."""
     for first, _ in blocks:
         lane = network.lanes[int(route.point_lanes[first])]
         if not lane.is_internal:
@@ -111,7 +111,7 @@ def _leads_to(network: RoadNetwork, lane: int, edge: str) -> bool:
 
 
 def _side_by_side(network: RoadNetwork, lane: int, usable: frozenset[int]) -> tuple[int, ...]:
-    """Returns the lanes from right to left that reach from ``lane`` over all usable ones."""
+    """Returns the adjacent lanes from right to left that contain ``lane`` and all usable ones."""
     edge = [i for i in network.edge_lanes[network.lanes[lane].edge_id] if network.lanes[i].drivable]
     chosen = [place for place, i in enumerate(edge) if i in usable or i == lane]
     return tuple(edge[min(chosen) : max(chosen) + 1])

@@ -1,4 +1,4 @@
-"""Speeds along a way that braking in time can keep to."""
+"""Speed profiles that are feasible with limited braking."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drivora_service.geometry.arrays import FloatArray
 
 @compiled
 def slow_down_in_time(wanted: FloatArray, arc: FloatArray, deceleration: float) -> None:
-    """Lowers wanted speeds (n,) in place, so that braking at ``deceleration`` can keep to them."""
+    """Lowers desired speeds (n,) in place, so that braking at ``deceleration`` suffices."""
     for i in range(wanted.shape[0] - 2, -1, -1):
         reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (arc[i + 1] - arc[i]))
         wanted[i] = min(wanted[i], reach)

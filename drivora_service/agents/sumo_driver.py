@@ -1,4 +1,4 @@
-"""Egos that SUMO itself drives: the baselines against which an ADS is compared."""
+"""Egos that SUMO itself drives: baselines for comparison with ADSs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Literal
 from drivora_service.errors import AgentError
 
 LaneChangeModel = Literal["LC2013", "SL2015"]
-"""SUMO's lane-change models for lanes as a whole, and for places within and between lanes."""
+"""SUMO's lane-change models for whole lanes, and for positions within and between lanes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SumoDriverParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
-        lane_change_model: SL2015 needs SUMO's sublane simulation, in which everybody whom SUMO
-            drives in that run changes lanes by it.
+        lane_change_model: SL2015 needs SUMO's sublane simulation, in which all drivers
+            of SUMO in that run change lanes by it.
     """
 
     lane_change_model: LaneChangeModel = "LC2013"
@@ -26,7 +26,7 @@ class SumoDriverParameters:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SumoDriver:
-    """One of SUMO's drivers, in place of an agent that is asked every step.
+    """One of SUMO's drivers, instead of an agent.
 
     Attributes:
         car_following: First part of the ids of vehicle types in
@@ -43,10 +43,10 @@ class SumoDriver:
 
 
 def common_lane_change_model(agents: Iterable[object]) -> LaneChangeModel:
-    """Returns the lane-change model of a run: SUMO has one for all whom it drives.
+    """Returns the lane-change model of a run: SUMO has one for all its drivers.
 
     Args:
-        agents: All of the run; those that are not SUMO's drivers have no say.
+        agents: All agents of the run; those that are not SUMO's drivers are ignored.
 
     Raises:
         AgentError: If two of SUMO's drivers want different ones.

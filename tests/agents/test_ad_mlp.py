@@ -1,4 +1,4 @@
-"""ad-mlp: its network, what it is shown, and that it sees nobody."""
+"""ad-mlp: its network and its inputs, which contain no other actors."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_it_takes_no_parameters() -> None:
 
 
 def test_its_entry_says_that_it_sees_nobody() -> None:
-    assert "sees nobody" in AgentCatalogue().entry("ad-mlp").description
+    assert "perceives no actors" in AgentCatalogue().entry("ad-mlp").description
 
 
 class TestAdMlp(AgentContract):

@@ -1,1 +1,1 @@
-"""An ADS that sees nobody: a perceptron of its own history and route, after AD-MLP."""
+"""An ADS without perception of others: a perceptron on its history and route, after AD-MLP."""

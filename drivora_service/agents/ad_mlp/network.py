@@ -1,4 +1,4 @@
-"""ad-mlp's network: two hidden layers, and the way from each waypoint to the next."""
+"""ad-mlp's network: two hidden layers, and the displacement from each waypoint to the next."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ class AdMlpNetwork:
     """The network."""
 
     def __init__(self, weights: AdMlpWeights) -> None:
-        """Args: weights: Of the network."""
+        """Args: weights: Weights of the network."""
         self._weights = weights
 
     def waypoints(self, seen: Float32Array) -> Float32Array:
         """Returns (4, 2) places after each half second, in the ego's frame, metres.
 
         Args:
-            seen: (112,) as ``view`` lays it out.
+            seen: (112,) in the layout of ``view``.
         """
         w = self._weights
         hidden = seen @ w.first

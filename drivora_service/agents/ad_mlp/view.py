@@ -1,14 +1,14 @@
-"""What ad-mlp sees: itself, its way, and where it came from; (112,) numbers, nobody else.
+"""Inputs of ad-mlp: the ego, its way and its past, in (112,) numbers; no other actors.
 
 ===========  =====================================================================================
-0 to 9       itself, as ``WayView.show`` has it
+0 to 9       the ego, as in ``WayView.show``
 10 to 93     twelve pieces of the way, seven numbers each, likewise
-94 to 109    where it was 0.5, 1, 1.5 and 2 s ago: ahead and to the left (1/40 m), sine of its
+94 to 109    its places 0.5, 1, 1.5 and 2 s ago: ahead and to the left (1/40 m), sine of its
              heading then, speed then (1/15 s/m)
 110, 111     its acceleration (1/4 s²/m) and yaw rate (s)
 ===========  =====================================================================================
 
-Places and headings are in the ego's frame of now.
+Places and headings are in the ego's present frame.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _ACCELERATION_SCALE = 0.25
 
 
 class AdMlpView:
-    """Fills what the network takes.
+    """Fills the inputs of the network.
 
     Attributes:
         seen: (112,) after ``look``.
@@ -53,19 +53,19 @@ class AdMlpView:
         self._frames = self.seen[FRAMES_AT:-2].reshape(FRAMES, FRAME_SIZE)
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the way and forgets where it was."""
+        """Prepares the way and clears the past."""
         self._way = WayView(context)
         self._apart = max(round(_INTERVAL / context.step_length), 1)
         self._past = np.zeros((FRAMES * self._apart + 1, 4))
         self._now = -1
 
     def follow(self, observation: Observation) -> None:
-        """Moves on along the way, and remembers where."""
+        """Follows the way, and stores the place."""
         self._way.follow(observation)
         ego = observation.ego
         state = (ego[Col.X], ego[Col.Y], ego[Col.YAW], observation.speed)
         if self._now < 0:
-            # Before the first step it stood where it is.
+            # Before the first step it stood at its place.
             self._past[:] = (*state[:3], 0.0)
         self._now = (self._now + 1) % len(self._past)
         self._past[self._now] = state
@@ -85,7 +85,7 @@ def show_past(ego: FloatArray, past: FloatArray, now: int, apart: int, out: Floa
     Args:
         ego: (9,) the ego's state.
         past: (n, 4) x, y, heading and speed of the last n steps, in a ring.
-        now: Row of it that belongs to this step.
+        now: Row of ``past`` for this step.
         apart: Steps between two frames.
         out: (4, 4) filled.
     """

@@ -1,1 +1,1 @@
-"""Built-in ADSs that run in environments of their own: manifests, requirements, adapters."""
+"""Built-in ADSs with their own environments: manifests, requirements, adapters."""

@@ -1,4 +1,4 @@
-"""Where others will be: vehicles along their lane, walkers and obstacles straight on.
+"""Forecast of other actors: vehicles along their lane, walkers and obstacles straight on.
 
 Frame: the network's plane, metres, radians counter-clockwise from east.
 """
@@ -20,25 +20,25 @@ from drivora_service.observations.trace import Col
 
 _VEHICLE = 0
 _WAY_AHEAD = 120.0
-"""Metres of lane that are followed, at most."""
+"""Maximum length of lanes that are followed, metres."""
 
 _ODD_HEADING = 0.8
-"""Radians between a vehicle and a lane that it still drives along."""
+"""Maximum angle between a vehicle and the lane that it follows, radians."""
 
 _BRAKING = -0.5
-"""m/s²: who brakes harder goes on braking."""
+"""m/s²; actors that brake harder are predicted to continue braking."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Forecast:
-    """Where others will be.
+    """Predicted poses of other actors.
 
     Attributes:
         ids: (n,) as in the observation.
         kinds: (n,) as in the observation.
         sizes: (n, 2) length and width, metres.
-        speeds: (n,) now, m/s.
-        poses: (n, t, 3) x, y and yaw at each time asked for.
+        speeds: (n,) present speeds, m/s.
+        poses: (n, t, 3) x, y and yaw at each requested time.
     """
 
     ids: NDArray[np.int64]
@@ -49,10 +49,10 @@ class Forecast:
 
 
 class LaneForecaster:
-    """Foresees others from the lanes around a route."""
+    """Predicts other actors from the lanes around a route."""
 
     def __init__(self, lanes: Mapping[int, LaneView]) -> None:
-        """Args: lanes: By id."""
+        """Args: lanes: Lanes by id."""
         self._lanes = lanes
         self._ways: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._ids = np.array([lane.id for lane in lanes.values() for _ in lane.line[1:]])
@@ -66,12 +66,12 @@ class LaneForecaster:
             )
 
     def foresee(self, observation: Observation, times: FloatArray, most: int) -> Forecast:
-        """Foresees the nearest actors.
+        """Predicts the nearest actors.
 
         Args:
-            observation: What is perceived.
+            observation: The observation.
             times: (t,) seconds from now, ascending.
-            most: Actors that are looked at, at most.
+            most: Maximum number of actors.
         """
         objects = observation.objects
         away = np.hypot(*(objects[:, :2] - observation.ego[:2]).T)
@@ -108,7 +108,7 @@ class LaneForecaster:
         fits = (gaps < self._half_widths) & (turns < _ODD_HEADING)
         if not fits.any():
             return None
-        # A junction's lanes lie on one another: the heading tells them apart.
+        # A junction's lanes overlap: the heading distinguishes them.
         best = int(np.argmin(np.where(fits, gaps + 3.0 * turns, np.inf)))
         lane = int(self._ids[best])
         if lane not in self._ways:
@@ -133,7 +133,7 @@ class LaneForecaster:
 
 
 def leave_out_followers(others: Forecast, observation: Observation) -> Forecast:
-    """Leaves out who drives behind the vehicle, and has to keep away from it."""
+    """Omits actors that drive behind the vehicle, which must keep their distance."""
     x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
     away = others.poses[:, 0, :2] - (x, y)
     along = away[:, 0] * math.cos(yaw) + away[:, 1] * math.sin(yaw)
@@ -155,7 +155,7 @@ def _turn_of(lane: LaneView) -> float:
 
 
 def _travelled(state: FloatArray, speed: float, times: FloatArray) -> FloatArray:
-    """Returns (t,) metres: at the same speed, or on braking until it stands."""
+    """Returns (t,) metres: at constant speed, or with continued braking until standstill."""
     forward = state[Col.AX] * math.cos(state[Col.YAW]) + state[Col.AY] * math.sin(state[Col.YAW])
     if forward > _BRAKING or speed < 1e-3:
         return speed * times
@@ -179,7 +179,7 @@ def _straight_on(state: FloatArray, travelled: FloatArray) -> FloatArray:
 def _along(
     line: FloatArray, arc: FloatArray, state: FloatArray, travelled: FloatArray
 ) -> FloatArray:
-    """Returns (t, 3) poses along a line, as far beside it as now."""
+    """Returns (t, 3) poses along a line, at the present lateral distance."""
     place = state[[Col.X, Col.Y]]
     steps = np.diff(line, axis=0)
     share = ((place - line[:-1]) * steps).sum(axis=1) / (steps**2).sum(axis=1)

@@ -1,4 +1,4 @@
-"""Which lights an adapter has to stop for, and how slow that makes it."""
+"""Lights at which an adapter must stop, and the resulting speed."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _PLANNED_BRAKING = 4.0
 """m/s²: a yellow light is passed if stopping would need more."""
 
 _CALM_BRAKING, _HARDEST_BRAKING = 2.5, 7.5
-"""m/s²: before a light, and more than which is not tried: it is too late then."""
+"""m/s²: braking before a light; if more is needed, it is too late to stop."""
 
 _LINE_GAP = 0.5
-"""Metres that stay between the front bumper and the stop line."""
+"""Metres between the front bumper and the stop line at standstill."""
 
 
 def must_stop(observation: Observation) -> bool:
@@ -28,10 +28,10 @@ def must_stop(observation: Observation) -> bool:
 def light_speed(observation: Observation) -> float:
     """Returns the speed with which calm braking can still stop before the next light, m/s.
 
-    For adapters of policies that know no lights.
+    For adapters of policies without lights.
 
     Returns:
-        inf where the light asks for nothing.
+        inf if the light does not require braking.
     """
     if not must_stop(observation):
         return math.inf

@@ -13,7 +13,7 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 def overlap(
     poses: FloatArray, size: tuple[float, float], others: FloatArray, sizes: FloatArray
 ) -> BoolArray:
-    """Tells where a box overlaps others; by the theorem of separating axes.
+    """Returns whether a box overlaps others, by the theorem of separating axes.
 
     Args:
         poses: (t, 3) x, y and yaw of the box's centre.
@@ -22,7 +22,7 @@ def overlap(
         sizes: (n, 2) their lengths and widths.
 
     Returns:
-        (n, t).
+        (n, t) flags.
     """
     away = others[:, :, :2] - poses[:, :2]
     cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])

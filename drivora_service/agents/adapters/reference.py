@@ -19,14 +19,14 @@ from drivora_service.geometry.arrays import FloatArray
 
 _SPACING = 1.0
 _SMOOTHING = 1.5
-"""Metres, standard deviation: bends of a lane are polygons, and a planner needs a curvature."""
+"""Standard deviation of the smoothing of lanes, metres, since planners need a curvature."""
 
 _BEFORE, _BEHIND = 15.0, 90.0
-"""Metres that are added straight on at both ends, for a plan that begins or ends beyond."""
+"""Metres of straight extension at both ends, for plans that begin or end beyond."""
 
 _SIDE_ACCELERATION = 2.5
 _BRAKING = 1.5
-"""m/s² in bends, and before them."""
+"""m/s²: lateral in bends, and braking before them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,9 +36,9 @@ class Reference:
     Attributes:
         line: (n, 2) metres.
         arc: (n,) metres from its start.
-        speeds: (n,) m/s, of the limits and of what its bends allow.
-        left: (n,) metres from it to the left border of the lanes that can be used there.
-        right: (n,) metres to the right one, positive.
+        speeds: (n,) m/s, by the limits and by its bends.
+        left: (n,) distance of the left border of the usable lanes there, metres.
+        right: (n,) distance of the right border, metres, positive.
     """
 
     line: FloatArray
@@ -51,7 +51,7 @@ class Reference:
 def find_reference(route: RouteView, lanes: Mapping[int, LaneView]) -> Reference:
     """Makes the reference of a route.
 
-    Beside a lane of the route its neighbours in the same direction can be used, but not within
+    Beside a lane of the route its neighbours in the same direction are usable, but not within
     junctions.
     """
     line = resampled(_smoothed(_lengthened(resampled(route.line, _SPACING))), _SPACING)

@@ -1,4 +1,4 @@
-"""The lanes that a route can use, found among those that an adapter is told of."""
+"""The usable lanes of a route, among the known lanes of an adapter."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def usable_lanes(lanes: Mapping[int, LaneView], route: RouteView) -> set[int]:
 
 
 def lane_sequence(lanes: Mapping[int, LaneView], route: RouteView) -> list[int]:
-    """Returns the lanes along the route in order; two that follow are connected or side by side."""
+    """Returns the lanes of the route in order; consecutive ones are connected or adjacent."""
     found = [int(lane) for lane in route.lanes[np.flatnonzero(np.diff(route.lanes, prepend=-1))]]
     sequence = found[:1]
     for lane in found[1:]:
-        # Lanes of less than a metre, in junctions, may lie between two points of the route.
+        # Lanes of less than a metre, in junctions, may be between two points of the route.
         for way in ways_through_junction(lanes, sequence[-1]):
             if way[-1] == lane:
                 sequence += way[:-1]

@@ -23,7 +23,7 @@ SpeedFactor = Annotated[float, Field(ge=0.1, le=2.0)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IdmParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         speed_factor: Share of the speed limit that it drives where the road is free.

@@ -1,4 +1,4 @@
-"""The intelligent driver model: accelerations behind somebody and before a line, compiled.
+"""The intelligent driver model: accelerations behind a leader and before a line, compiled.
 
 In m, m/s and m/s².
 """

@@ -1,4 +1,4 @@
-"""Where others cross an agent's route: the conflict zones of every junction on it."""
+"""The conflict zones of an agent's route, where others cross it in junctions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.networks.road_network import RoadNetwork
 
 _CLEAR_WIDTH = 2.6
-"""Two lines nearer than this cannot be driven side by side, metres: a car's width and room."""
+"""Two lines nearer than this cannot be driven side by side, metres: a car's width and a margin."""
 _APPROACH = 90.0
 _SPACING = 2.0
 
@@ -26,13 +26,13 @@ class Conflicts:
     """Conflict zones of one lane run, in order along it.
 
     Attributes:
-        zones: (C, 8) for each zone, in metres of arc length on the run's line, where it begins and
-            ends, the stop line before the junction, and where the junction ends; 1 if the other
+        zones: (C, 8) for each zone, in metres of arc length on the run's line, begin and
+            end, the stop line before the junction, and the junction's end; 1 if the other
             movement has the right of way; 1 if a traffic light controls the junction; and in metres
-            of arc length on the foe's line where the zone begins and ends.
-        first: (C + 1,) where each foe's line begins in ``foes``.
+            of arc length on the foe's line begin and end of the zone.
+        first: (C + 1,) begin of each foe's line in ``foes``.
         foes: (n, 3) x, y and arc length of the foes' lines: approach and way through the junction,
-            end to end; metres.
+            concatenated; metres.
     """
 
     zones: FloatArray
@@ -52,7 +52,7 @@ def _chain_line(network: RoadNetwork, lanes: Sequence[int]) -> FloatArray:
 
 
 def _approach(network: RoadNetwork, movement: Movement) -> list[int]:
-    """Returns the lanes that lead into a movement, as far back as an approach matters."""
+    """Returns the lanes that lead into a movement, as far back as an approach is relevant."""
     table = right_of_way(network)
     lanes: list[int] = []
     lane, length = movement.incoming, 0.0
@@ -92,8 +92,8 @@ def find_conflicts(network: RoadNetwork, run: LaneRun, route: LaneRoute) -> Conf
 
     Args:
         network: The road network.
-        run: Lanes to follow.
-        route: The whole route: its signals say which junctions have lights.
+        run: The lane run.
+        route: The whole route: its signals determine the junctions with lights.
     """
     table = right_of_way(network)
     lights = {signal.traffic_light for signal in route.signals}
@@ -150,7 +150,7 @@ def _has_light(network: RoadNetwork, movement: Movement) -> bool:
 def _place_on(run: LaneRun, point: FloatArray, position: int) -> float:
     """Returns the arc length on the run's line of a junction's entry.
 
-    A run may pass the same junction twice; the share of lanes before it tells where to look.
+    A run may pass the same junction twice; the share of lanes before it selects the passage.
     """
     distance = np.hypot(run.line[:, 0] - point[0], run.line[:, 1] - point[1])
     near = np.flatnonzero(distance < float(distance.min()) + 1.0)

@@ -1,4 +1,4 @@
-"""Who is in the way ahead, and who is beside: compiled.
+"""Actors in the way ahead, and actors beside; compiled.
 
 Frame: the network's plane, metres, radians counter-clockwise from east; arc lengths are those of
 the lane run that the agent follows.
@@ -15,7 +15,7 @@ from drivora_service.geometry.arrays import FloatArray, IntArray
 
 SIDE_ROOM = 0.35
 TIGHT_ROOM = 0.08
-"""Metres that are enough to creep past somebody who stands."""
+"""Metres that suffice to creep past a standing actor."""
 _WALKER_HORIZON = 3.5
 
 
@@ -35,7 +35,7 @@ def gap_on_line(
     kinds: IntArray,
     count: int,
 ) -> tuple[float, float, int]:
-    """Finds what ends the free corridor ahead: gap in metres, its speed along it, its index.
+    """Finds the actor at the end of the free corridor: gap in metres, speed along it, index.
 
     The corridor is ``side_room`` metres wider on each side than the vehicle.
     """
@@ -77,7 +77,7 @@ def gap_on_line(
                 ahead_hit = gap
                 ahead_speed = objects[j, 3] * ux + objects[j, 4] * uy
         if near_i >= 0 and ahead_hit == np.inf:
-            # Not in the corridor yet: a walker who comes towards it, or a vehicle that cuts in.
+            # Not in the corridor yet: a walker that approaches it, or a vehicle that cuts in.
             i = near_i
             ux, uy = line[i + 1, 0] - line[i, 0], line[i + 1, 1] - line[i, 1]
             span = math.sqrt(ux * ux + uy * uy)
@@ -115,7 +115,7 @@ def lane_is_free(
     sizes: FloatArray,
     count: int,
 ) -> bool:
-    """Says whether a neighbouring lane has room beside us: nobody near, nobody closing in."""
+    """Returns whether an adjacent lane has room: no actor near, none closing in."""
     for j in range(count):
         x, y = objects[j, 0], objects[j, 1]
         if math.hypot(x - line[cursor, 0], y - line[cursor, 1]) > 80.0:

@@ -1,4 +1,4 @@
-"""Driving along lane runs as the intelligent-driver agent does, for agents that build on it."""
+"""Driving along lane runs like the intelligent-driver agent, for agents based on it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from drivora_service.agents.idm.run_following import RunFollower, Way
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 
 LOST = 8.0
-"""Metres beside the line that it follows from which on the driver has lost it, and stops."""
+"""Metres beside its line from which on the driver is lost, and stops."""
 
 GIVING_UP_BRAKING = 3.0
-"""m/s² with which it stops where it is lost or past its destination."""
+"""m/s² with which it stops if it is lost or past its destination."""
 
 _PAST_GOAL = 2.0
 _NEAR_GOAL = 30.0
 
 
 class IdmDriver:
-    """Follows the way that a ``RunFollower`` is on, and logs what it sees ahead."""
+    """Follows the way of a ``RunFollower``, and logs the situation ahead."""
 
     def __init__(self, context: AgentContext) -> None:
         model = context.model
@@ -41,7 +41,7 @@ class IdmDriver:
         self._log.declare("gap", "wanted_speed", "halt_distance")
 
     def _take(self, way: Way) -> None:
-        """Collects the last arguments of ``decide``, which stay the same along a way."""
+        """Collects the last arguments of ``decide``, which are constant along a way."""
         zones = way.conflicts
         self._way = way
         self._fixed = (
@@ -49,7 +49,7 @@ class IdmDriver:
         )  # fmt: skip
 
     def drive(self, observation: Observation, runs: RunFollower) -> AccelerationControl:
-        """Decides until the next step; moves the follower's cursor on."""
+        """Decides for the next step; advances the follower's cursor."""
         if runs.way is not self._way:
             self._take(runs.way)
         runs.cursor = decide(

@@ -1,4 +1,4 @@
-"""The decisions of the intelligent-driver agent, compiled: one call a step.
+"""The decisions of the intelligent-driver agent, compiled: one call for each step.
 
 Frame: the network's plane, metres, radians counter-clockwise from east; arc lengths are those of
 the lane run that the agent follows.
@@ -45,22 +45,22 @@ def decide(
 
     Args:
         v: The ego's speed.
-        cursor: Segment of ``way`` found a step ago.
-        waited: Seconds that the ego has stood; runs down again while it moves.
+        cursor: Segment of ``way`` of the last step.
+        waited: Seconds that the ego has stood; decreases while it moves.
         light_distance, light, protected: The next signal, as in ``Observation``.
         ego: (9,) the ego's state.
         objects, sizes, kinds: Perceived actors.
         car: (5,) half length, half width and wheelbase of the ego in metres, its hardest braking in
-            m/s², positive, and seconds a step.
-        wall: Arc length before which the lane must have been left; inf where there is none.
+            m/s², positive, and the step length in seconds.
+        wall: Arc length before which the lane must have been left; inf if there is none.
         way: (n, 4) x, y and arc length of the centre line of the lane run, and the speed to drive
             at each point, m/s.
         zones, first, foes: ``Conflicts`` of the run.
-        out: (8,) of the step before; filled: acceleration, steer, gap to what is ahead, its speed,
-            index of it, metres to where we must halt, lateral offset, wanted speed.
+        out: (8,) of the preceding step; filled: acceleration, steer, gap to the actor ahead, its
+            speed, its index, metres to the halt, lateral offset, desired speed.
 
     Returns:
-        The segment found now.
+        The present segment.
     """
     x, y, yaw = ego[0], ego[1], ego[2]
     half_length, half_width, wheelbase = car[0], car[1], car[2]
@@ -109,7 +109,7 @@ def decide(
         acceleration = min(acceleration, halt(v, wanted, stop, max_braking))
     acceleration = min(acceleration, MAX_ACCELERATION)
     if acceleration > -HARD_BRAKING:
-        # As a calm foot moves the pedals; in need, the brake is stamped on.
+        # Smooth changes of the acceleration, except for emergency braking.
         calm = max(acceleration, out[0] - BRAKING_JERK * dt)
         acceleration = min(calm, out[0] + DRIVING_JERK * dt)
     out[0] = acceleration

@@ -32,7 +32,7 @@ def point_at(line: FloatArray, arc: FloatArray, cursor: int, s: float) -> tuple[
 
 @compiled
 def preview(v: float, wheelbase: float) -> float:
-    """Returns how far before the rear axle the point lies that is steered at, metres."""
+    """Returns the preview distance ahead of the rear axle, metres."""
     return max(_LEAST_PREVIEW, 0.5 * wheelbase + _PREVIEW_TIME * v)
 
 
@@ -40,7 +40,7 @@ def preview(v: float, wheelbase: float) -> float:
 def steer_at(tx: float, ty: float, x: float, y: float, yaw: float, wheelbase: float) -> float:
     """Returns the front-wheel angle that leads to a point, by pure pursuit (Coulter 1992).
 
-    It leads the rear axle: led by its centre, a car cuts its corners.
+    It steers the rear axle: with the centre, a car would cut its corners.
 
     Args:
         tx, ty: The point, metres.

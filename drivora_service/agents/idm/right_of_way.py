@@ -1,4 +1,4 @@
-"""Where the ego must halt: lights, the right of way, junctions that are not clear; compiled.
+"""Halts of the ego: lights, right of way, junctions that are not clear; compiled.
 
 Frame: the network's plane, metres, radians counter-clockwise from east; arc lengths are those of
 the lane run that the agent follows.
@@ -16,7 +16,7 @@ from drivora_service.geometry.arrays import FloatArray, IntArray
 HARD_BRAKING = 4.5
 PATIENCE = 6.0
 _GAP_MARGIN = 1.6
-"""Seconds between another's passage of a conflict zone and ours."""
+"""Seconds between the ego's passage of a conflict zone and another's."""
 _START_ACCELERATION = 1.6
 
 
@@ -36,25 +36,26 @@ def must_wait(
     kinds: IntArray,
     count: int,
 ) -> bool:
-    """Says whether somebody on the foe's way makes us wait before a conflict zone.
+    """Returns whether the ego must wait for an actor on the foe's way before a conflict zone.
 
     Args:
-        to_zone: Metres from our front bumper to its beginning.
-        to_end: Metres from our rear bumper to its end.
-        v: Our speed, m/s.
-        wanted: The speed we would drive through it at, m/s.
-        yields: Whether those who approach on that way go first; else only those in the zone do.
-        waited: Seconds that we have stood: after some, others who stand as well are not waited for.
+        to_zone: Metres from the ego's front bumper to its beginning.
+        to_end: Metres from the ego's rear bumper to its end.
+        v: Speed of the ego, m/s.
+        wanted: Desired speed through the zone, m/s.
+        yields: Whether actors that approach on that way have priority; else only those in the zone.
+        waited: Seconds for which the ego has stood, after which it does not wait for standing
+            actors.
         line: (n, 3) x, y and arc length along the foe's way, metres.
-        foe_enter: Arc length on it where the zone begins.
-        foe_leave: Where it ends.
+        foe_enter: Arc length on it at which the zone begins.
+        foe_leave: Arc length at which it ends.
         objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
         kinds: (n,).
-        count: How many of them there are.
+        count: Number of actors.
     """
     a = _START_ACCELERATION
-    # Times to reach and to clear the zone, speeding up to what we would drive.
+    # Times to reach and to clear the zone, accelerating to the desired speed.
     t_reach = _travel_time(max(to_zone, 0.0), v, wanted, a)
     t_clear = _travel_time(max(to_end, 0.0), v, wanted, a)
     for j in range(count):
@@ -85,7 +86,7 @@ def must_wait(
             continue
         speed = max(objects[j, 3] * ux + objects[j, 4] * uy, 0.0)
         if speed < 0.3 and waited > PATIENCE:
-            # Each waits for the other: whoever really stands in our way ends the corridor ahead.
+            # Each waits for the other; an actor that is really in the way ends the corridor ahead.
             continue
         front_gap = foe_enter - (at + half)
         rear_gap = foe_leave + 0.5 - (at - half)
@@ -98,7 +99,7 @@ def must_wait(
         if not yields:
             continue
         if speed < 0.4:
-            # It stands before the zone: it may start when we are in it only if it is very near.
+            # It stands before the zone: it could start during the ego's passage only if very near.
             if front_gap < 3.0 and t_clear > 2.5:
                 return True
             continue
@@ -141,18 +142,18 @@ def find_halt(
     other: float,
     index: int,
 ) -> float:
-    """Finds how far the front bumper may go: lights, the end of the lane, the right of way.
+    """Finds the distance to the next halt: lights, the end of the lane, the right of way.
 
     Args:
         v: The ego's speed, m/s.
         s: Arc length of its centre, metres.
-        wanted: The speed that it would drive, m/s.
-        gap, other, index: What is ahead, as ``gap_on_line`` gives it.
+        wanted: Its desired speed, m/s.
+        gap, other, index: The actor ahead, as returned by ``gap_on_line``.
         waited, light_distance, light, protected, objects, sizes, kinds, half_length, wall, zones,
-            first, foes: As ``decide`` takes them.
+            first, foes: As for ``decide``.
 
     Returns:
-        Metres; inf where nothing asks for a halt.
+        Metres; inf without a halt.
     """
     count = objects.shape[0]
     front = s + half_length
@@ -172,7 +173,7 @@ def find_halt(
         if to_zone > 12.0 + 2.5 * v + v * v / 4.0:
             break
         if to_zone < -1.0:
-            # Already in it: the corridor ahead is all that counts now.
+            # Already in it: only the corridor ahead counts now.
             continue
         held = max(to_zone - 1.2, 0.0)
         if v * v / (2.0 * max(held, 0.05)) > HARD_BRAKING and v > 1.0:
@@ -196,11 +197,11 @@ def find_halt(
             count,
         ):
             if front - gate < 0.5 and enter - 1.2 - 2.0 * half_length < gate:
-                # Too short a place to wait in: the tail would still stand on the stop line.
+                # Too short to wait there: the tail would stand on the stop line.
                 held = max(gate - front - 0.5, 0.0)
             stop = min(stop, held)
         elif gate - front > -0.5 and index >= 0 and other < 1.5:
-            # Do not stop in the junction behind somebody who stands beyond it.
+            # Do not stop in the junction behind an actor that stands beyond it.
             rear_of_other = front + gap
             if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
                 stop = min(stop, max(gate - front - 0.5, 0.0))

@@ -1,4 +1,4 @@
-"""Which lane run of its route an agent follows, what it needs along it, and when it changes."""
+"""Following the lane runs of a route, with their profiles and lane changes."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _SIDE_ACCELERATION = 2.2
 _PLANNED_BRAKING = 1.8
 _SMOOTHING = 5
 _JOIN_REACH = 15.0
-"""Metres along the next lane run, before and behind where the change may happen, in which the ego
-is looked for on it."""
+"""Metres along the next lane run, before and after the change window, in which the ego
+is searched."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,9 +31,9 @@ class Way:
     """A lane run, prepared for driving.
 
     Attributes:
-        points: (n, 4) x, y and arc length of its line, and the speed to drive there, m/s.
-        wall: Arc length before which it must have been left; inf where it leads to the destination.
-        goal: (4,) x and y of the destination, and the direction there; NaN where it is left before.
+        points: (n, 4) x, y and arc length of its line, and the desired speed there, m/s.
+        wall: Arc length before which it must have been left; inf if it leads to the destination.
+        goal: (4,) x and y of the destination, and the direction there; NaN if it is left before.
     """
 
     run: LaneRun
@@ -48,13 +48,13 @@ class RunFollower:
 
     Attributes:
         ways: The lane runs in order.
-        current: Index of the one that is followed.
-        cursor: Segment of it that the ego was found on last.
-        waited: Seconds that the ego has stood; runs down again while it moves.
+        current: Index of the followed one.
+        cursor: Last segment of the ego on it.
+        waited: Seconds that the ego has stood; decreases while it moves.
     """
 
     def __init__(self, context: AgentContext, speed_factor: float) -> None:
-        """Args: speed_factor: Share of the speed limit to drive where the road is free."""
+        """Args: speed_factor: Share of the speed limit to drive on a free road."""
         self._context = context
         self._speed_factor = speed_factor
         self._half_length = 0.5 * context.model.length
@@ -63,7 +63,7 @@ class RunFollower:
         self.follow(route, int(np.searchsorted(route.runs[0].arc, route.runs[0].start_s)))
 
     def follow(self, route: LaneRoute, cursor: int) -> None:
-        """Takes another route, beginning at a segment of its first lane run."""
+        """Changes to another route, from a segment of its first lane run on."""
         network, friction = self._context.network, self._context.friction
         profiles = [speed_profile(run, self._speed_factor, friction) for run in route.runs]
         last = len(route.runs) - 1
@@ -82,7 +82,7 @@ class RunFollower:
 
     @property
     def way(self) -> Way:
-        """What is followed now."""
+        """The way that is followed now."""
         return self.ways[self.current]
 
     @property
@@ -91,7 +91,7 @@ class RunFollower:
         return self.ways[self.current + 1].run if self.current + 1 < len(self.ways) else None
 
     def wait(self, speed: float) -> None:
-        """Counts the time that the ego stands; to be called once a step."""
+        """Counts the time that the ego stands; called once in each step."""
         step = self._context.step_length
         if speed < STANDING_SPEED:
             self.waited = min(self.waited + step, LONGEST_WAIT)
@@ -99,7 +99,7 @@ class RunFollower:
             self.waited = max(self.waited - step, 0.0)
 
     def change_when_possible(self, observation: Observation) -> bool:
-        """Goes over to the next lane run where the route allows it and there is room."""
+        """Changes to the next lane run if the route allows it and there is room."""
         run, onward = self.way.run, self.onward
         if onward is None or float(run.arc[self.cursor]) < run.change_from:
             return False
@@ -133,7 +133,7 @@ def _goal(run: LaneRun) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def speed_profile(run: LaneRun, speed_factor: float, friction: float) -> FloatArray:
-    """Returns the speed to drive at each point of a lane run, (n,) m/s; not to be changed."""
+    """Returns the speed to drive at each point of a lane run, (n,) m/s; must not be changed."""
     step = np.diff(run.line, axis=0)
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
     span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)

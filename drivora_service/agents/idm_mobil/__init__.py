@@ -1,1 +1,1 @@
-"""The intelligent driver that overtakes: lane changes by MOBIL."""
+"""The intelligent driver with overtaking: lane changes by MOBIL."""

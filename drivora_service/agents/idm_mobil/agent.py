@@ -1,6 +1,6 @@
 """The intelligent-driver agent with discretionary lane changes by MOBIL.
 
-It drives as ``idm`` does, and also changes lanes where that pays: to overtake, and back to the
+It drives like ``idm``, and also changes lanes for an advantage: to overtake, and back to the
 lanes from which its route can be followed. Source of the lane-change model: Kesting, Treiber,
 Helbing, *General lane-changing model MOBIL for car-following models* (2007).
 """
@@ -26,28 +26,28 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.line_tracking import track_line
 
 _PERIOD = 0.5
-"""Seconds between two looks at the neighbouring lanes."""
+"""Seconds between checks of the adjacent lanes."""
 _PAUSE = 4.0
-"""Seconds after a lane change before the next that only pays."""
+"""Seconds after a lane change before the next discretionary one."""
 _CHANGE_TIME = 10.0
-"""Seconds that a lane change that the route needs is begun before it must be complete."""
+"""Seconds before its completion is due at which a lane change of the route begins."""
 _CHANGE_ROOM = 80.0
-"""Metres that it is begun before, at least."""
+"""Metres before its completion is due at which it begins at least."""
 _ROUTE_PULL = 2.0
-"""m/s² that the route's lanes are worth where they must be reached at once."""
+"""Incentive of the route's lanes if they must be reached immediately, m/s²."""
 _PULL_TIME = 25.0
-"""Seconds before a lane must have been left from which on the route pulls."""
+"""Seconds before a lane must be left from which on the route adds an incentive."""
 _BETWEEN_LANES = 1.3
-"""Metres beside the new lane's centre up to which those in the old lane are still in the way."""
+"""Metres beside the new lane's centre up to which actors in the old lane are in the way."""
 _CHANGED = 0.3
 """Metres beside the new lane's centre at which a change is complete."""
 _SIDE_ACCELERATION = 3.0
-"""m/s² to the side that a lane change takes at most."""
+"""Maximum lateral acceleration of a lane change, m/s²."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MobilParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         speed_factor: Share of the speed limit that it drives where the road is free.
@@ -107,7 +107,7 @@ class MobilAgent:
         return place if place is not None and self._ways.knows(place) else None
 
     def _must_change(self, speed: float) -> bool:
-        """Says whether it is time for the next lane change that the route needs."""
+        """Returns whether the next lane change of the route is due."""
         if self._runs.onward is None:
             return False
         run = self._runs.way.run
@@ -125,7 +125,7 @@ class MobilAgent:
         if place is None or self._ways.to_lane_end(place) < max(20.0, 2.0 * v):
             return
         self._look(self._line(place), observation, self._here)
-        # Nearer than this, the old lane's next one is hit on the way out.
+        # Nearer than this, the next actor of the old lane would be hit during the change.
         if self._here[0] < 4.0 + 0.8 * v:
             return
         wanted = float(self._runs.way.points[self._runs.cursor, 3])
@@ -142,7 +142,7 @@ class MobilAgent:
             self._leave(place, observation.time)
 
     def _gain(self, place: Place, beside: Place, observation: Observation, wanted: float) -> float:
-        """Returns what changing would gain, m/s²: MOBIL's incentive and the pull of the route."""
+        """Returns the gain of a lane change, m/s²: MOBIL's incentive and that of the route."""
         v = observation.speed
         stays, _ = self._ways.room(place)
         room, changes = self._ways.room(beside)
@@ -167,7 +167,7 @@ class MobilAgent:
         )  # fmt: skip
 
     def _take(self, place: Place, observation: Observation) -> bool:
-        """Changes over to the way from a place beside, if there is room."""
+        """Changes to the way from an adjacent place, if there is room."""
         line = self._line(place)
         x, y = observation.ego[:2].tolist()
         nearest = int(np.argmin(np.hypot(line[:, 0] - x, line[:, 1] - y)))
@@ -194,7 +194,7 @@ class MobilAgent:
     def _between_lanes(
         self, observation: Observation, control: AccelerationControl
     ) -> AccelerationControl:
-        """Keeps a lane change smooth, and off those in the old lane while it reaches into it."""
+        """Keeps a lane change smooth, and avoids actors in the old lane until it has left it."""
         way, cursor, v = self._runs.way, self._runs.cursor, observation.speed
         x, y = observation.ego[:2].tolist()
         _, _, lateral = track_line(way.run.line, way.run.arc, cursor, 5, 5, x, y)
@@ -214,5 +214,5 @@ class MobilAgent:
 
 
 def _nearness(room: float, horizon: float) -> float:
-    """Returns how near the end of a lane's use is: 0 beyond the horizon, 1 at the end."""
+    """Returns the nearness of the end of a lane's use: 0 beyond the horizon, 1 at the end."""
     return max(0.0, 1.0 - room / horizon)

@@ -1,4 +1,4 @@
-"""Whether a lane change pays: the criterion of MOBIL, compiled.
+"""The incentive of a lane change: the criterion of MOBIL, compiled.
 
 Source: Kesting, Treiber, Helbing, *General lane-changing model MOBIL for car-following models*
 (2007). Accelerations are those of the intelligent driver model.
@@ -30,16 +30,16 @@ def find_neighbours(
     sizes: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Finds who is next ahead and behind on a lane.
+    """Finds the next actors ahead and behind on a lane.
 
     Args:
         line: (n, 3) x, y and arc length along the lane, metres.
         x, y: The ego's centre; it need not be on the lane.
-        half_length, half_width: Of the ego, metres.
+        half_length, half_width: Half size of the ego, metres.
         objects: (m, 9) perceived actors.
         sizes: (m, 2) metres.
-        out: (4,) filled: gap ahead in metres, speed along the lane of who is there, gap behind, and
-            that one's speed; a gap is inf where there is nobody, and negative beside the ego.
+        out: (4,) filled: gap ahead in metres, speed of that actor along the lane, gap behind, and
+            speed of that actor; a gap is inf without an actor, and negative beside the ego.
     """
     out[0], out[1], out[2], out[3] = np.inf, 0.0, np.inf, 0.0
     _, own_s, _, _, _ = _locate(line, x, y, 1e6)
@@ -96,16 +96,16 @@ def incentive(
     politeness: float,
     safe_braking: float,
 ) -> float:
-    """Returns what a lane change gains, m/s²; minus infinity where it is not safe.
+    """Returns the gain of a lane change, m/s²; minus infinity if it is not safe.
 
     Args:
         v: The ego's speed, m/s.
-        wanted: The speed that it would drive on a free road, m/s.
-        length: Of the ego, metres.
-        here: (4,) neighbours in its lane, as ``find_neighbours`` gives them.
+        wanted: Its desired speed on a free road, m/s.
+        length: Length of the ego, metres.
+        here: (4,) neighbours in its lane, as filled by ``find_neighbours``.
         there: (4,) neighbours in the other lane.
-        politeness: Weight of what others gain or lose.
-        safe_braking: The hardest that the one behind in the other lane may have to brake, m/s².
+        politeness: Weight of the gains and losses of others.
+        safe_braking: Maximum braking of the actor behind in the other lane, m/s².
     """
     if there[0] <= 0.0 or there[2] <= 0.0:
         return -np.inf

@@ -1,4 +1,4 @@
-"""The lanes beside a route, and how to go on along the route's edges from each of them."""
+"""The lanes beside a route, and the ways along the route's edges from each of them."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from drivora_service.networks.route_line import build_route
 from drivora_service.networks.route_search import EdgePass
 
 _BEHIND = 100.0
-"""Metres of a lane's line behind its beginning, for those who come from there."""
+"""Metres of a lane's line before its beginning, for actors that come from there."""
 _AHEAD = 300.0
 _SPACING = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Onward:
-    """How to go on from a lane of an edge.
+    """The continuation from a lane of an edge.
 
     Attributes:
         exit_lane: The lane of the same edge that leads on.
         here: Lane changes to it.
         in_all: Lane changes to the destination.
-        then: The lanes behind ``exit_lane``: through the junction, and the first of the next edge;
+        then: The lanes after ``exit_lane``: through the junction, and the first of the next edge;
             empty on the last edge.
     """
 
@@ -46,7 +46,7 @@ class Place:
     """A place on one of the route's edges.
 
     Attributes:
-        stage: Which of the route's edges, counted from its start.
+        stage: Index of the route's edge, counted from its start.
         lane: Index of the lane.
         s: Arc length on it, metres.
     """
@@ -83,7 +83,7 @@ class LaneWays:
         return stages[::-1]
 
     def _before(self, edge: str, following: dict[int, _Onward]) -> dict[int, _Onward]:
-        """Returns how to go on from the lanes of an edge, knowing how from the edge behind it."""
+        """Returns the continuations from the lanes of an edge, from those of the next edge."""
         found: dict[int, _Onward] = {}
         for lane in self._network.edge_lanes[edge]:
             for sibling in self._graph.siblings[lane]:
@@ -104,7 +104,7 @@ class LaneWays:
         return found
 
     def _through(self, lane: int) -> list[tuple[int, ...]]:
-        """Returns the lanes behind a lane, up to the first outside the junction, each way."""
+        """Returns the lanes after a lane, up to the first outside the junction, for each way."""
         ways = []
         for following in self._graph.successors[lane]:
             chain = [following]
@@ -123,13 +123,13 @@ class LaneWays:
         return Place(stage=place.stage, lane=index, s=place.s * share)
 
     def knows(self, place: Place) -> bool:
-        """Says whether the destination can be reached from a place along the route's edges."""
+        """Returns whether the destination can be reached from a place along the route's edges."""
         return place.stage < len(self._stages) and place.lane in self._stages[place.stage]
 
     def room(self, place: Place) -> tuple[float, int]:
-        """Returns the metres until the lane must be left for the route, and by how many lanes.
+        """Returns the metres until the lane must be left for the route, and the number of changes.
 
-        Infinite metres and no lanes where it leads to the destination.
+        Infinite metres and no changes if it leads to the destination.
         """
         stage, lane, metres = place.stage, place.lane, -place.s
         while True:
@@ -147,7 +147,7 @@ class LaneWays:
         return self._graph.lengths[place.lane] - place.s
 
     def route(self, place: Place) -> LaneRoute:
-        """Draws the way from a place to the destination."""
+        """Returns the route from a place to the destination."""
         passes = []
         stage, lane, s = place.stage, place.lane, place.s
         while True:
@@ -165,7 +165,7 @@ class LaneWays:
         return EdgePass(lane=lane, s=s, exit_lane=exit_lane, exit_s=exit_s, continues=False)
 
     def line(self, place: Place) -> FloatArray:
-        """Returns the (n, 3) centre line of a lane with what leads into it and on from it.
+        """Returns the (n, 3) centre line of a lane with its predecessor and successor.
 
         Columns: x, y, arc length, metres.
         """
@@ -191,10 +191,10 @@ class LaneWays:
 
 
 class Places:
-    """Which of a route's edges and lanes belong to which part of its lane runs."""
+    """The edges and lanes of the parts of a route's lane runs."""
 
     def __init__(self, network: RoadNetwork, route: LaneRoute, first_stage: int) -> None:
-        """Args: first_stage: Which edge of the whole route this one begins on."""
+        """Args: first_stage: Index of the whole route's edge on which this one begins."""
         self._network = network
         self._starts: list[FloatArray] = []
         self._lanes: list[tuple[int, ...]] = []
@@ -206,7 +206,7 @@ class Places:
                 if network.lanes[lane].is_internal:
                     stages.append(-1)
                     continue
-                # Behind a lane change, the run begins on the edge that the one before ended on.
+                # After a lane change, the run begins on the edge on which the preceding one ended.
                 if number == 0 or nth > 0:
                     stage += 1
                 stages.append(stage)
@@ -227,7 +227,7 @@ class Places:
 
 
 def _lane_starts(network: RoadNetwork, run: LaneRun) -> FloatArray:
-    """Returns where each lane of a run begins on its line, to a metre or two."""
+    """Returns the start of each lane on a run's line, with an error of up to two metres."""
     lengths = np.array([float(network.lanes[lane].arc[-1]) for lane in run.lanes])
     total = float(lengths.sum())
     starts: FloatArray = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))

@@ -1,1 +1,1 @@
-"""What the agents share that were trained here: sight of the way, and following waypoints."""
+"""Common parts of the agents trained here: view of the way, and following waypoints."""

@@ -1,4 +1,4 @@
-"""Driving by a network that was trained here: it sees, gives waypoints, and they are followed."""
+"""Agents with a network that was trained here, whose waypoints are followed."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _PERIOD = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoParameters:
-    """What a document may set: nothing."""
+    """No parameters."""
 
 
 class View(Protocol):
-    """What a network is shown.
+    """The inputs of a network.
 
     Attributes:
-        seen: The numbers, after ``look``; stays the same array through a run.
+        seen: The inputs, after ``look``; the same array throughout a run.
     """
 
     seen: Float32Array
@@ -33,16 +33,16 @@ class View(Protocol):
         ...
 
     def follow(self, observation: Observation) -> None:
-        """Keeps track of what passes; called once every step."""
+        """Updates the state; called once in every step."""
         ...
 
     def look(self, observation: Observation) -> None:
-        """Fills ``seen``; called where a decision is due, after ``follow``."""
+        """Fills ``seen``; called if a decision is due, after ``follow``."""
         ...
 
 
 class Network(Protocol):
-    """What was trained."""
+    """A trained network."""
 
     def waypoints(self, seen: Float32Array) -> Float32Array:
         """Returns (4, 2) places after each half second, in the ego's frame, metres."""
@@ -56,8 +56,8 @@ class WaypointAgent:
         """Makes the agent.
 
         Args:
-            view: Fills what the network takes.
-            network: Returns waypoints.
+            view: View that fills the inputs of the network.
+            network: Network that returns waypoints.
         """
         self._view = view
         self._network = network

@@ -1,6 +1,6 @@
-"""The way ahead as the agents that were trained here see it.
+"""The way ahead as inputs of the agents that were trained here.
 
-Which lanes to drive is not learned: ``RunFollower`` tells it, as it does the rule-based agents.
+The choice of lanes is not learned: ``RunFollower`` makes it, as for the rule-based agents.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ PIECES = 12
 PIECE_SIZE = 7
 EGO_SIZE = 10
 LENGTH_SCALE = 1.0 / 40.0
-"""1/m, by which places and distances are multiplied."""
+"""Scale of places and distances, 1/m."""
 SPEED_SCALE = 1.0 / 15.0
 """s/m."""
 _FURTHEST = 80.0
-"""Metres, as which what is further away is shown."""
+"""Maximum shown distance, metres."""
 _ENDS = np.array([2.0, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 36.0, 42.0, 50.0, 60.0])
 """Metres ahead of the ego's centre along the way at which each piece ends."""
 
 
 class WayView:
-    """The ego's place on its way, and the numbers that show it what lies ahead.
+    """The ego's place on its way, and the inputs of the way ahead.
 
     Attributes:
         s: Arc length of the ego's centre on the line of the lane run that it follows, metres.
@@ -42,7 +42,7 @@ class WayView:
 
     @property
     def points(self) -> FloatArray:
-        """(n, 4) x, y and arc length of the way, and the speed to drive there, m/s."""
+        """(n, 4) x, y and arc length of the way, and the desired speed there, m/s."""
         return self._runs.way.points
 
     @property
@@ -51,7 +51,7 @@ class WayView:
         return self._runs.cursor
 
     def follow(self, observation: Observation) -> None:
-        """Moves on along the way, over to another lane where the route needs it; once a step."""
+        """Follows the way, with the lane changes of the route; called once in each step."""
         runs = self._runs
         runs.wait(observation.speed)
         runs.change_when_possible(observation)
@@ -60,16 +60,16 @@ class WayView:
         runs.cursor, self.s, _ = track_line(points, points[:, 2], runs.cursor, 5, 30, x, y)
 
     def show(self, observation: Observation, own: Float32Array, pieces: Float32Array) -> None:
-        """Writes what is ahead.
+        """Fills the inputs of the way ahead.
 
         Args:
-            observation: Of this step.
+            observation: Observation of this step.
             own: (10,) filled: speed, limit, four states of the light, distance to its stop line and
                 to where the lane must have been left, distance to the left of the way, and heading
                 across it. The states are red, yellow, green, and green that gives the right of way.
             pieces: (12, 7) filled: for each piece of the way x, y and direction (cosine, sine) at
-                its end in the ego's frame, the speed to drive there, whether others who go first
-                cross it, and whether others cross it who do not.
+                its end in the ego's frame, the desired speed there, whether others with priority
+                cross it, and whether others without priority cross it.
         """
         way = self._runs.way
         show_way(
@@ -115,7 +115,7 @@ def show_way(
     ego: FloatArray,
     out: Float32Array,
 ) -> None:
-    """Fills the pieces of the way ahead; behind its end it goes straight on.
+    """Fills the pieces of the way ahead; beyond its end it continues straight.
 
     Args:
         points: (n, 4) of the way.
@@ -125,7 +125,7 @@ def show_way(
         zones: (C, 8) ``Conflicts.zones`` of the way.
         protected: Whether a green light gives the right of way.
         ego: (9,) the ego's state.
-        out: (12, 7) filled, as ``WayView.show`` has it.
+        out: (12, 7) filled, as in ``WayView.show``.
     """
     cos, sin = math.cos(ego[2]), math.sin(ego[2])
     i, last = cursor, points.shape[0] - 2

@@ -1,4 +1,4 @@
-"""From waypoints to acceleration and steering: how the agents that were trained here drive them.
+"""Conversion of waypoints to acceleration and steering, for the agents that were trained here.
 
 Frame: the ego's, x ahead and y to the left of its centre, metres.
 """
@@ -15,18 +15,18 @@ WAYPOINTS = 4
 INTERVAL = 0.5
 """Seconds between two waypoints; the first is as far from now."""
 STEP_SCALE = 5.0
-"""Metres from one waypoint to the next that a network gives as 1."""
+"""Scale of a network's displacements between waypoints, metres."""
 _TRACKED = 2
-"""Waypoints from which the acceleration is taken."""
+"""Number of waypoints that determine the acceleration."""
 _STANDING_WAY = 0.4
-"""Metres; who stands and is not to go further by the last waypoint stays where it is."""
+"""Metres; a standing ego whose last waypoint is nearer stays where it is."""
 _STANDING_SPEED = 0.5
 _HOLD = -1.5
 """m/s² while standing."""
 _SHORTEST_AIM = 1.0
-"""Metres of way, below which its direction says nothing and the wheels stay as they are."""
+"""Metres of way, below which its direction is undefined and the wheel angle is kept."""
 _HARDEST_START = 3.0
-"""m/s²; no waypoints ask for more."""
+"""Maximum acceleration, m/s²."""
 
 
 @compiled
@@ -35,15 +35,15 @@ def drive_waypoints(
 ) -> tuple[float, float]:
     """Returns the acceleration (m/s²) and the front-wheel angle (radians) that follow waypoints.
 
-    The acceleration is the one that, kept, misses the first second's waypoints least along the way
-    (least squares); the wheels are aimed at a point of the way as far ahead as ``idm`` looks.
+    The constant acceleration fits the first second's waypoints along the way
+    (least squares); the steering aims at a point of the way at the preview distance of ``idm``.
 
     Args:
         waypoints: (4, 2) places after each half second, metres.
         speed: Of the ego, m/s.
         wheelbase: Metres.
         max_braking: m/s², positive.
-        last_steer: Front-wheel angle until now, radians.
+        last_steer: Present front-wheel angle, radians.
     """
     above, below = 0.0, 0.0
     x = y = way = 0.0
@@ -80,8 +80,8 @@ def _steer_centre_at(x: float, y: float, wheelbase: float) -> float:
     """Returns the front-wheel angle that leads the centre to a point: pure pursuit (Coulter 1992).
 
     On a circle the centre moves at an angle to the heading (about half the wheelbase times the
-    curvature): seen from the centre a point of its way lies further to the side than seen from the
-    rear axle, for which the method was made.
+    curvature): relative to the centre a point of its way is further to the side than relative to
+    the rear axle, which the method assumes.
     """
     distance = max(math.hypot(x, y), 1e-3)
     return math.atan(wheelbase * 2.0 * y / distance / (distance + wheelbase))

@@ -1,4 +1,4 @@
-"""Reading the weights that Drivora ships, and writing them."""
+"""Reading and writing of the shipped weights."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FILE_NAME = "weights.npz"
 
 @lru_cache(maxsize=8)
 def load_weights(type_: type[W]) -> W:
-    """Reads the weights that lie beside the module of a network, once a process.
+    """Reads the weights beside the module of a network, once in each process.
 
     Args:
         type_: A dataclass whose fields are the names of the file's arrays.
@@ -31,7 +31,7 @@ def load_weights(type_: type[W]) -> W:
 
 
 def save_weights(weights: DataclassInstance, path: Path) -> None:
-    """Writes weights as :func:`load_weights` reads them, to a file of exactly this name."""
-    # Given a name in place of a file, NumPy would put its own ending behind it.
+    """Writes weights for :func:`load_weights`, to a file of exactly this name."""
+    # Given a name instead of a file, NumPy would append its own suffix.
     with path.open("wb") as file:
         np.savez(file, **{field.name: getattr(weights, field.name) for field in fields(weights)})

@@ -1,1 +1,1 @@
-"""The PPO expert that MetaDrive ships, driven by what an ego perceives here."""
+"""The PPO expert that MetaDrive ships, on the perception of an ego."""

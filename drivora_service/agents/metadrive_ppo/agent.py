@@ -1,8 +1,8 @@
-"""MetaDrive's PPO expert at the wheel.
+"""An agent that drives by MetaDrive's PPO expert.
 
 The expert decides ten times a second, as it was trained. Its steering and throttle become the front
-wheels' angle and the acceleration that they were in MetaDrive's default vehicle; it knows neither
-traffic lights nor speed limits, so this agent brakes for the one and holds back at the other.
+wheels' angle and the acceleration of MetaDrive's default vehicle; it knows neither
+traffic lights nor speed limits, so this agent brakes for lights and limits the speed.
 """
 
 from __future__ import annotations
@@ -39,27 +39,27 @@ _MAX_STEERING = math.radians(40.0)
 _WHEELBASE = 2.469
 """Metres between the axles of the vehicle that the expert was trained in."""
 _DRIVE = 800.0 * 4.0 / 1100.0
-"""m/s² at full throttle: 800 N a wheel, 1,100 kg."""
+"""m/s² at full throttle: 800 N per wheel, 1,100 kg."""
 _BRAKE = 9.0
 """m/s² at full braking."""
 _OVER_LIMIT = 1.0
-"""m/s² of braking a m/s above the speed limit."""
+"""m/s² of braking per m/s above the speed limit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MetaDriveParameters:
-    """There is nothing that a document may set."""
+    """No parameters."""
 
 
 class MetaDriveAgent:
     """The agent. One object drives one ego through one run."""
 
     def __init__(self, weights: ExpertWeights) -> None:
-        """Args: weights: Of the expert."""
+        """Args: weights: Weights of the expert."""
         self._weights = weights
 
     def setup_env(self, context: AgentContext) -> None:
-        """Lays out the road and the checkpoints along the route."""
+        """Prepares the road and the checkpoints along the route."""
         self._corridor = find_corridor(context.network, context.route)
         self._checkpoints = find_checkpoints(self._corridor)
         self._wheelbase = context.model.wheelbase
@@ -84,7 +84,7 @@ class MetaDriveAgent:
         elif over > -1.0:
             acceleration = min(acceleration, -_DRIVE * over)
         acceleration = min(acceleration, light_acceleration(observation, self._max_braking))
-        # The same bend with other distance between the axles.
+        # The same bend with another wheelbase.
         wheels = math.atan(math.tan(_MAX_STEERING * steering) * self._wheelbase / _WHEELBASE)
         row = self._log.row
         row[0], row[1], row[2] = steering, throttle, self._to_checkpoint

@@ -1,8 +1,8 @@
-"""A route as MetaDrive's navigation tells it: straight pieces and arcs, a checkpoint behind each.
+"""A route as in MetaDrive's navigation: straight pieces and arcs, with a checkpoint after each.
 
-MetaDrive's maps are put together from straight roads, arcs of 25 to 60 m radius and junctions; its
+MetaDrive's maps consist of straight roads, arcs of 25 to 60 m radius and junctions; its
 navigation names the end of the piece that the ego is on and the end of the next one, with the bend
-of each. Here the pieces are found in the bends of the route itself.
+of each. Here the pieces are derived from the bends of the route.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ _SMOOTHING = 9
 _LEAST_BEND = 0.01
 """1/m; a weaker bend counts as straight."""
 _LEAST_TURN = 0.26
-"""Radians, 15 degrees; what turns by less in all is straight."""
+"""Radians, 15 degrees; a piece with a smaller total turn is straight."""
 _SHORTEST_STRAIGHT = 8.0
 """Metres; a shorter straight piece between two arcs belongs to the first of them."""
 _TIGHTEST = 5.0
-"""Metres; least radius, where a centre line has a corner."""
+"""Least radius in metres, for corners of a centre line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,7 +65,7 @@ def find_checkpoints(corridor: RouteCorridor) -> Checkpoints:
 
 
 def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
-    """Returns where each arc begins and ends, metres, and how far it turns, radians."""
+    """Returns begin and end of each arc, metres, and its turn, radians."""
     count = max(int(np.ceil(corridor.arc[-1] / _SPACING)) + 1, 2)
     s = np.linspace(0.0, float(corridor.arc[-1]), count)
     heading = np.interp(s, corridor.arc, corridor.heading)
@@ -80,7 +80,7 @@ def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
         angle = float(smooth[last - 1] - smooth[first])
         if side[first] == 0.0 or abs(angle) < _LEAST_TURN:
             continue
-        # The average spreads a tight turn: its middle eight tenths lie where they are unsmoothed.
+        # The average spreads a tight turn: its middle eight tenths are in their unsmoothed place.
         turned = np.maximum.accumulate(np.sign(angle) * heading[first:last])
         low, high = (turned[0] + share * (turned[-1] - turned[0]) for share in (0.1, 0.9))
         begin, end = (float(s[first + int(np.searchsorted(turned, x))]) for x in (low, high))

@@ -1,4 +1,4 @@
-"""What MetaDrive's expert sees, made of what an ego perceives here: (275,) numbers from 0 to 1.
+"""Inputs of MetaDrive's expert from an ego's perception: (275,) numbers from 0 to 1.
 
 The layout is that of ``LidarStateObservation`` with 240 rays and four others, in the frame in which
 the expert was trained: ahead and to the *right* are positive, angles run clockwise.
@@ -13,10 +13,10 @@ the expert was trained: ahead and to the *right* are positive, angles run clockw
 8           distance from the middle of the lane to the right, over 2.25 m
 9 to 13     checkpoint at the end of this piece of road: ahead, to the right (over 50 m); radius,
             side and angle of the piece's bend
-14 to 18    the same of the piece behind it
+14 to 18    the same of the next piece
 19 to 34    the four nearest vehicles: ahead, to the right (over 50 m); relative speed ahead and
-            to the right (over 80 km/h); zeros where there are fewer
-35 to 274   distance to what each ray hits first, over 50 m; the first ray points ahead
+            to the right (over 80 km/h); zeros if there are fewer
+35 to 274   distance to the first hit of each ray, over 50 m; the first ray points ahead
 ==========  =====================================================================================
 """
 
@@ -33,7 +33,7 @@ from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
 
 REACH = 50.0
-"""Metres that the rays reach, and beyond which checkpoints are shown no further."""
+"""Range of the rays, and maximum shown distance of checkpoints, metres."""
 RAYS = 240
 _OTHERS = 4
 _FIRST_OTHER = 19
@@ -46,10 +46,10 @@ _LANE_WIDTH = 4.5
 _CURVE_RADIUS = 60.0
 """Metres, widest bend of its maps; the width of the road is added to it."""
 _CURVE_ANGLE = 135.0
-"""Degrees, furthest turn of its maps."""
+"""Degrees, largest turn of its maps."""
 _STEERING_SCALE = 60.0
-"""By which the steering, -1 to 1, is divided where its angle in degrees was meant: the front wheels
-look straight ahead to the expert at all times, and it was trained so."""
+"""Divisor of the steering, -1 to 1, where its angle in degrees was intended: the front wheels
+always appear straight ahead to the expert, as in its training."""
 
 
 @compiled
@@ -59,7 +59,7 @@ def _unit(value: float) -> float:
 
 @compiled
 def _both_ways(value: float) -> float:
-    """Brings -1..1 to 0..1."""
+    """Maps -1..1 to 0..1."""
     return min(max(0.5 * (value + 1.0), 0.0), 1.0)
 
 
@@ -73,7 +73,7 @@ def encode_ego(
         ego: (9,) the ego's state.
         speed: m/s.
         place: (5,) x, y and direction of the middle of the road beside the ego, the road's width in
-            metres, and how many lanes it has.
+            metres, and its number of lanes.
         last: (2,) steering and throttle of the last decision.
         out: (275,).
     """
@@ -121,7 +121,7 @@ def encode_checkpoint(ego: FloatArray, piece: FloatArray, out: FloatArray) -> No
 def encode_others(
     ego: FloatArray, objects: FloatArray, sizes: FloatArray, kinds: IntArray, out: FloatArray
 ) -> None:
-    """Fills entries 19 to 274: the nearest vehicles, and what the rays hit.
+    """Fills entries 19 to 274: the nearest vehicles, and the hits of the rays.
 
     Args:
         ego: (9,) the ego's state.
@@ -165,11 +165,11 @@ def encode_others(
 
 @compiled
 def _cast_rays(ego: FloatArray, box: FloatArray, size: FloatArray, out: FloatArray) -> None:
-    """Shortens the rays that meet a box; those that start in it meet it on their way out."""
+    """Shortens the rays that meet a box; those that start in it hit it on leaving."""
     cos, sin = math.cos(box[2]), math.sin(box[2])
     step = 2.0 * math.pi / RAYS
     for edge in range(4):
-        # The corners at both ends of the edge, seen from the ego: ahead, and to the right.
+        # The corners at both ends of the edge, relative to the ego: ahead, and to the right.
         ax, ay = _corner(ego, box, size, cos, sin, edge)
         bx, by = _corner(ego, box, size, cos, sin, (edge + 1) % 4)
         start = math.atan2(ay, ax)
@@ -201,7 +201,7 @@ def _corner(
 
 @lru_cache(maxsize=1)
 def compile_encoding() -> None:
-    """Compiles the functions of this module, so that an agent's first step need not."""
+    """Compiles the functions of this module, before an agent's first step."""
     out, ego = np.zeros(OBSERVATION_SIZE), np.zeros(9)
     encode_ego(ego, 0.0, np.array([0.0, 0.0, 0.0, 3.5, 1.0]), np.zeros(2), out)
     encode_checkpoint(ego, np.zeros(5), out[9:14])

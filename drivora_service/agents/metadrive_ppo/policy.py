@@ -1,4 +1,4 @@
-"""The expert's network: two hidden layers with tanh, as MetaDrive's own NumPy expert has it."""
+"""The expert's network: two hidden layers with tanh, as in MetaDrive's own NumPy expert."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ HIDDEN = 256
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ExpertWeights:
-    """Weights of the policy; the value function is left out.
+    """Weights of the policy; without the value function.
 
     Attributes:
         first: (275, 256).
         first_bias: (256,).
         second: (256, 256).
         second_bias: (256,).
-        out: (256, 2) to the means of the actions; the columns for their spread are left out.
+        out: (256, 2) to the means of the actions; without the columns for their spread.
         out_bias: (2,).
     """
 
@@ -37,11 +37,11 @@ def expert_action(weights: ExpertWeights, observation: Float32Array) -> Float32A
     """Returns the mean action of the expert, not clipped.
 
     Args:
-        weights: Of the network.
-        observation: (275,) as ``encoding`` lays it out.
+        weights: Weights of the network.
+        observation: (275,) in the layout of ``encoding``.
 
     Returns:
-        (2,) steering and throttle or brake, both meant for -1..1.
+        (2,) steering and throttle or brake, both intended for -1..1.
     """
     hidden = np.tanh(observation @ weights.first + weights.first_bias)
     hidden = np.tanh(hidden @ weights.second + weights.second_bias)

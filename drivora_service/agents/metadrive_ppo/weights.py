@@ -1,4 +1,4 @@
-"""Where the expert's weights come from, and how they are read."""
+"""The source and the reading of the expert's weights."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _SCOPE = "default_policy"
 
 @lru_cache(maxsize=4)
 def load_weights(folder: Path) -> ExpertWeights:
-    """Reads the weights from an agent's folder, once a process.
+    """Reads the weights from an agent's folder, once in each process.
 
     Raises:
-        AgentError: If they are not there, or not the expert's.
+        AgentError: If they are missing, or not the expert's.
     """
     path = folder / FILE_NAME
     shapes = {

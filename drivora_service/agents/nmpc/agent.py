@@ -1,8 +1,8 @@
 """An ADS that plans by nonlinear model-predictive control.
 
 Each step an optimal control problem over 2.8 s is solved (:mod:`problem`): a kinematic bicycle
-tracks a reference along the lane run, behind halts and leaders, within its lane and out of the
-boxes in which others are foreseen. Lights, right of way and the lane changes that the route needs
+tracks a reference along the lane run, behind halts and leaders, within its lane and outside the
+predicted boxes of others. Lights, right of way and the lane changes that the route needs
 are those of ``idm``, the forecast that of ``pdm-closed``.
 """
 
@@ -45,16 +45,16 @@ from drivora_service.observations.trace import Col
 _LARGEST_OFFSET = 1.0
 _EDGE_ROOM = 0.15
 _WATCHED = 40.0
-"""Metres within which everybody is watched; further away, who can come near in time."""
+"""Radius within which all actors count, metres; beyond, those that can come near in time."""
 _OVERSPEED = 5.0
 """m/s beyond the car's top speed that a plan may reach: a scenario may begin there."""
 _HOLD = -1.0
-"""m/s² asked for at rest."""
+"""Commanded acceleration at rest, m/s²."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NmpcParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         speed_factor: Share of the speed limit that it drives where the road is free.
@@ -69,7 +69,7 @@ class NmpcAgent:
     """The agent. One object drives one ego through one run."""
 
     def __init__(self, parameters: NmpcParameters, folder: Path) -> None:
-        """Args: folder: Where CasADi is."""
+        """Args: folder: Folder with CasADi."""
         self._parameters, self._folder = parameters, folder
 
     def setup_env(self, context: AgentContext) -> None:
@@ -110,7 +110,7 @@ class NmpcAgent:
         halt_distance = self._refer(observation)
         reference, boxes = self._reference.copy(), self._boxes.copy()
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
-        # Small numbers near the car: those of the network's plane cost the solver digits.
+        # Coordinates relative to the car, since large ones reduce the solver's precision.
         reference[:, :2] -= (x, y)
         boxes[:, :, :2] -= (x, y)
         v = observation.speed
@@ -134,7 +134,7 @@ class NmpcAgent:
         return AccelerationControl(asked, steer)
 
     def _refer(self, observation: Observation) -> float:
-        """Fills in reference and boxes; gives how far the front bumper may go."""
+        """Fills in reference and boxes; returns the distance that the front bumper may advance."""
         runs, v, ego = self._runs, observation.speed, observation.ego
         runs.wait(v)
         runs.change_when_possible(observation)
@@ -178,7 +178,7 @@ def create(parameters: Mapping[str, Any], folder: Path) -> NmpcAgent:
     """Makes the agent with the CasADi in ``folder``.
 
     Raises:
-        AgentError: If it does not take these parameters.
+        AgentError: If it rejects these parameters.
     """
     return NmpcAgent(read_agent_parameters("nmpc", NmpcParameters, parameters), folder)
 
@@ -190,7 +190,7 @@ def _sides(margins: FloatArray, half_width: float) -> FloatArray:
 
 
 def _watched(observation: Observation) -> IntArray:
-    """Returns the rows of the actors who can come near within the forecast."""
+    """Returns the rows of the actors that can come near within the forecast."""
     objects, ego = observation.objects, observation.ego
     away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
     speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])
@@ -199,5 +199,5 @@ def _watched(observation: Observation) -> IntArray:
 
 
 def _gentle(acceleration: float, v: float) -> float:
-    """Returns the acceleration to begin a plan with: one that does not lead below standstill."""
+    """Returns the initial acceleration of a plan, which does not lead below standstill."""
     return max(acceleration, -max(v, 0.0) / 0.25)

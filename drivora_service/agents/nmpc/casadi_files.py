@@ -1,4 +1,4 @@
-"""CasADi for one agent: which files of the package it takes, and how they are imported.
+"""CasADi for one agent: the used files of the package, and their import.
 
 The package unpacks to 280 MB, most of it solvers that are not used here; the files below are 25 MB.
 """
@@ -38,10 +38,10 @@ CASADI_FILES = PackageFile(
 
 
 def load_casadi(folder: Path) -> ModuleType:
-    """Imports CasADi from an agent's folder, or gives the one that this process has already.
+    """Imports CasADi from an agent's folder, or returns the one that is loaded already.
 
     Raises:
-        AgentError: If it is not there, or cannot be loaded on this system.
+        AgentError: If it is missing, or cannot be loaded on this system.
     """
     known = sys.modules.get(_MODULE)
     if known is not None:
@@ -55,7 +55,7 @@ def load_casadi(folder: Path) -> ModuleType:
     sys.modules[_MODULE] = module
     try:
         with warnings.catch_warnings():
-            # SWIG's generated types lack a module name, of which Python warns from 3.12 on.
+            # SWIG's generated types lack a module name, about which Python warns from 3.12 on.
             warnings.simplefilter("ignore", DeprecationWarning)
             spec.loader.exec_module(module)
     except (ImportError, OSError) as error:

@@ -1,4 +1,4 @@
-"""The last plan: where the next one begins its search, and what is driven when there is none."""
+"""The last plan: the initial guess of the next one, and the fallback without one."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _TIMES = STAGE_TIME * np.arange(STAGES + 1)
 
 
 class LastPlan:
-    """What was planned last, and how far it has been driven.
+    """The last plan, and the progress on it.
 
     Attributes:
-        failures: Steps since that no plan has been found.
+        failures: Number of steps without a plan since then.
     """
 
     def __init__(self, step_length: float) -> None:
@@ -28,7 +28,7 @@ class LastPlan:
     def take(
         self, states: FloatArray, inputs: FloatArray, origin: tuple[float, float]
     ) -> tuple[float, float]:
-        """Takes a new plan, whose positions are relative to ``origin``.
+        """Stores a new plan, whose positions are relative to ``origin``.
 
         Returns:
             Acceleration and front-wheel angle at the end of its first step.
@@ -42,11 +42,11 @@ class LastPlan:
         return acceleration, steer
 
     def go_on(self, speed: float, steer: float) -> float:
-        """Returns the front-wheel angle that goes on along the path of the plan for another step.
+        """Returns the front-wheel angle that continues the path of the plan for another step.
 
         Args:
-            speed: m/s; slower than the plan it comes later to the plan's angles.
-            steer: The angle now, kept where there is no plan yet.
+            speed: m/s; below the plan's speed it reaches the plan's angles later.
+            steer: The present angle, kept without a plan.
         """
         self.failures += 1
         if self._states is None:
@@ -60,9 +60,9 @@ class LastPlan:
     def guess(
         self, start: FloatArray, reference: FloatArray, origin: tuple[float, float]
     ) -> tuple[FloatArray, FloatArray]:
-        """Returns states and inputs for the solver to begin with, relative to ``origin``.
+        """Returns states and inputs as the solver's initial guess, relative to ``origin``.
 
-        The last plan, a step on; without one, or after a failure, the reference.
+        The last plan, shifted by a step; without one, or after a failure, the reference.
         """
         inputs = np.zeros((STAGES, INPUTS))
         inputs[:, 2:] = 0.1

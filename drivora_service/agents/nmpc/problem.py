@@ -1,7 +1,7 @@
 """The optimal control problem of one step: a kinematic bicycle over the horizon, in CasADi.
 
 Direct multiple shooting (Bock, Plitt 1984): the states of all stages are unknowns beside the
-inputs. FATROP (Vanroye, Sathya, De Schutter, Decré 2023), an interior-point method that makes use
+inputs. FATROP (Vanroye, Sathya, De Schutter, Decré 2023), an interior-point method that uses
 of this structure, solves it.
 
 States: x, y (metres from an origin near the car), heading, speed, acceleration, front-wheel angle.
@@ -29,28 +29,28 @@ STATES = 6
 INPUTS = 5
 REFERENCE = 8
 """Parameters of a stage: x, y, heading, speed, acceleration and curvature of the reference, and how
-far beyond it, along it, the centre may go before a halt and behind a leader."""
+far beyond it the centre may go before a halt and behind a leader."""
 SIDES = 2
 """Then the least and the largest offset to the left of the reference, metres."""
 BOXES = 4
 BOX = 5
-"""x, y, heading, and half length and half width out of which the car's centre must stay."""
+"""x, y, heading, half length and half width of the box that the car's centre must avoid."""
 MOST_JERK, HARDEST_JERK = 6.0, -30.0
 STEER_RATE = 0.6
 _FAR = 1e6
 _ROLLING_BACK = 0.05
-"""m/s that a plan may be below zero: with none, a car at rest leaves the solver no inside."""
+"""m/s by which a plan may be below zero; without it, a car at rest leaves no interior."""
 
 _LATERAL, _HEADING, _SPEED, _ACCELERATION = 1.0, 2.0, 1.0, 0.1
 _SIDE_ACCELERATION, _JERK, _SIDE_JERK, _WHEEL = 0.1, 0.01, 0.02, 2.0
 _SLACK_LINEAR, _SLACK_SQUARE = (50.0, 5.0, 30.0), (100.0, 10.0, 100.0)
 _HEADWAY = 0.5
-"""Seconds that the plan keeps behind a leader at least; the reference keeps more."""
+"""Minimum headway of the plan in seconds; that of the reference is larger."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CarLimits:
-    """What bounds the plan: SI units."""
+    """The car's limits of the plan, SI units."""
 
     wheelbase: float
     max_braking: float
@@ -61,13 +61,13 @@ class CarLimits:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
-    """What came of a problem.
+    """The solution of a problem.
 
     Attributes:
         states: (STAGES + 1, STATES).
         inputs: (STAGES, INPUTS).
         solved: Whether the solver converged.
-        status: What it said.
+        status: Status of the solver.
     """
 
     states: FloatArray
@@ -78,7 +78,7 @@ class Solution:
 
 
 class Problem:
-    """The problem for one kind of car; solving it leaves nothing behind."""
+    """The problem for one kind of car; solving it has no side effects."""
 
     def __init__(self, casadi: ModuleType, limits: CarLimits, max_iterations: int) -> None:
         self._solver, self._lower, self._upper, self._low_g, self._up_g = _build(
@@ -94,10 +94,10 @@ class Problem:
         states: FloatArray,
         inputs: FloatArray,
     ) -> Solution:
-        """Solves it.
+        """Solves the problem.
 
         Args:
-            start: (STATES,) the state now.
+            start: (STATES,) the present state.
             reference: (STAGES + 1, REFERENCE).
             sides: (STAGES + 1, SIDES) least and largest offset to the left, metres.
             boxes: (STAGES + 1, BOXES, BOX).
@@ -157,7 +157,7 @@ def _build(
     for k, x in enumerate(states):
         p = parameters[:, k]
         unknowns.append(x)
-        # The state now may lie outside: a plan need only lead back in.
+        # The present state may be outside: a plan only has to lead back inside.
         lower += [-_FAR] * STATES if k == 0 else least
         upper += [_FAR] * STATES if k == 0 else most
         along, aside = _place(ca, x, p)
@@ -248,7 +248,7 @@ def _tracking(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
 
 
 def _distances(ca: ModuleType, x: Any, p: Any) -> list[Any]:
-    """Returns how far the car is out of each box: 1 on the superellipse through its sides."""
+    """Returns the distance of the car from each box: 1 on the superellipse through its sides."""
     found = []
     for number in range(BOXES):
         first = REFERENCE + SIDES + BOX * number

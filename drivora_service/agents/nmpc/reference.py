@@ -1,7 +1,7 @@
-"""What the controller tracks over the horizon, and what bounds it; compiled.
+"""The controller's reference over the horizon, and its bounds; compiled.
 
-The reference is what the intelligent driver model would do along the lane run, behind whoever the
-forecast puts ahead. Frame: the network's plane; arc lengths are those of the lane run.
+The reference is the motion of the intelligent driver model along the lane run, behind actors that
+the forecast predicts ahead. Frame: the network's plane; arc lengths are those of the lane run.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ FORECASTS_A_STAGE = 2
 _FAR = 1e3
 _WALKER_ROOM = 0.5
 _CHANGING = 1.2
-"""Metres beside the line from which on it is a change of lanes, not an offset."""
+"""Metres beside the line from which on the offset counts as a lane change."""
 _SIDE_SPEED = 1.2
-"""m/s at which the reference comes back to the line."""
+"""m/s at which the reference returns to the line."""
 _SIDE_SHARE = 0.25
-"""Share of the speed that this is at most."""
+"""Maximum share of the speed for this."""
 _GAP = 1.5
-"""Metres that the plan must leave behind a leader."""
+"""Minimum gap of the plan to a leader, metres."""
 _BOX_ROOM_AHEAD, _BOX_ROOM_ASIDE = 0.6, 0.25
 _WATCHED = 12.0
 
@@ -57,18 +57,18 @@ def roll_out(
     """Fills in the reference.
 
     Args:
-        v, acceleration, heading: Of the ego; the acceleration is what it asked for last.
-        cursor, s, lateral: Where it is on the way.
-        stop: Arc length at which its front bumper must halt; inf where nowhere.
-        walker_rear, walker_speed: Arc length before which it must stay for somebody on foot who may
-            step into its way, and how fast that moves on; inf where there is nobody.
+        v, acceleration, heading: State of the ego; the acceleration is its last command.
+        cursor, s, lateral: Its place on the way.
+        stop: Arc length at which its front bumper must halt; inf without a halt.
+        walker_rear, walker_speed: Arc length before which it must stay for a walker that may step
+            into its way, and the walker's speed along it; inf without one.
         car: (4,) half length, half width, hardest braking, and top speed.
-        side_room: Metres to keep to those beside it.
-        way: (n, 4) x, y, arc length and speed to drive.
+        side_room: Metres to keep to actors beside it.
+        way: (n, 4) x, y, arc length and desired speed.
         sides: (n, 2) least and largest offset at each of its points.
         seen: (K, m, 5) the others, as ``forecast.see_from_way`` fills it.
-        kinds: (m,) theirs.
-        reference: (S, 8) filled, as ``problem.REFERENCE`` says, with x and y of the network.
+        kinds: (m,) their kinds.
+        reference: (S, 8) filled, as in ``problem.REFERENCE``, with x and y of the network.
         places: (S, 4) filled: arc length, offset, least and largest offset.
     """
     half_length, max_braking, top = car[0], car[2], car[3]
@@ -86,7 +86,8 @@ def roll_out(
         past = along - way[at, 2]
         yaw = math.atan2(uy, ux)
         if at + 2 < way.shape[0]:
-            # Headings run on within a segment, else each corner of the line would be a jerk.
+            # Headings are interpolated within a segment, else each corner of the line would be a
+            # jerk.
             ahead = math.atan2(way[at + 2, 1] - way[at + 1, 1], way[at + 2, 0] - way[at + 1, 0])
             yaw += 0.5 * min(past / span, 1.0) * wrapped(ahead - yaw)
         yaw = last_yaw + wrapped(yaw - last_yaw)
@@ -114,7 +115,7 @@ def roll_out(
         row[6] = min(stop - half_length - along, _FAR)
         row[7] = min(rear - _GAP - along, _FAR)
         place[0], place[1] = along, aside
-        # Who is beyond a side, as in a change of lanes, need only come back to it.
+        # A car beyond a side, as in a lane change, only has to return to it.
         place[2], place[3] = min(low - aside, 0.0), max(high - aside, 0.0)
         last_yaw, last_along = yaw, along
         pull = asked
@@ -138,9 +139,9 @@ def _leader(
     seen: FloatArray,
     kinds: IntArray,
 ) -> tuple[float, float]:
-    """Returns the arc length that the centre must stay behind at a stage, and how fast it moves.
+    """Returns the arc length before which the centre must stay at a stage, and its speed.
 
-    Those who can be passed within the lane's room are left to the boxes.
+    Actors that can be passed within the lane are handled by the boxes.
     """
     rear, other = np.inf, 0.0
     for j in range(seen.shape[0]):
@@ -148,7 +149,7 @@ def _leader(
         if side == np.inf or at + extent < along - car[0]:
             continue
         if first[j, 1] != np.inf and first[j, 0] + first[j, 2] < s - 0.5 * car[0]:
-            # Beside us or behind: keeping our line is all that there is to do.
+            # Beside or behind the ego: keeping the line suffices.
             continue
         reach = car[1] + across + side_room
         if kinds[j] == 1:
@@ -170,14 +171,14 @@ def lay_boxes(
     sizes: FloatArray,
     boxes: FloatArray,
 ) -> None:
-    """Fills in the boxes to keep out of: those that come nearest to the reference.
+    """Fills in the boxes to avoid: those nearest to the reference.
 
     Args:
         reference: (S, 8).
         half_length, half_width: Of the ego, metres.
         future: (K, m, 4) x, y, heading, speed, as ``forecast`` fills it.
         sizes: (m, 2) metres.
-        boxes: (S, BOXES, 5) filled; those without anybody lie far away.
+        boxes: (S, BOXES, 5) filled; unused ones are far away.
     """
     stages, count = reference.shape[0], sizes.shape[0]
     near = np.full(count, np.inf)

@@ -1,1 +1,1 @@
-"""The planner that simulates proposals along its route and drives the best of them."""
+"""The planner that simulates proposals along its route and executes the best of them."""

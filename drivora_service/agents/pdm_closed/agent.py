@@ -1,4 +1,4 @@
-"""A planner that simulates proposals along its route, scores them and drives the best.
+"""A planner that simulates proposals along its route, scores them and executes the best.
 
 The method of PDM-Closed: Dauner, Hallgarten, Geiger, Chitta, *Parting with Misconceptions about
 Learning-based Vehicle Motion Planning* (CoRL 2023). Lights, right of way and lane changes that the
@@ -31,20 +31,20 @@ from drivora_service.observations.trace import Col
 FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)
 """Shares of the speed limit that proposals are driven at, as in the paper."""
 _WATCHED = 40.0
-"""Metres within which everybody is watched; further away, who can come near in time."""
+"""Radius within which all actors count, metres; beyond, those that can come near in time."""
 _ROAD_AHEAD = 30
-"""Points of the way, about metres, whose narrowest place bounds the offsets."""
+"""Number of points of the way (about metres) whose narrowest place bounds the offsets."""
 _EDGE_ROOM = 0.15
 """Metres that proposals keep from the edge of the road."""
 _OFFSET_COST = 0.05
-"""What a proposal beside the lane's centre costs, in score: of two alike, the middle."""
+"""Penalty of a proposal beside the lane's centre, in score: of equal ones, the middle wins."""
 _CHANGE_COST = 0.02
-"""What another offset than that of the step before costs."""
+"""Penalty of an offset other than that of the preceding step."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PdmParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         speed_factor: Share of the speed limit that the fastest proposal drives at.
@@ -127,7 +127,7 @@ class PdmClosedAgent:
         return self._execute(s)
 
     def _watched(self, observation: Observation) -> NDArray[np.int64]:
-        """Returns the rows of the actors who can come near within the forecast."""
+        """Returns the rows of the actors that can come near within the forecast."""
         objects, ego = observation.objects, observation.ego
         away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
         speeds = np.hypot(objects[:, Col.VX], objects[:, Col.VY])
@@ -137,7 +137,7 @@ class PdmClosedAgent:
         return rows
 
     def _find_offsets(self) -> None:
-        """Fills in how far to either side the road ahead lets the car go."""
+        """Fills in the offsets to each side that the road ahead allows."""
         cursor, half_width = self._runs.cursor, self._half_width
         ahead = self._margins[self._runs.current][cursor : cursor + _ROAD_AHEAD]
         left, right = ahead[:, :2].min(axis=0).tolist()
@@ -154,7 +154,7 @@ class PdmClosedAgent:
         s: float,
         room: float,
     ) -> None:
-        """Fills in where lights, right of way and lane ends halt each speed, as arc lengths."""
+        """Fills in the arc lengths at which lights, right of way and lane ends halt each speed."""
         runs, v = self._runs, observation.speed
         way, zones = runs.way, runs.way.conflicts
         line, arc = way.points[:, :2], way.points[:, 2]
@@ -176,20 +176,20 @@ class PdmClosedAgent:
             )  # fmt: skip
 
     def _execute(self, s: float) -> AccelerationControl:
-        """Chooses a proposal and gives what it begins with."""
+        """Chooses a proposal and returns its first control."""
         found, factors = self._found, len(FACTORS)
         beside = np.arange(len(found)) // factors
         merit = found[:, 0] - _OFFSET_COST * (beside > 0)
         merit -= _CHANGE_COST * (beside != self._chosen // factors)
         if found[:, 0].max() <= 0.0:
-            # All are bad: the one that goes well for longest; where all collide, the slowest.
+            # All are bad: the one that is good for longest; if all collide, the slowest.
             collides = bool(np.isfinite(found[:, 1]).all())
             merit += np.minimum(found[:, 1], 10.0) + (-1e-3 if collides else 1e-3) * found[:, 2]
         best = int(np.argmax(merit))
         self._chosen = best
         _, _, _, _, asked, steer, _, _ = self._proposed[best, 0].tolist()
         before = self._asked
-        # A proposal's steps are longer than the agent's; in need the brake is stamped on.
+        # A proposal's steps are longer than the agent's; except for emergency braking.
         self._asked = asked if asked < -HARD_BRAKING else before + self._share * (asked - before)
         if found[best, 1] <= self._parameters.brake_within:
             self._asked = -min(self._parameters.emergency_braking, self._max_braking)

@@ -1,4 +1,4 @@
-"""Where others will be: constant velocity along their lane, or straight on; compiled.
+"""Forecast of other actors: constant velocity along their lane, or straight on; compiled.
 
 Frame: the network's plane. Time runs in ``STEPS`` steps of ``STEP`` seconds.
 """
@@ -16,19 +16,19 @@ from drivora_service.networks.line_tracking import track_line
 STEPS = 40
 STEP = 0.1
 _BRAKES = -0.5
-"""m/s² below which somebody is taken to go on braking."""
+"""m/s² below which an actor is predicted to continue braking."""
 
 
 @compiled
 def forecast(objects: FloatArray, spans: IntArray, points: FloatArray, future: FloatArray) -> None:
-    """Fills in where everybody will be.
+    """Fills in the predicted states of all actors.
 
-    Who brakes goes on braking; who pulls away is not taken to go on doing so.
+    Braking actors continue braking; accelerating ones do not continue accelerating.
 
     Args:
         objects: (n, 9) actors.
-        spans: (n, 2) ways of those who follow a lane, as ``LanePaths.spans`` gives them.
-        points: (m, 3) their points.
+        spans: (n, 2) ways of actors that follow a lane, as returned by ``LanePaths.spans``.
+        points: (m, 3) points of the ways.
         future: (STEPS + 1, n, 4) filled: x, y, heading, speed.
     """
     for j in range(objects.shape[0]):
@@ -77,13 +77,13 @@ def see_from_way(
     future: FloatArray,
     seen: FloatArray,
 ) -> None:
-    """Fills in where everybody will be as seen from a way.
+    """Fills in the predicted states of all actors relative to a way.
 
     Args:
         way: (n, 4) x, y and arc length of its points, metres.
-        cursor: Segment that the ego is on.
+        cursor: Segment of the ego.
         sizes: (m, 2) metres.
-        future: (K, m, 4) as ``forecast`` fills it.
+        future: (K, m, 4) as filled by ``forecast``.
         seen: (K, m, 5) filled: arc length, metres to the left, half of the box's extent along and
             across, speed along. Metres to the left are inf far from the way.
     """

@@ -1,4 +1,4 @@
-"""How much room there is beside a lane run: to the edge of the road, and to oncoming traffic."""
+"""Room beside a lane run: to the edge of the road, and to oncoming traffic."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from drivora_service.networks.lane_route import LaneRun
 from drivora_service.networks.road_network import RoadNetwork
 
 _SAMPLES = np.arange(1.0, 3.6, 0.25)
-"""Metres beside the line at which it is looked whether the road goes on."""
+"""Distances beside the line at which the road is checked, metres."""
 _EVERY = 2
-"""Points of a run's line of which one is looked from."""
+"""Interval of the checked points of a run's line."""
 
 
 @lru_cache(maxsize=256)
 def side_margins(network: RoadNetwork, run: LaneRun) -> FloatArray:
-    """Returns the room beside a run's line; not to be changed.
+    """Returns the room beside a run's line; must not be changed.
 
     Returns:
         (n, 3) metres from each point of the line: to the edge of the drivable area on the left and
-        on the right (inf where it is far), and to the left edge of the lanes of this direction (inf
+        on the right (inf if it is far), and to the left edge of the lanes of this direction (inf
         inside a junction).
     """
     points = run.line[::_EVERY]

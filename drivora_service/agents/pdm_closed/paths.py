@@ -1,4 +1,4 @@
-"""The ways that others are likely to take: along the lane that each is on, then straight on."""
+"""Likely ways of other actors: along their lane, with the straightest continuation."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.observations.trace import Col
 
 _PERIOD = 10
-"""Steps between two looks at which lane somebody is on."""
+"""Steps between checks of an actor's lane."""
 _AHEAD = 110.0
 _SPACING = 2.0
 _BESIDE = 2.0
-"""Metres from a lane's centre up to which somebody drives along it."""
+"""Metres from a lane's centre up to which a vehicle follows it."""
 _ALONG = math.cos(math.radians(40.0))
 _STANDING = 0.3
 _BEND_AHEAD = 6.0
 _BEND_WEIGHT = 4.0
-"""Metres beside a lane that count as much as a radian by which its bend is not what is driven."""
+"""Metres beside a lane that count like a radian of difference between its bend and the motion."""
 
 
 class LanePaths:
-    """Ways of all vehicles that are watched; one pool of points for all lanes."""
+    """Ways of all considered vehicles; one pool of points for all lanes."""
 
     def __init__(self, network: RoadNetwork) -> None:
         self._network = network
@@ -45,10 +45,10 @@ class LanePaths:
             step: Row of the trace.
             objects: (n, 9) actors, columns ``Col``.
             kinds: (n,) 0 for vehicles.
-            ids: (n,) numbers that stay with the actors.
+            ids: (n,) constant numbers of the actors.
 
         Returns:
-            (n, 2) first row and end in ``points`` (x, y, arc length); (0, 0) for those who follow
+            (n, 2) first row and end in ``points`` (x, y, arc length); (0, 0) for actors that follow
             no lane.
         """
         spans = np.zeros((len(objects), 2), dtype=np.int64)
@@ -77,7 +77,7 @@ class LanePaths:
         return self._span(chosen.lane)
 
     def _bend(self, place: LanePosition) -> float:
-        """Returns by how much a lane turns over the next metres, radians."""
+        """Returns the turn of a lane over the next metres, radians."""
         lane, s = self._network.lanes[place.lane], place.s + _BEND_AHEAD
         while s > float(lane.arc[-1]) and (following := self._graph.successors[lane.index]):
             s -= float(lane.arc[-1])
@@ -97,7 +97,7 @@ class LanePaths:
         return span
 
     def _draw(self, lane: int) -> FloatArray:
-        """Draws the way from the beginning of a lane, where lanes part the straightest."""
+        """Returns the way from the beginning of a lane, at branches the straightest."""
         lanes, ahead = [lane], 0.0
         while ahead < _AHEAD and (following := self._graph.successors[lanes[-1]]):
             lanes.append(min(following, key=self._turn))

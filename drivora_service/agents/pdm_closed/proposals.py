@@ -1,7 +1,7 @@
-"""The proposals: what comes of driving at each lateral offset and speed, simulated; compiled.
+"""The proposals: simulated drives at each lateral offset and speed; compiled.
 
-Each is driven by the intelligent driver model behind whoever the forecast puts before it, and by
-pure pursuit along the centre line moved sideways, on a kinematic bicycle.
+Each is driven by the intelligent driver model behind actors that the forecast predicts ahead, and
+by pure pursuit along the centre line shifted sideways, on a kinematic bicycle.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from drivora_service.networks.line_tracking import track_line
 
 _STEER_RATE = 0.7
 _SHIFT_TIME = 2.0
-"""Seconds that moving over to another offset takes."""
+"""Seconds for moving to another offset."""
 _LEAST_SHIFT = 5.0
 _WALKER_ROOM = 0.5
-"""Metres more that are left to people on foot."""
+"""Additional distance to walkers, metres."""
 _PASSING_ROOM = 3.0
-"""Metres more that are kept behind what stands at the side of the lane: from nearer by, there is no
-way round it."""
+"""Additional distance behind actors that stand at the side of the lane, metres: from nearer by, the
+ego cannot pass them."""
 _AT_THE_SIDE = 0.8
 _STANDING = 0.3
 
@@ -42,8 +42,8 @@ _STANDING = 0.3
 def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: float) -> float:
     """Returns the acceleration of the intelligent driver model (Treiber, Hennecke, Helbing 2000).
 
-    Above the wanted speed it brakes no harder than is comfortable: a slow proposal that begins fast
-    would stamp on the brake otherwise.
+    Above the desired speed its braking is comfortable: a slow proposal that begins fast
+    would otherwise brake hard.
     """
     free = MAX_ACCELERATION * (1.0 - (v / max(wanted, 0.1)) ** 4)
     free = max(free, -COMFORTABLE_BRAKING)
@@ -54,7 +54,7 @@ def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: f
 
 @compiled
 def _offset_at(s: float, begin: float, length: float, start: float, end: float) -> float:
-    """Returns how far beside the line a path is that moves from one offset to another."""
+    """Returns the offset of a path that moves from one offset to another."""
     share = min(max((s - begin) / length, 0.0), 1.0)
     return start + share * (end - start)
 
@@ -72,7 +72,7 @@ def _next_ahead(
     seen: FloatArray,
     kinds: IntArray,
 ) -> tuple[float, float]:
-    """Returns the gap to who is next ahead on a path that moves sideways, and that one's speed."""
+    """Returns gap and speed of the next actor ahead on a path that moves sideways."""
     gap, other = np.inf, 0.0
     for j in range(seen.shape[0]):
         at, side, extent, across = seen[j, 0], seen[j, 1], seen[j, 2], seen[j, 3]
@@ -85,7 +85,7 @@ def _next_ahead(
             continue
         there = at - extent - s - half_length
         if there < -0.5 * half_length and kinds[j] == 0:
-            # Beside us: keeping our line is all that there is to do.
+            # Beside the ego: keeping the line suffices.
             continue
         if abs(side) > _AT_THE_SIDE and kinds[j] != 1 and abs(seen[j, 4]) < _STANDING:
             there -= _PASSING_ROOM
@@ -118,20 +118,20 @@ def propose(
 
     Args:
         ego: (9,) the ego's state.
-        v, acceleration, steer: Its speed, the acceleration asked of it last, and front-wheel angle.
+        v, acceleration, steer: Its speed, its last commanded acceleration, and front-wheel angle.
         car: (6,) half length, half width and wheelbase in metres, hardest braking in m/s², largest
             front-wheel angle, and the top speed in m/s.
-        grip: Of the tyres, m/s².
-        way: (n, 4) x, y, arc length and speed to drive.
-        cursor, s, lateral: Where the ego is on it.
+        grip: Grip of the tyres, m/s².
+        way: (n, 4) x, y, arc length and desired speed.
+        cursor, s, lateral: The ego's place on it.
         offsets: (O,) metres to the left.
-        factors: (F,) shares of the speed to drive.
-        stops: (F,) arc length on the way at which the front bumper must halt; inf where nowhere.
-        room: Metres to keep to those beside the path.
-        seen: (K, n, 5) the others, as ``see_from_way`` fills it.
+        factors: (F,) shares of the desired speed.
+        stops: (F,) arc length on the way at which the front bumper must halt; inf without a halt.
+        room: Metres to keep to actors beside the path.
+        seen: (K, n, 5) the others, as filled by ``see_from_way``.
         kinds: (n,) their kinds.
-        out: (O * F, K, 8) filled: x, y, heading, speed, acceleration, wanted front-wheel angle, arc
-            length and metres to the left.
+        out: (O * F, K, 8) filled: x, y, heading, speed, acceleration, desired front-wheel angle,
+            arc length and metres to the left.
     """
     half_length, half_width, wheelbase, max_braking = car[0], car[1], car[2], car[3]
     line, arc = way[:, :2], way[:, 2]
@@ -139,7 +139,7 @@ def propose(
         offset = offsets[p // factors.shape[0]]
         factor = factors[p % factors.shape[0]]
         stop = stops[p % factors.shape[0]]
-        # A small error is mended in a short way: a bend taken by half measures is not kept to.
+        # Small errors are corrected over a short distance, else bends are not followed.
         length = max(_LEAST_SHIFT, _SHIFT_TIME * v) * min(max(abs(offset - lateral), 0.1), 1.0)
         x, y, yaw = ego[0], ego[1], ego[2]
         speed, pull, wheel = v, acceleration, steer
@@ -170,7 +170,7 @@ def propose(
             pull = asked
             turn = min(max(turn, -car[4]), car[4])
             wheel += min(max(turn - wheel, -_STEER_RATE * STEP), _STEER_RATE * STEP)
-            # A motor pulls less at speed.
+            # The traction decreases with the speed.
             gained = pull * max(0.0, 1.0 - speed / car[5]) if pull > 0.0 else pull
             after = min(max(speed + gained * STEP, 0.0), car[5])
             mean = 0.5 * (speed + after)

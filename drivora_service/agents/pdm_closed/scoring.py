@@ -1,8 +1,8 @@
-"""What simulated proposals are worth, by nuPlan's terms as PDM-Closed uses them; compiled.
+"""Scores of simulated proposals, by nuPlan's terms as in PDM-Closed; compiled.
 
 Source: Dauner, Hallgarten, Geiger, Chitta, *Parting with Misconceptions about Learning-based
 Vehicle Motion Planning* (2023), and nuPlan's metrics. The terms that multiply: no collision at
-fault, drivable area, driving direction. Those that are averaged: progress, time to collision,
+fault, drivable area, driving direction. The averaged terms: progress, time to collision,
 comfort.
 """
 
@@ -24,12 +24,12 @@ _STANDS = 0.1
 _CLEARANCE = 0.15
 """Metres by which the ego's box is larger on each side than the ego."""
 _SLACK = 0.02
-"""Metres by which a box that is outside already may come further outside."""
+"""Metres by which a box that is outside already may go further outside."""
 _LEAST_PROGRESS = 0.5
-"""Metres; where no proposal gets further, progress does not count."""
+"""Metres; if no proposal gets further, progress does not count."""
 _LOOKS = 3
 _LOOK = 3
-"""Time to collision is looked for in so many steps of so many simulation steps: up to 0.9 s."""
+"""Steps of the search for the time to collision, and simulation steps in each: up to 0.9 s."""
 _MAX_PULL = 2.40
 _MAX_BRAKING = 4.05
 _MAX_SIDE = 4.89
@@ -62,12 +62,12 @@ def _touches(
 def first_collision(
     path: FloatArray, half_length: float, half_width: float, future: FloatArray, sizes: FloatArray
 ) -> int:
-    """Finds the first collision that would be the ego's fault.
+    """Finds the first collision at the ego's fault.
 
-    Not at fault is who stands, or is run into from behind; who overlaps already cannot help it.
+    The ego is not at fault if it stands, is hit from behind, or overlaps already.
 
     Returns:
-        The step, or the number of steps where there is none.
+        The step, or the number of steps if there is none.
     """
     steps: int = path.shape[0]
     for j in range(sizes.shape[0]):
@@ -96,7 +96,7 @@ def first_collision(
 def keeps_time_to_collision(
     path: FloatArray, half_length: float, half_width: float, future: FloatArray, sizes: FloatArray
 ) -> bool:
-    """Says whether the ego, going on as it is, would never touch anybody ahead within 0.9 s."""
+    """Returns whether the ego, at constant velocity, touches no actor ahead within 0.9 s."""
     last = path.shape[0] - 1
     for k in range(0, last - _LOOKS * _LOOK + 1, 2):
         x, y, yaw, speed = path[k, 0], path[k, 1], path[k, 2], path[k, 3]
@@ -120,12 +120,12 @@ def keeps_time_to_collision(
 def stays_on_road(
     path: FloatArray, half_length: float, half_width: float, way: FloatArray, margins: FloatArray
 ) -> tuple[bool, float]:
-    """Says whether the box stays inside the drivable area, and how far it drives in oncoming lanes.
+    """Returns whether the box stays in the drivable area, and its distance in oncoming lanes.
 
-    Outside is only what is further outside than where the ego is now.
+    Only places further outside than the ego's present one count as outside.
     """
     allowed, oncoming = 0.0, 0.0
-    # Behind the end of its line a lane run knows nothing of the road.
+    # Beyond the end of its line the road is unknown.
     at, end = 0, way[way.shape[0] - 1, 2] - 0.1
     for k in range(path.shape[0]):
         s, side = path[k, 6], path[k, 7]
@@ -151,7 +151,7 @@ def stays_on_road(
 
 @compiled
 def is_comfortable(path: FloatArray, before: float) -> bool:
-    """Says whether a proposal keeps nuPlan's limits of comfort.
+    """Returns whether a proposal keeps nuPlan's limits of comfort.
 
     Args:
         path: (K, 8) the proposal.
@@ -188,12 +188,12 @@ def score(
     """Scores proposals.
 
     Args:
-        paths: (P, K, 8) as ``propose`` fills it.
+        paths: (P, K, 8) as filled by ``propose``.
         before: Acceleration before them, m/s².
-        half_length, half_width: Of the ego, metres.
-        way: (n, 4) what they follow.
-        margins: (n, 3) the room beside it.
-        future: (K, n, 4) the others.
+        half_length, half_width: Half size of the ego, metres.
+        way: (n, 4) the followed way.
+        margins: (n, 3) the margins beside it.
+        future: (K, n, 4) the predicted others.
         sizes: (n, 2) metres.
         out: (P, 5) filled: score 0..1, seconds to the first collision at fault or inf, metres of
             progress, 1 if the time to collision is kept, 1 if it is comfortable.

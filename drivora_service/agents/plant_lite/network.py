@@ -1,9 +1,9 @@
 """plant-lite's network: a transformer over tokens, and a recurrent decoder of waypoints.
 
-As in PlanT (Renz et al. 2022), what is seen becomes tokens by one linear layer a kind of thing; the
-token of the ego stands where PlanT has [CLS], and what the encoder makes of it starts a gated
-recurrent unit that puts one waypoint before the other. Layers are normalised before attention and
-before the feed-forward part (Xiong et al. 2020).
+As in PlanT (Renz et al. 2022), inputs become tokens by one linear layer for each kind of object;
+the token of the ego replaces PlanT's [CLS], and its encoding initialises a gated recurrent unit
+that outputs one waypoint after the other. Layers are normalised before attention and before the
+feed-forward part (Xiong et al. 2020).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _TOKENS = 1 + PIECES + OBJECTS
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlantWeights:
-    """Weights of the network, inputs first; L layers, each part of width 48.
+    """Weights of the network, inputs first; L layers, each token of width 48.
 
     Attributes:
         ego: (10, 48) and ``ego_bias`` (48,).
@@ -45,7 +45,7 @@ class PlantWeights:
         turn_to: (2, 144) from the last waypoint to reset, update and new state; ``turn_to_bias``
             (144,).
         keep: (48, 144) from the state to the same; ``keep_bias`` (144,).
-        step: (48, 2) to the way to the next waypoint; ``step_bias`` (2,).
+        step: (48, 2) to the displacement to the next waypoint; ``step_bias`` (2,).
     """
 
     ego: Float32Array
@@ -74,10 +74,10 @@ class PlantWeights:
 
 
 class PlantNetwork:
-    """The network with room for what it computes. One object drives one ego."""
+    """The network with its buffers. One object drives one ego."""
 
     def __init__(self, weights: PlantWeights) -> None:
-        """Args: weights: Of the network."""
+        """Args: weights: Weights of the network."""
         self._weights = weights
         self._tokens = np.empty((_TOKENS, WIDTH), dtype=np.float32)
         self._heads = np.empty((_TOKENS, 3 * WIDTH), dtype=np.float32)
@@ -88,10 +88,10 @@ class PlantNetwork:
         """Returns (4, 2) places after each half second, in the ego's frame, metres.
 
         Args:
-            seen: (262,) as ``view`` lays it out.
+            seen: (262,) in the layout of ``view``.
 
         Returns:
-            An array that the next call fills anew.
+            An array that the next call overwrites.
         """
         return self._decode(self._encode(seen))
 
@@ -107,7 +107,7 @@ class PlantNetwork:
         shown = others[: count - 1 - PIECES]
         np.add(shown @ w.other, w.other_bias, out=tokens[1 + PIECES :])
         for layer in range(LAYERS):
-            # Of the last layer only the ego's token is wanted.
+            # Only the ego's token of the last layer is needed.
             if layer == LAYERS - 1:
                 wanted, inner = tokens[:1], inner[:1]
             else:
@@ -155,7 +155,7 @@ def _attention(heads: Float32Array, queries: int) -> Float32Array:
 
     Args:
         heads: (n, 144) queries, keys and values of all heads.
-        queries: How many of the tokens ask.
+        queries: Number of tokens with queries.
 
     Returns:
         (queries, 48).

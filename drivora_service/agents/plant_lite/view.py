@@ -1,16 +1,16 @@
-"""What plant-lite sees: itself, pieces of the way, and others as boxes; (262,) numbers.
+"""Inputs of plant-lite: the ego, pieces of the way, and others as boxes; (262,) numbers.
 
 ===========  =====================================================================================
-0 to 9       itself, as ``WayView.show`` has it
+0 to 9       the ego, as in ``WayView.show``
 10 to 93     twelve pieces of the way, seven numbers each, likewise
-94 to 261    twelve times another actor, the nearest first, fourteen numbers each: 1 where there is
+94 to 261    twelve times another actor, the nearest first, fourteen numbers each: 1 if there is
              one; ahead and to the left (1/40 m), cosine and sine of its heading, speed (1/15 s/m),
              length (1/10 m), width (1/4 m), whether it is a walker, whether an obstacle; distance
              along the way and beside it (1/40 and 1/10 m), speed along the way and across it (1/15
-             s/m); zeros where there are fewer
+             s/m); zeros if there are fewer
 ===========  =====================================================================================
 
-Places and headings are in the ego's frame, but for those on the way.
+Places and headings are in the ego's frame, except for those on the way.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ OBJECT_SIZE = 14
 OBJECTS_AT = EGO_SIZE + PIECES * PIECE_SIZE
 SEEN_SIZE = OBJECTS_AT + OBJECTS * OBJECT_SIZE
 SIGHT = 60.0
-"""Metres to which others are shown."""
+"""Range of the other actors, metres."""
 _ASIDE_SCALE = 0.1
 _LENGTH, _WIDTH = 0.1, 0.25
 _BEHIND, _AHEAD = 40, 90
-"""Segments of the way, before and behind the ego's, beside which others are placed."""
+"""Segments of the way, before and behind the ego's, on which others are projected."""
 
 
 class PlantView:
-    """Fills what the network takes.
+    """Fills the inputs of the network.
 
     Attributes:
         seen: (262,) after ``look``.
@@ -61,7 +61,7 @@ class PlantView:
         self._way = WayView(context)
 
     def follow(self, observation: Observation) -> None:
-        """Moves on along the way."""
+        """Follows the way."""
         self._way.follow(observation)
 
     def look(self, observation: Observation) -> None:
@@ -93,7 +93,7 @@ def show_others(
         sizes: (n, 2) metres.
         kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
         points: (m, 4) of the way.
-        cursor: Segment of it where the ego is.
+        cursor: Segment of the ego on it.
         s: Its arc length there, metres.
         out: (12, 14) filled.
     """

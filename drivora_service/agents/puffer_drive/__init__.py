@@ -1,1 +1,1 @@
-"""The self-play driving policy that PufferLib ships, driven by what an ego perceives here."""
+"""The self-play driving policy that PufferLib ships, on the perception of an ego."""

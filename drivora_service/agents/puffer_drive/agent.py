@@ -1,10 +1,10 @@
-"""PufferLib's driving policy at the wheel.
+"""An agent that drives by PufferLib's driving policy.
 
-The policy drives to a goal, a point that it was rewarded for coming near to. Here goals stand along
-the route, one after the other; each is to the policy what an episode was in training. Ten times a
+The policy drives to a goal, a point that it was rewarded for approaching. Here goals are along
+the route, one after the other; each corresponds to an episode of the training. Ten times a
 second it chooses one of seven accelerations and one of thirteen steering angles, which move the ego
-as they moved the vehicles in its training. It knows neither traffic lights nor speed limits, so
-this agent brakes for the one and holds back at the other.
+like the vehicles in its training. It knows neither traffic lights nor speed limits, so
+this agent brakes for lights and limits the speed.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ from drivora_service.agents.puffer_drive.weights import load_weights
 _PERIOD = 0.1
 """Seconds between two decisions."""
 _MEMORY = 9.1
-"""Seconds after which the memory is emptied: episodes were that long in training."""
+"""Seconds after which the memory is cleared: the length of episodes in training."""
 _ACCELERATION_SHARE = 0.5
-"""Of an acceleration that it chooses, which is what took effect in its training."""
+"""Share of a chosen acceleration that takes effect, as in its training."""
 _HARDEST = 4.0
-"""m/s², largest acceleration to choose."""
+"""Largest acceleration to choose, m/s²."""
 _GOAL_DISTANCE, _NEAREST_GOAL, _FURTHEST_GOAL = 20.0, 5.0, 100.0
-"""Metres along the route from one goal to the next: usual, least and most."""
+"""Distance of goals along the route, metres: default, minimum and maximum."""
 _REACHED = 2.5
 """Metres from a goal at which it is reached; 2 m in training."""
 _PASSED = 1.0
-"""Metres before a goal's place on the route from which the next one is shown all the same."""
+"""Metres before a goal on the route from which on the next one is shown in any case."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PufferDriveParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         goal_distance: Metres along the route from one goal to the next.
@@ -66,14 +66,14 @@ class PufferDriveAgent:
         """Makes the agent.
 
         Args:
-            weights: Of the policy.
+            weights: Weights of the policy.
             goal_distance: Metres along the route from one goal to the next.
         """
         self._policy = DrivePolicy(weights)
         self._goal_distance = goal_distance
 
     def setup_env(self, context: AgentContext) -> None:
-        """Cuts the road along the route into the pieces that the policy sees."""
+        """Divides the road along the route into the pieces for the policy."""
         self._route = context.route
         last = context.route.line[-1] - context.route.line[-2]
         self._last_direction = last / np.hypot(*last)
@@ -104,7 +104,7 @@ class PufferDriveAgent:
         row[0], row[1] = acceleration, self._steering
         row[2], row[3] = self._goal
         speed = max(speed + acceleration * dt, 0.0)
-        # Its training's vehicle: slip and turn are those of a bicycle as long as the vehicle shown.
+        # The vehicle of its training: slip and turn are those of a bicycle of the shown length.
         x, y, yaw = observation.ego[:3].tolist()
         tangent = math.tan(self._steering)
         slip = math.tanh(0.5 * tangent)
@@ -137,7 +137,7 @@ class PufferDriveAgent:
         self._steering = (steering - most) / most
 
     def _set_goal(self, s: float) -> None:
-        """Puts the goal on the route; behind its end, straight on."""
+        """Sets the goal on the route; beyond its end, straight on."""
         route = self._route
         for k in (0, 1):
             self._goal[k] = np.interp(s, route.arc, route.line[:, k])

@@ -1,4 +1,4 @@
-"""What the driving policy sees, made of what an ego perceives here: (1847,) numbers.
+"""Inputs of the driving policy from an ego's perception: (1847,) numbers.
 
 The layout is that of ``compute_observations`` in PufferLib's GPUDrive, in the ego's frame, ahead
 and to the left positive:
@@ -7,12 +7,12 @@ and to the left positive:
 0 to 5        goal ahead and to the left (1/100 m), speed (1/100 m/s), width (1/15 m), length
               (1/30 m), 1 after a collision
 6 to 446      63 times another vehicle: place, width and length, cosine and sine of its heading,
-              speed; zeros where there are fewer
+              speed; zeros if there are fewer
 447 to 1846   200 times a piece of road: place of its middle, half its length (1/100 m), 0.001,
-              cosine and sine of its direction, kind; zeros where there are fewer
+              cosine and sine of its direction, kind; zeros if there are fewer
 ============  ===================================================================================
 
-Cosines and sines are multiplied by pi/2: the original means to divide by two pi, and its macro
+Cosines and sines are multiplied by pi/2: the original intends to divide by two pi, but its macro
 divides by two and multiplies by pi. Boxes are shown at 0.7 of their size, as in training.
 """
 
@@ -36,11 +36,11 @@ from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import Float32Array, FloatArray
 
 SIZE_SHARE = 0.7
-"""Share of its length and width at which the policy was shown every vehicle."""
+"""Share of its length and width of all vehicles in the policy's training."""
 SIGHT = 50.0
-"""Metres to which others are shown."""
+"""Range of the other actors, metres."""
 _ROAD_SIGHT = 52.5
-"""Metres to which road is shown: ten and a half of the original's cells of 5 m."""
+"""Range of the road, metres: ten and a half of the original's cells of 5 m."""
 _HUNDREDTH = 0.01
 _WIDTH_SCALE, _LENGTH_SCALE = SIZE_SHARE / 15.0, SIZE_SHARE / 30.0
 _DIRECTION_SCALE = 0.5 * math.pi
@@ -61,7 +61,7 @@ def encode(
 ) -> None:
     """Fills an observation.
 
-    The nearest vehicles and pieces are shown where there are more than fit. Walkers and obstacles
+    If there are too many vehicles or pieces, the nearest are shown. Walkers and obstacles
     are shown as vehicles of their size.
 
     Args:
@@ -125,6 +125,6 @@ def _nearest(places: FloatArray, x: float, y: float, reach: float, count: int) -
 
 @lru_cache(maxsize=1)
 def compile_encoding() -> None:
-    """Compiles the functions of this module, so that an agent's first step need not."""
+    """Compiles the functions of this module, before an agent's first step."""
     two, out = np.zeros(2), np.zeros(OBSERVATION_SIZE, dtype=np.float32)
     encode(np.zeros(9), 0.0, two, two, np.zeros((1, 9)), np.ones((1, 2)), np.zeros((1, 6)), out)

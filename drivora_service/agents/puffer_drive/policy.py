@@ -1,8 +1,8 @@
-"""The network of PufferLib's driving policy: encoders per thing seen, largest of each, LSTM.
+"""The network of PufferLib's driving policy: encoders by kind of object, maximum of each, LSTM.
 
-Architecture: class ``GPUDrive`` under ``LSTMWrapper`` in PufferLib 3.0. What is seen is encoded by
-one linear layer a kind of thing; of all vehicles and of all pieces of road the largest response of
-each of 64 features is kept, so that their order does not matter.
+Architecture: class ``GPUDrive`` under ``LSTMWrapper`` in PufferLib 3.0. Inputs are encoded by
+one linear layer for each kind of object; of all vehicles and of all pieces of road the largest
+response of each of 64 features is kept, so that their order does not matter.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ VEHICLES = 63
 VEHICLE_SIZE = 7
 ROAD_PIECES = 200
 ROAD_SIZE = 7
-"""The last of them is a kind, 0 to 6, that the network takes as one of seven inputs."""
+"""The last of them is a kind, 0 to 6, which the network encodes as one of seven inputs."""
 ROAD_KINDS = 7
 OBSERVATION_SIZE = EGO_SIZE + VEHICLES * VEHICLE_SIZE + ROAD_PIECES * ROAD_SIZE
 FEATURES = 64
@@ -30,7 +30,7 @@ STEERINGS = 13
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DriveWeights:
-    """Weights of the policy, inputs first; the value function is left out.
+    """Weights of the policy, inputs first; without the value function.
 
     Attributes:
         ego: (6, 64) and ``ego_bias`` (64,).
@@ -62,20 +62,20 @@ class DrivePolicy:
     """The policy with its memory. One object drives one vehicle."""
 
     def __init__(self, weights: DriveWeights) -> None:
-        """Args: weights: Of the network."""
+        """Args: weights: Weights of the network."""
         self._weights = weights
         self.forget()
 
     def forget(self) -> None:
-        """Empties the memory, as at the start of an episode."""
+        """Clears the memory, as at the start of an episode."""
         self._hidden = np.zeros(HIDDEN, dtype=np.float32)
         self._cell = np.zeros(HIDDEN, dtype=np.float32)
 
     def logits(self, observation: Float32Array) -> Float32Array:
-        """Returns the (20,) logits of what to do, and remembers what it saw.
+        """Returns the (20,) logits of the actions, and updates the memory.
 
         Args:
-            observation: (1847,) as ``encoding`` lays it out.
+            observation: (1847,) in the layout of ``encoding``.
         """
         w = self._weights
         vehicles_at, road_at = EGO_SIZE, EGO_SIZE + VEHICLES * VEHICLE_SIZE
@@ -100,7 +100,7 @@ class DrivePolicy:
 
 def _gelu(x: Float32Array) -> Float32Array:
     """Returns x Phi(x) with the normal distribution function (Hendrycks and Gimpel 2016)."""
-    # So few numbers are not worth loading a library of special functions for.
+    # For so few numbers, no library of special functions is loaded.
     scaled = (x * math.sqrt(0.5)).tolist()
     share = np.fromiter(map(math.erf, scaled), dtype=np.float32, count=len(scaled))
     weighted: Float32Array = np.float32(0.5) * x * (np.float32(1.0) + share)

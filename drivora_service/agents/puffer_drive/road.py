@@ -1,4 +1,4 @@
-"""The road as the driving policy was trained to see it: short pieces of lanes, lines and edges."""
+"""The road in the form of the driving policy's training: short pieces of lanes, lines and edges."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ LANE, LINE, EDGE = 0.0, 1.0, 2.0
 """Kinds of pieces: along the middle of a lane, the line at its left, the edge of the road."""
 
 _LONGEST = 8.0
-"""Metres of a piece, at most."""
+"""Maximum length of a piece, metres."""
 _TOLERANCE = 0.2
 """Metres by which a line may be simplified."""
 _ON_EDGE = 0.6
 """Metres; a line that is nearer to an edge than this is that edge."""
 _BESIDE_ROUTE = 120.0
-"""Metres beside the route to which pieces are kept: what it sees, and room to lose its way."""
+"""Metres beside the route up to which pieces are kept: the range of view and a margin."""
 
 
 @lru_cache(maxsize=32)
@@ -46,7 +46,7 @@ def road_pieces(network: RoadNetwork) -> FloatArray:
 
 
 def pieces_along(network: RoadNetwork, route: LaneRoute) -> FloatArray:
-    """Returns the pieces that can be seen from a route; see :func:`road_pieces`."""
+    """Returns the pieces that are visible from a route; see :func:`road_pieces`."""
     pieces = road_pieces(network)
     way = shapely.LineString(route.line)
     shapely.prepare(way)

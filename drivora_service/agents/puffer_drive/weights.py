@@ -1,4 +1,4 @@
-"""Where the policy's weights come from, and how they are read."""
+"""The source and the reading of the policy's weights."""
 
 from __future__ import annotations
 
@@ -51,15 +51,15 @@ _SHAPES: tuple[tuple[str, tuple[int, ...]], ...] = (
     ("lstm_input_bias", (4 * HIDDEN,)),
     ("lstm_hidden_bias", (4 * HIDDEN,)),
 )
-"""The parameters one behind the other, 32-bit floats, outputs first: PufferLib's order."""
+"""The concatenated parameters as 32-bit floats, outputs first: PufferLib's order."""
 
 
 @lru_cache(maxsize=4)
 def load_weights(folder: Path) -> DriveWeights:
-    """Reads the weights from an agent's folder, once a process.
+    """Reads the weights from an agent's folder, once in each process.
 
     Raises:
-        AgentError: If they are not there, or not the policy's.
+        AgentError: If they are missing, or not the policy's.
     """
     path = folder / FILE_NAME
     wanted = sum(int(np.prod(shape)) for _, shape in _SHAPES)

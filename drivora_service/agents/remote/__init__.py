@@ -1,1 +1,1 @@
-"""ADSs in processes of their own: the gRPC protocol, its client and its server."""
+"""ADSs with their own processes: the gRPC protocol, its client and its server."""

@@ -34,7 +34,7 @@ _LIGHTS = tuple(Light)
 
 
 def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
-    """Returns what an adapter is told before the first step."""
+    """Returns the context of a run for an adapter."""
     return ContextView(
         ego_id=request.ego_id,
         vehicle=_vehicle(request.vehicle),
@@ -49,7 +49,7 @@ def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
 
 
 def observation_view(request: pb.StepRequest) -> Observation:
-    """Returns what the ADS perceives at a step; the arrays are its own."""
+    """Returns the ADS's observation of a step; the arrays belong to the ADS."""
     return Observation(
         time=request.time,
         step=request.step,
@@ -71,10 +71,10 @@ def observation_view(request: pb.StepRequest) -> Observation:
 
 
 def step_reply(control: Any, log: AgentLog) -> pb.StepReply:
-    """Returns the answer: a control, and what was logged at this step.
+    """Returns the answer: the control, and the log of this step.
 
     Raises:
-        TypeError: It is no control.
+        TypeError: It is not a control.
     """
     reply = pb.StepReply(
         values={

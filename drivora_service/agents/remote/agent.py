@@ -1,4 +1,4 @@
-"""An ADS in a process of its own, as an agent like any other."""
+"""An ADS with its own process, as an agent."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from drivora_service.errors import AgentError
 _DETAILS = 8000
 _MOST_NAMES, _LONGEST_NAME = 1000, 200
 _LOG_CHARACTERS = 16 << 20
-"""Characters of text that a run's log takes from an ADS."""
+"""Maximum characters of an ADS in a run's log."""
 _LINE = 64
-"""Characters as which a line counts besides its own."""
+"""Additional characters that count for each line."""
 
 
 class RemoteAgent:
-    """Drives one ego of one run; the ADS behind it stays for the next."""
+    """Drives one ego of one run; its ADS is kept for the next."""
 
     def __init__(self, name: str, host: Host, deadlines: AgentDeadlines) -> None:
-        """Args: deadlines: For the calls; an ADS that misses one is ended."""
+        """Args: deadlines: Deadlines of the calls; an ADS that misses one is ended."""
         self._name, self._host, self._deadlines = name, host, deadlines
         self._run = uuid.uuid4().hex
         self._ego = ""
@@ -53,7 +53,7 @@ class RemoteAgent:
         self._write(reply.text)
 
     def run_step(self, observation: Observation) -> Control:
-        """Asks for a control; raises as :meth:`setup_env` does."""
+        """Requests a control; raises as :meth:`setup_env`."""
         request, timeout = step_request(observation, self._run), self._deadlines.step
         try:
             reply = self._host.connection.step(request, timeout)
@@ -88,7 +88,7 @@ class RemoteAgent:
             self._log.event(line)
 
     def _failed(self, where: str, timeout: float, error: grpc.RpcError | AgentError) -> AgentError:
-        """Says what became of the ADS; one that hangs or cannot be reached is ended."""
+        """Returns the error of a failed call; an ADS that hangs or cannot be reached is ended."""
         who = f"agent {self._name!r} of ego {self._ego!r}"
         if isinstance(error, AgentError):
             return AgentError(
@@ -107,7 +107,7 @@ class RemoteAgent:
                 cause = "agent_protocol"
                 message = f"{who} does not offer {where.split()[0]}: {details}"
             case _:
-                # What an ADS prints comes later than its answer, so that has the traceback too.
+                # Printed text arrives later than the answer, so the answer has the traceback too.
                 message, _, traceback = details.partition("\n")
                 log = self._host.tail()
                 return AgentError(
@@ -122,7 +122,7 @@ def _columns(names: Sequence[str]) -> dict[str, int]:
     """Returns the columns of the log by name.
 
     Raises:
-        AgentError: A name comes twice, is too long, or there are too many.
+        AgentError: A name is repeated, is too long, or there are too many.
     """
     columns = {name: column for column, name in enumerate(names)}
     if len(columns) < len(names):

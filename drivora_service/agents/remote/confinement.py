@@ -1,4 +1,4 @@
-"""What the process of an ADS may do and use on the machine."""
+"""The confinement of an ADS's process: account and limits."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _PASSED_ON_FAMILIES = ("CUDA_", "LC_", "MKL_", "NUMBA_", "NVIDIA_", "OMP_", "OPE
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Confinement:
-    """Limits of the process of an ADS and of all that it starts.
+    """Limits of the process of an ADS and of all processes that it starts.
 
     Attributes:
-        user: Id of the user account that it runs under; ``None`` for that of the worker.
+        user: Id of its user account; ``None`` for that of the worker.
         group: Id of the group, if there is a user.
-        memory_bytes: Resident memory of all its processes, beyond which it is ended.
-        file_bytes: Size of a file that it writes.
-        files: Files that a process has open at once.
-        processes: Processes and threads of the user; holds only if it runs under one of its own,
-            as it counts all that the user runs.
+        memory_bytes: Maximum resident memory of all its processes, beyond which it is ended.
+        file_bytes: Maximum size of a written file.
+        files: Maximum number of open files of a process.
+        processes: Maximum processes and threads of the user; applies only with its own user,
+            as it counts all processes of the user.
     """
 
     user: int | None = None
@@ -44,7 +44,7 @@ class Confinement:
     processes: int = 4096
 
     def text(self) -> str:
-        """Returns it as the guard reads it."""
+        """Returns the JSON text for the guard."""
         return json.dumps(asdict(self))
 
 
@@ -77,14 +77,14 @@ def account(name: str) -> tuple[int, int]:
 def variables_for(
     own: dict[str, str], *, scratch: Path, settings: tuple[str, ...]
 ) -> dict[str, str]:
-    """Returns the environment variables that an ADS gets of those of the worker.
+    """Returns the environment variables of the worker that are passed to an ADS.
 
-    Only what programs need to find themselves: the rest may be secret, and is not for it.
+    Only those that programs need to run: the rest may be secret.
 
     Args:
         own: Variables of the worker.
-        scratch: The folder in which it may write.
-        settings: Names that the operator lets it have besides.
+        scratch: Writable folder of the ADS.
+        settings: Further names that the operator allows.
     """
     kept = {
         name: value

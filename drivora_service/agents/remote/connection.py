@@ -17,21 +17,21 @@ M = TypeVar("M", bound=Message)
 _OPTIONS = [
     ("grpc.max_receive_message_length", MESSAGE_BYTES),
     ("grpc.max_send_message_length", MESSAGE_BYTES),
-    # An ADS that starts is looked for often; the default waits a second after the first refusal.
+    # A starting ADS is polled often; by default a second passes after the first refusal.
     ("grpc.initial_reconnect_backoff_ms", 50),
     ("grpc.min_reconnect_backoff_ms", 50),
     ("grpc.max_reconnect_backoff_ms", 500),
     ("grpc.enable_http_proxy", 0),
-    # What an ADS says of an error travels as a header, in which a character may take twelve bytes.
+    # The text of an error is sent as a header, in which a character may take twelve bytes.
     ("grpc.max_metadata_size", 128 << 10),
     ("grpc.absolute_max_metadata_size", 256 << 10),
-    # Channels to one address would else share a connection, and what is known of its failures.
+    # Otherwise channels to one address would share a connection and its failures.
     ("grpc.use_local_subchannel_pool", 1),
 ]
 
 
 class Connection:
-    """A channel to an ADS. Answers are parsed here, so that a garbled one can be told apart."""
+    """A channel to an ADS. Answers are parsed here, so that a garbled one is recognised."""
 
     def __init__(self, address: str) -> None:
         self._channel = grpc.insecure_channel(address, options=_OPTIONS)
@@ -43,7 +43,7 @@ class Connection:
         return self._channel.unary_unary(name)
 
     def describe(self, timeout: float) -> pb.Description:
-        """Asks who answers.
+        """Calls ``Describe``.
 
         Raises:
             grpc.RpcError: The call failed.
@@ -53,11 +53,11 @@ class Connection:
         return _parse(pb.Description, self._describe(request, timeout=timeout, wait_for_ready=True))
 
     def setup(self, request: pb.SetupRequest, timeout: float) -> pb.SetupReply:
-        """Begins a run; raises as :meth:`describe` does."""
+        """Begins a run; raises as :meth:`describe`."""
         return _parse(pb.SetupReply, self._setup(request.SerializeToString(), timeout=timeout))
 
     def step(self, request: pb.StepRequest, timeout: float) -> pb.StepReply:
-        """Asks for a control; raises as :meth:`describe` does."""
+        """Requests a control; raises as :meth:`describe`."""
         return _parse(pb.StepReply, self._step(request.SerializeToString(), timeout=timeout))
 
     def close(self) -> None:

@@ -1,10 +1,10 @@
-"""Runs a command, ends it with all that it started, and keeps a bounded log of what it prints.
+"""Runs a command, ends it with all its processes, and keeps a bounded log of its output.
 
-On Linux that is all of its descendants; elsewhere, those that stay in its group of processes.
+On Linux these are all its descendants; elsewhere, those in its process group.
 
-Started as ``python -I -S guard.py PARENT FOLDER LOG CONFINEMENT COMMAND…``; needs nothing but the
-standard library. It ends when the command does, when it is told to (SIGTERM), and when the process
-PARENT dies, however that one dies. In the last two cases it removes FOLDER. CONFINEMENT is JSON
+Started as ``python -I -S guard.py PARENT FOLDER LOG CONFINEMENT COMMAND…``; needs only the
+standard library. It ends when the command ends, on SIGTERM, and when the process
+PARENT dies in any way. In the last two cases it removes FOLDER. CONFINEMENT is JSON
 with the fields of ``Confinement``: the user account and the limits of the command.
 """
 
@@ -29,7 +29,7 @@ LOG_BYTES = 1 << 20
 """Size at which the older half of the log is dropped."""
 
 BEYOND_MEMORY = 120
-"""Exit code where the command was ended because it had taken too much memory."""
+"""Exit code if the command was ended because it used too much memory."""
 
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER, _PR_SET_NO_NEW_PRIVS = 1, 36, 38
 _CHUNK = 1 << 16
@@ -63,13 +63,13 @@ class BoundedLog:
 def main(
     parent: int, folder: Path, log: BoundedLog, confinement: dict[str, Any], command: list[str]
 ) -> int:
-    """Does what the module says.
+    """Runs the guard.
 
     Returns:
-        The exit code of the command; of a signal 128 and its number; or :data:`BEYOND_MEMORY`.
+        The exit code of the command; 128 plus the number for a signal; or :data:`BEYOND_MEMORY`.
     """
     signal.signal(signal.SIGTERM, _stop)
-    # Told to end while the command is being started, it would know of nothing to end: not before.
+    # Block SIGTERM until the command has started, since there is nothing to end before.
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM])
     _die_with_parent(signal.SIGTERM)
     _adopt_orphans()
@@ -81,7 +81,7 @@ def main(
             stdout=inlet,
             stderr=inlet,
             **_account(confinement),
-            # After the change of the user, which would undo some of it.
+            # After the change of the user, which would reset some of it.
             preexec_fn=lambda: _begin_child(confinement),
         )
     except (OSError, subprocess.SubprocessError) as error:
@@ -93,8 +93,8 @@ def main(
         looked = time.monotonic()
         too_much = False
         while os.getppid() == parent:
-            # The end of the command is seen by its output's end, or, where something that it
-            # started has that too, by looking once a second.
+            # The end of the command is detected by the end of its output, or, if a process that it
+            # started shares that, by a check once a second.
             copied = _copy(output, log, _MEMORY_WATCH_S)
             if time.monotonic() - looked > _MEMORY_WATCH_S:
                 looked = time.monotonic()
@@ -109,7 +109,7 @@ def main(
                     child.kill()
             if copied and child.poll() is None:
                 continue
-            _bury_orphans(child.pid)
+            _reap_orphans(child.pid)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 child.wait(_DRAINED_S)
             if child.returncode is not None:
@@ -131,7 +131,7 @@ def main(
 
 
 def _copy(output: int, log: BoundedLog, patience: float) -> bool | None:
-    """Copies what has come within ``patience`` seconds; false at the end, ``None`` for nothing."""
+    """Copies the output of ``patience`` seconds; false at the end, ``None`` without output."""
     ready, _, _ = select.select([output], [], [], patience)
     if not ready:
         return None
@@ -149,14 +149,14 @@ def _exit_code(code: int, log: BoundedLog) -> int:
 
 
 def _stop(_number: int, _frame: FrameType | None) -> None:
-    # The kernel tells of the death of every thread of the parent that was ours for a moment: the
-    # second signal must not interrupt the tidying up after the first.
+    # The kernel signals the death of every thread that was temporarily the parent: the
+    # second signal must not interrupt the cleanup after the first.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise SystemExit(0)
 
 
 def _account(confinement: dict[str, Any]) -> dict[str, Any]:
-    """Returns the arguments that start a process under the user account, with no other group."""
+    """Returns the arguments that start a process under the user account, without further groups."""
     user, group = confinement["user"], confinement["group"]
     return {} if user is None else {"user": user, "group": group, "extra_groups": []}
 
@@ -181,7 +181,7 @@ def _begin_child(confinement: dict[str, Any]) -> None:
 
 
 def _descendants() -> list[int]:
-    """Returns the processes that the command consists of, as far as the system tells them."""
+    """Returns the processes of the command, as far as the system lists them."""
     found, todo = [], _children()
     while todo:
         pid = todo.pop()
@@ -191,7 +191,7 @@ def _descendants() -> list[int]:
 
 
 def _memory(processes: list[int]) -> int:
-    """Returns the resident memory of processes, bytes; what they share counts in each."""
+    """Returns the resident memory of processes, bytes; shared memory counts in each."""
     pages = 0
     for pid in processes:
         with contextlib.suppress(OSError, ValueError, IndexError):
@@ -200,13 +200,13 @@ def _memory(processes: list[int]) -> int:
 
 
 def _adopt_orphans() -> None:
-    """Becomes the parent of whatever the command leaves behind, in whichever group it is."""
+    """Becomes the parent of all processes that the command leaves, in any group."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def _children(of: int | None = None) -> list[int]:
-    """Returns the children of a process, of all its threads; ours unless another is named."""
+    """Returns the children of a process, of all its threads; by default of this process."""
     found: list[int] = []
     try:
         for children in Path(f"/proc/{of or os.getpid()}/task").glob("*/children"):
@@ -216,8 +216,8 @@ def _children(of: int | None = None) -> list[int]:
     return found
 
 
-def _bury_orphans(command: int) -> None:
-    """Takes note of the end of adopted processes, which would else stay as zombies."""
+def _reap_orphans(command: int) -> None:
+    """Waits for ended adopted processes, which would otherwise remain as zombies."""
     for pid in _children():
         if pid != command:
             with contextlib.suppress(ChildProcessError):
@@ -225,7 +225,7 @@ def _bury_orphans(command: int) -> None:
 
 
 def _end_orphans() -> None:
-    """Ends what the command has left behind, and what that leaves behind in turn."""
+    """Ends the remaining processes of the command, and those that they leave in turn."""
     beyond_us: set[int] = set()
     while children := set(_children()) - beyond_us:
         for pid in children:

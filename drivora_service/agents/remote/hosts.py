@@ -1,4 +1,4 @@
-"""Where an ADS runs: in a process that is started here, or where somebody else runs it."""
+"""Hosts of ADSs: processes that are started here, or addresses of ADSs that run elsewhere."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ _TAIL_BYTES = 8192
 _TAIL_LINES = 40
 _LOOK_S = 0.02
 _LONGEST_SOCKET_PATH = 107
-"""Bytes of the path of a Unix socket, the closing zero left out (unix(7))."""
+"""Bytes of the path of a Unix socket, without the closing zero (unix(7))."""
 _SCRATCH = "own"
-"""Of the folder of an ADS, the part in which it may write."""
+"""Writable part of an ADS's folder."""
 _SHORT_FOLDER = "/tmp"
-"""Where sockets go if the folder for temporary files has a path that is too long for them."""
+"""Folder of sockets if the path of the temporary folder is too long for them."""
 _ASK_S = 5.0
 _END_S = 5.0
 _ENDING_S = 5.0
@@ -39,17 +39,17 @@ _PRINTED_S = 0.2
 
 
 class Host(Protocol):
-    """What an agent needs to know of where its ADS runs.
+    """The host of an agent's ADS.
 
     Attributes:
-        connection: To the ADS.
+        connection: Connection to the ADS.
     """
 
     connection: Connection
 
     @property
     def is_alive(self) -> bool:
-        """Whether it may be asked."""
+        """Whether the ADS can be called."""
         ...
 
     def tail(self) -> str:
@@ -57,16 +57,16 @@ class Host(Protocol):
         ...
 
     def ended(self) -> str:
-        """Tells how the ADS ended by itself, "" if it did not or that is not known."""
+        """Returns how the ADS ended by itself, "" if it did not or that is unknown."""
         ...
 
     @property
     def death(self) -> str:
-        """The cause of a failure that is the end of the ADS."""
+        """Cause of a failure by the end of the ADS."""
         ...
 
     def end(self) -> None:
-        """Ends it, with all that it started, and leaves nothing behind."""
+        """Ends the ADS with all its processes and removes its files."""
         ...
 
 
@@ -86,14 +86,14 @@ def _not_started(manifest: AgentManifest, error: OSError) -> AgentError:
 
 
 class ProcessHost:
-    """An ADS in a process that is started here, on a socket in a folder of its own."""
+    """An ADS in a process that is started here, on a socket in its own folder."""
 
     def __init__(self, manifest: AgentManifest, python: Path, confinement: Confinement) -> None:
-        """Starts it and waits until it answers.
+        """Starts the ADS and waits until it answers.
 
         Args:
-            manifest: Of the ADS.
-            python: The interpreter for it.
+            manifest: Manifest of the ADS.
+            python: Its interpreter.
             confinement: Its user account and limits.
 
         Raises:
@@ -135,10 +135,10 @@ class ProcessHost:
         )  # fmt: skip
 
     def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
-        """Returns the variables for the ADS; makes the folders that they name.
+        """Returns the variables for the ADS; creates their folders.
 
-        The ADS finds ``drivora_service`` in a folder with nothing beside it: in the folder where it
-        is installed there are packages of versions that the ADS did not ask for.
+        The ADS finds ``drivora_service`` in a folder without other packages: the folder where it is
+        installed has packages of versions that the ADS did not require.
         """
         packages = self._folder / "packages"
         packages.mkdir()
@@ -148,7 +148,7 @@ class ProcessHost:
         user, group = self._confinement.user, self._confinement.group
         if user is not None and group is not None:
             os.chown(self._scratch, user, group)
-            # It may pass through, to what is its own, and list nothing.
+            # It may pass through to its own folder, but not list this one.
             self._folder.chmod(0o711)
             packages.chmod(0o755)
             kept.update(HOME=str(self._scratch))
@@ -184,9 +184,9 @@ class ProcessHost:
         return self._process.poll() is None
 
     def tail(self) -> str:
-        """Returns the last lines that the ADS printed; those that were kept, after its end."""
+        """Returns the last lines that the ADS printed; after its end the kept ones."""
         if self.is_alive:
-            # What it printed just now is still on its way through the guard.
+            # The latest output may still be in the guard.
             time.sleep(_PRINTED_S)
         try:
             with self._log.open("rb") as log:
@@ -197,7 +197,7 @@ class ProcessHost:
         return "\n".join(text.splitlines()[-_TAIL_LINES:])
 
     def ended(self) -> str:
-        """Tells how the process ended; waits a moment, as its socket closes before it is gone."""
+        """Returns how the process ended; waits briefly, as its socket closes before its end."""
         try:
             code = self._process.wait(_ENDING_S)
         except subprocess.TimeoutExpired:
@@ -213,15 +213,15 @@ class ProcessHost:
 
     @property
     def death(self) -> str:
-        """The cause of a failure that is the end of the ADS.
+        """Cause of a failure by the end of the ADS.
 
-        No fault of a program ends it by SIGKILL; the kernel does where memory is short.
+        A program's own faults do not end it by SIGKILL; the kernel does so if memory is short.
         """
         killed = self._process.poll() in (128 + signal.SIGKILL, -signal.SIGKILL)
         return "agent_killed" if killed else "agent_died"
 
     def end(self) -> None:
-        """Ends the process with all that it started; removes its socket and its folder."""
+        """Ends the process with all its descendants; removes its socket and its folder."""
         self.connection.close()
         self._last_words = self.tail()
         self._process.terminate()
@@ -234,10 +234,10 @@ class ProcessHost:
 
 
 class AddressHost:
-    """An ADS that somebody else runs."""
+    """An ADS that runs elsewhere."""
 
     def __init__(self, manifest: AgentManifest) -> None:
-        """Waits until it answers.
+        """Waits until the ADS answers.
 
         Raises:
             AgentError: It does not, or it speaks another protocol.
@@ -251,7 +251,7 @@ class AddressHost:
             self.end()
             raise AgentError(
                 f"agent {manifest.name!r} did not answer at {manifest.address} within "
-                f"{manifest.deadlines.start:g} s: {error.details()}. Whoever runs it must start it "
+                f"{manifest.deadlines.start:g} s: {error.details()}. Its operator must start it "
                 "before",
                 cause="agent_unreachable",
             ) from error
@@ -260,26 +260,26 @@ class AddressHost:
             raise
 
     def tail(self) -> str:
-        """Says where to look."""
-        return f"[the log is with whoever runs the ADS at {self._address}]"
+        """Returns where the log is."""
+        return f"[the log is with the operator of the ADS at {self._address}]"
 
     def ended(self) -> str:
-        """Returns "": how an ADS elsewhere ended is not known here."""
+        """Returns "": how an ADS elsewhere ended is unknown."""
         return ""
 
     @property
     def death(self) -> str:
-        """The cause of a failure that is the end of the ADS."""
+        """Cause of a failure by the end of the ADS."""
         return "agent_died"
 
     def end(self) -> None:
-        """Ends the connection only."""
+        """Closes the connection only."""
         self.is_alive = False
         self.connection.close()
 
 
 def check_protocol(host: Host, name: str, timeout: float) -> None:
-    """Asks an ADS who it is.
+    """Checks the protocol version of an ADS.
 
     Raises:
         grpc.RpcError: It does not answer.

@@ -1,4 +1,4 @@
-"""Drivora's side of the protocol: what an agent is told as messages, answers as controls."""
+"""Drivora's side of the protocol: contexts and observations as messages, answers as controls."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.scenario.actor_models import ActorModel
 
 SURROUNDINGS = 100.0
-"""Metres around the route within which lanes are sent."""
+"""Range around the route within which lanes are sent, metres."""
 
 _STRIDE = 20
-"""Points of the route, at most as many metres apart, of which one is looked at."""
+"""Interval of the checked points of the route, which are at most 1 m apart."""
 
 
 def setup_request(context: AgentContext, run: str) -> pb.SetupRequest:
@@ -73,10 +73,10 @@ def step_request(observation: Observation, run: str) -> pb.StepRequest:
 
 
 def control_of(reply: pb.StepReply) -> Control:
-    """Returns the control that an ADS answered.
+    """Returns the control in an ADS's answer.
 
     Raises:
-        AgentError: There is none, or it holds a number that is not finite.
+        AgentError: There is none, or it has a number that is not finite.
     """
     match reply.WhichOneof("control"):
         case "pedals":
@@ -108,7 +108,7 @@ def control_of(reply: pb.StepReply) -> Control:
 
 
 def invalid(message: str) -> AgentError:
-    """Makes the error of an answer that is no control."""
+    """Returns the error of an answer without a control."""
     return AgentError(message, cause="agent_invalid_control")
 
 
@@ -184,7 +184,7 @@ def _lane(network: RoadNetwork, lane: Lane) -> pb.Lane:
         successors=list(_successors(network, lane)),
         left=lane.left if lane.left >= 0 else None,
         right=lane.right if lane.right >= 0 else None,
-        # Inside a junction lanes of one edge lead to different places.
+        # Inside a junction, lanes of one edge lead to different places.
         may_change_left=lane.left >= 0 and not lane.is_internal,
         may_change_right=lane.right >= 0 and not lane.is_internal,
         in_junction=lane.is_internal,

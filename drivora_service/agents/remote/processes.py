@@ -20,22 +20,22 @@ class _Kept:
 
 
 class AgentHosts:
-    """Assigns an ADS to each ego of a run, and the same ones in the next run."""
+    """Assigns ADSs to the egos of a run, and reuses them in the next run."""
 
     def __init__(self, longest_call_s: float, confinement: Confinement) -> None:
-        """Begins without any.
+        """Creates it without ADSs.
 
         Args:
             confinement: User account and limits of the processes.
-            longest_call_s: Seconds after which a call of an agent costs the worker its life; an ADS
-                must be found to hang before.
+            longest_call_s: Seconds after which a call of an agent ends the worker; a hanging ADS
+                must be detected before.
         """
         self._within = max(longest_call_s - 1.0, 0.5 * longest_call_s)
         self._confinement = confinement
         self._kept: list[_Kept] = []
 
     def begin_run(self) -> None:
-        """Takes all ADSs back: the last run is over."""
+        """Releases all ADSs of the last run."""
         for kept in self._kept:
             kept.in_use = False
 
@@ -59,7 +59,7 @@ class AgentHosts:
             if kept.manifest == manifest and kept.python == python and kept.host.is_alive:
                 kept.in_use = True
                 return kept.host
-            # It died in between, or the operator has changed what is to be run.
+            # It died in between, or the operator has changed its manifest.
             self._kept.remove(kept)
             kept.host.end()
         host = (
@@ -71,7 +71,7 @@ class AgentHosts:
         return host
 
     def close(self) -> None:
-        """Ends all."""
+        """Ends all ADSs."""
         for kept in self._kept:
             kept.host.end()
         self._kept.clear()

@@ -1,6 +1,6 @@
 """Serving an ADS: the loop that an adapter calls in the ADS's own process and environment.
 
-Everything that this module imports needs grpcio, protobuf and NumPy only.
+All imports of this module need grpcio, protobuf and NumPy only.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE, MESSAGE_BYT
 from drivora_service.agents.remote.views import Adapter
 
 _DETAILS = 3000
-"""Characters of an error's traceback that travel with its message."""
+"""Characters of an error's traceback that are sent with its message."""
 
 
 def serve(make_adapter: Callable[[], Adapter], *, name: str = "", address: str = "") -> None:
     """Serves an ADS until the process is ended.
 
     Args:
-        make_adapter: Makes it, once, before the address answers: the place to load models. What it
-            raises ends the process.
-        name: For people.
-        address: Where to listen, ``unix:PATH`` or ``HOST:PORT``; unless given, where Drivora says.
+        make_adapter: Factory of the adapter, called once before the server accepts calls; load
+            models here. Errors that it raises end the process.
+        name: Display name.
+        address: Address, ``unix:PATH`` or ``HOST:PORT``; by default that of Drivora's variable.
 
     Raises:
-        RuntimeError: There is no address, or one cannot listen there.
+        RuntimeError: There is no address, or it cannot be bound.
     """
     where = address or os.environ.get(ADDRESS_VARIABLE, "")
     if not where:
@@ -50,13 +50,13 @@ def serve(make_adapter: Callable[[], Adapter], *, name: str = "", address: str =
             f"no address to listen on: set {ADDRESS_VARIABLE} to unix:PATH or HOST:PORT"
         )
     service = _Service(make_adapter(), name)
-    # One thread: calls never overlap, and an ADS need not be safe to call from several.
+    # One thread: calls never overlap, so an ADS need not be thread-safe.
     server = grpc.server(
         ThreadPoolExecutor(max_workers=1),
         options=[
             ("grpc.max_receive_message_length", MESSAGE_BYTES),
             ("grpc.max_send_message_length", MESSAGE_BYTES),
-            # Else a second process could listen on the same port, and answer every other call.
+            # Otherwise a second process could listen on the same port and receive some calls.
             ("grpc.so_reuseport", 0),
         ],
     )
@@ -116,5 +116,5 @@ def _abort(context: grpc.ServicerContext, error: Exception) -> NoReturn:
     print(text, file=sys.stderr, flush=True)
     message = " ".join(f"{type(error).__name__}: {error}".split())
     details = f"{message[:_DETAILS]}\n{text[-_DETAILS:]}"
-    # Names of files may hold what is no text.
+    # Names of files may contain invalid Unicode.
     context.abort(grpc.StatusCode.UNKNOWN, details.encode(errors="backslashreplace").decode())

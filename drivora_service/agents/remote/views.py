@@ -1,7 +1,7 @@
-"""What an ADS in a process of its own is told, as plain values and NumPy arrays.
+"""Context of an ADS with its own process, as plain values and NumPy arrays.
 
-In place of the road network there are the lanes around the route, so that nothing of Drivora's own
-representation has to be understood, or loaded, on the other side.
+The lanes around the route replace the road network, so that Drivora's own
+representation need not be understood or loaded on the other side.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class SignalView:
 
     Attributes:
         s: Distance of the stop line along the route, metres.
-        lane: Id of the lane at whose end it stands.
+        lane: Id of the lane that it controls.
     """
 
     s: float
@@ -50,7 +50,7 @@ class SignalView:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RouteView:
-    """The way to drive, as a line with points at most 1 m apart.
+    """The route, as a line with points at most 1 m apart.
 
     Attributes:
         line: (n, 2) metres.
@@ -58,8 +58,8 @@ class RouteView:
         speed_limits: (n,) m/s.
         widths: (n,) of the lane at each point, metres.
         lanes: (n,) id of the lane at each point.
-        signals: In order along the route.
-        runs: Ids of lanes that follow one another; between two runs the vehicle changes lanes.
+        signals: Signals in order along the route.
+        runs: Ids of consecutive lanes; between two runs the vehicle changes lanes.
     """
 
     line: FloatArray
@@ -79,12 +79,12 @@ class LaneView:
         line: (n, 2) centre line in the direction of travel, metres.
         width: Metres.
         speed_limit: m/s.
-        successors: Ids of the lanes behind its end; some may not be among the lanes at hand.
+        successors: Ids of the next lanes; some may not be among the known lanes.
         left: Id of the neighbour in the same direction, or ``None``.
-        right: The same to the right.
-        may_change_left: Whether one may change there.
-        may_change_right: The same to the right.
-        in_junction: Whether it lies inside a junction.
+        right: Id of the neighbour to the right, likewise.
+        may_change_left: Whether a change to it is allowed.
+        may_change_right: Likewise to the right.
+        in_junction: Whether it is inside a junction.
     """
 
     id: int
@@ -101,15 +101,15 @@ class LaneView:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContextView:
-    """What is known before the first step.
+    """The context of a run, before the first step.
 
     Attributes:
         lanes: The drivable lanes around the route, by id.
         step_length: Seconds between two steps.
         friction: Tyre-road friction coefficient, 0..1.
-        seed: For every random draw.
-        parameters: From the document.
-        log: Where to write what the ADS thinks; declare its columns in ``setup_env``.
+        seed: Seed for all random draws.
+        parameters: Parameters from the document.
+        log: Log of the ADS, whose columns are declared in ``setup_env``.
     """
 
     ego_id: str
@@ -131,5 +131,5 @@ class Adapter(Protocol):
         ...
 
     def run_step(self, observation: Observation) -> Control:
-        """Decides what to do until the next step."""
+        """Returns the control until the next step."""
         ...

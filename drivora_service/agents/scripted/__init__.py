@@ -1,1 +1,1 @@
-"""An ego that drives where its document says, whatever happens."""
+"""An ego that follows the script of its document, regardless of other actors."""

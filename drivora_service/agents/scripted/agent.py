@@ -1,4 +1,4 @@
-"""The agent ``scripted``: an ego that drives as its document says, whatever happens."""
+"""The agent ``scripted``: an ego that follows its document's script, regardless of other actors."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col
 
 _STANDING_SPEED = 0.05
-"""m/s below which the direction of motion says nothing about the heading."""
+"""m/s below which the direction of motion does not determine the heading."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScriptedParameters:
-    """What a document may set.
+    """Parameters of the agent.
 
     Attributes:
         speed: m/s along the route, where there is no trajectory.
@@ -35,7 +35,7 @@ class ScriptedParameters:
 
 
 class ScriptedAgent:
-    """Is where its script says at every step, as far as the vehicle's limits allow.
+    """Follows its script at every step, as far as the vehicle's limits allow.
 
     Between two places it moves smoothly and without overshooting (a monotone cubic in each
     coordinate, Fritsch and Carlson 1980); its heading is the direction of motion.
@@ -56,7 +56,7 @@ class ScriptedAgent:
 
     def setup_env(self, context: AgentContext) -> None:
         """Prepares the curve through the places."""
-        # Loaded where it is needed: workers that drive other agents start without it.
+        # Imported here, so that workers with other agents start without it.
         from scipy.interpolate import PchipInterpolator
 
         self._step_length = context.step_length
@@ -69,7 +69,7 @@ class ScriptedAgent:
             self._route_arc, self._places = context.route.arc, context.route.line
 
     def run_step(self, observation: Observation) -> Control:
-        """Goes to the place of the script at the end of this step."""
+        """Returns the pose of the script at the end of this step."""
         if self._route_arc is not None:
             return self._along_route(observation, self._route_arc)
         time = observation.time + self._step_length
@@ -83,7 +83,7 @@ class ScriptedAgent:
 
     def _along_route(self, observation: Observation, arc: FloatArray) -> PoseControl:
         ahead = observation.route_s + self._parameters.speed * self._step_length
-        # Beyond its end the route goes straight on.
+        # Beyond its end the route is extended straight.
         i = min(max(int(np.searchsorted(arc, ahead, side="right")) - 1, 0), len(arc) - 2)
         (x0, y0), (x1, y1) = self._places[i].tolist(), self._places[i + 1].tolist()
         share = (ahead - float(arc[i])) / float(arc[i + 1] - arc[i])

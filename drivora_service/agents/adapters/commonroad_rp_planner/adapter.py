@@ -1,7 +1,7 @@
 """The reactive planner of CommonRoad behind the protocol.
 
-The planner is asked at most twice a second, and its plan is followed between: a plan takes it as
-long as many steps. It gets no map: a reference, speeds, a range beside it, and boxes to avoid.
+The planner runs at most twice a second, and its plan is followed in between: planning takes as
+long as many steps. It gets a reference, speeds, a lateral range and boxes to avoid, but no map.
 """
 
 from __future__ import annotations
@@ -46,28 +46,28 @@ _DT, _STEPS = 0.1, 40
 _REPLAN_AFTER = 0.5
 _OTHERS = 25
 _ROOM = (0.5, 0.25)
-"""Metres that are kept free before and behind, and at each side."""
+"""Margins in metres, before and behind, and at each side."""
 
 _BRAKING, _MARGIN = 2.0, 1.0
-"""m/s², with which a light's stop line is approached, and metres that are kept before it."""
+"""Deceleration before a light's stop line, m/s², and distance from the line, metres."""
 
 _SOON = 1.0
-"""Seconds from now at which that speed is wanted: a plan ends where it wants to be, not begins."""
+"""Seconds from now at which that speed is desired, since plans have a desired end only."""
 
 _STANDING = 0.2
 _ON_PLAN = (0.3, 0.1, 0.7)
-"""Metres, radians and m/s between plan and vehicle, up to which a plan goes on from the last."""
+"""Metres, radians and m/s between plan and vehicle, up to which a plan continues the last one."""
 
 
 class WindingCoordinates(CoordinateSystem):  # type: ignore[misc] # the package has no types
     """The package's coordinates along a reference that may turn by more than a full turn.
 
-    It refuses those, as a way round a roundabout is; yet it reads headings modulo a turn.
+    The package rejects those, such as around a roundabout, but reads headings modulo a turn.
     """
 
     @staticmethod
     def check_ref_path_validity(ref_path: FloatArray) -> None:
-        """Refuses a reference with corners, as the package does."""
+        """Rejects a reference with corners, as the package does."""
         steps = np.diff(ref_path, axis=0)
         turns = np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))
         if np.abs(turns).max() >= 0.5 * math.pi:
@@ -75,7 +75,7 @@ class WindingCoordinates(CoordinateSystem):  # type: ignore[misc] # the package 
 
 
 class CommonRoadAdapter:
-    """Plans now and then, and follows the plan."""
+    """Plans at intervals, and follows the plan."""
 
     def setup_env(self, context: ContextView) -> None:
         """Makes a planner for the vehicle and the route."""
@@ -92,7 +92,7 @@ class CommonRoadAdapter:
         context.log.declare("planned_speed", "planner_failed", "plan_age")
 
     def run_step(self, observation: Observation) -> Control:
-        """Goes where the plan is at the end of the step."""
+        """Returns the pose of the plan at the end of the step."""
         context = self._context
         age = observation.time - self._planned_at
         now = self._state(observation, age)
@@ -128,8 +128,8 @@ class CommonRoadAdapter:
         """Returns x, y, yaw, speed, acceleration, wheel angle, yaw rate of the rear axle."""
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         speed = max(observation.speed, 0.0)
-        # Who has just come to a stand brakes still: whatever is planned from there drives backwards
-        # at first, and is refused.
+        # A vehicle that has just stopped keeps braking: plans from there begin by driving
+        # backwards, and are rejected.
         braking = -6.0 if speed > _STANDING else 0.0
         now = np.array(
             [
@@ -151,7 +151,7 @@ class CommonRoadAdapter:
         return planned if on_plan else now
 
     def _new_plan(self, now: FloatArray, observation: Observation) -> FloatArray | None:
-        """Asks the planner; the columns are those of a state, a row for each of its steps."""
+        """Returns a new plan, with the columns of a state and a row for each of its steps."""
         planner, reference = self._planner, self._reference
         yaw = math.remainder(float(now[2]), math.tau)
         state = ReactivePlannerState(
@@ -175,7 +175,7 @@ class CommonRoadAdapter:
             planner.reset(
                 initial_state_cart=state, collision_checker=self._obstacles(others, nose + stop)
             )
-        except (AssertionError, ValueError):  # Beside the reference by more than it can project.
+        except (AssertionError, ValueError):  # Too far from the reference for the projection.
             return None
         ahead = np.linspace(s, s + max(4.0 * speed, 10.0), 12)
         half = 0.5 * self._context.vehicle.width
@@ -202,7 +202,7 @@ class CommonRoadAdapter:
         return float(self._reference.arc[int(np.argmin(((line - now[:2]) ** 2).sum(axis=1)))])
 
     def _obstacles(self, others: Forecast, stop: float) -> pycrcc.CollisionChecker:
-        """Returns what is foreseen, and a wall at a place that must not be passed."""
+        """Returns the predicted actors, and a wall at a place that must not be passed."""
         checker = pycrcc.CollisionChecker()
         for poses, (length, width) in zip(others.poses, others.sizes.tolist(), strict=True):
             moving = pycrcc.TimeVariantCollisionObject(0)
@@ -221,7 +221,7 @@ class CommonRoadAdapter:
 
 
 def configuration(context: ContextView, reference: Reference) -> ReactivePlannerConfiguration:
-    """Returns the planner's configuration, with the least of a scenario that it takes."""
+    """Returns the planner's configuration, with the minimal scenario that it accepts."""
     vehicle = context.vehicle
     line = reference.line
     side = np.array([0.0, 2.0])
@@ -241,14 +241,14 @@ def configuration(context: ContextView, reference: Reference) -> ReactivePlanner
     made = ReactivePlannerConfiguration()
     made.planning_problem_set = PlanningProblemSet([problem])
     made.debug.logging_level = "ERROR"
-    # Else it forks for every plan, and hangs: gRPC has threads.
+    # Otherwise it forks for every plan, and hangs because of gRPC's threads.
     made.debug.multiproc = False
     made.planning.dt, made.planning.time_steps_computation = _DT, _STEPS
     made.planning.planning_horizon = _DT * _STEPS
-    # Where a heading passes pi its check of yaw rates sees a full turn.
+    # If a heading passes pi, its check of yaw rates finds a full turn.
     made.planning.constraints_to_check = ["velocity", "acceleration", "kappa"]
     made.sampling.max_deceleration_ratio = 0.5
-    # The third level takes seconds, and is reached just when there is no time.
+    # The third level takes seconds, and is reached when time is short.
     made.sampling.num_sampling_levels = 3
     made.update(scenario=scenario, planning_problem=problem)
     own = made.vehicle

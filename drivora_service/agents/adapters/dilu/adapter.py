@@ -26,22 +26,22 @@ from drivora_service.agents.remote.views import ContextView
 
 _EVERY_S = 1.0
 _SPEED_STEP = 3.0
-"""m/s by which a decision changes the wanted speed."""
+"""m/s by which a decision changes the desired speed."""
 
 _HARD = 3.5
 """m/s² of braking that counts as the consequence of a mistake."""
 
 _ROLLING = 1.0
-"""m/s below which braking harms nobody."""
+"""m/s below which hard braking does not count as a mistake."""
 
 _EXAMPLES, _MOST_EXAMPLES = 3, 5
 _EMBEDDED_PATIENCE_S = 60.0
 
 _LEAST_STAY, _STAY_S = 60.0, 6.0
-"""Metres and seconds of road that a lane must still be of use for, to change to it."""
+"""Metres and seconds for which a lane must remain usable, to change to it."""
 
 _LEAST_RETURN, _RETURN_S = 35.0, 4.0
-"""Metres and seconds before it is of no use any more, in which it is left."""
+"""Metres and seconds before the end of its use in which a lane is left."""
 
 _COLUMNS = (
     "decision", "wanted_speed", "lane", "decisions", "like_nearest", "unclear", "unparsed",
@@ -50,18 +50,18 @@ _COLUMNS = (
 
 
 class DiluAdapter:
-    """Has a model decide, and drives what it decided."""
+    """Lets a model decide, and executes its decisions."""
 
     def __init__(self, model: ChatModel, patience: float) -> None:
-        """Args: patience: Seconds for what is asked in a step."""
+        """Args: patience: Seconds for all requests of a step."""
         self._model, self._patience = model, patience
         self._experiences = read_experiences()
 
     def setup_env(self, context: ContextView) -> None:
-        """Begins a run, with the memory as it is shipped.
+        """Begins a run, with the shipped memory.
 
         Raises:
-            ValueError: The document's parameters are not of this agent.
+            ValueError: The document's parameters are invalid for this agent.
         """
         examples = examples_in(context.parameters)
         self._context = context
@@ -83,7 +83,7 @@ class DiluAdapter:
         self._log_what_is_known()
 
     def run_step(self, observation: Observation) -> Control:
-        """Decides, if it is time to, and drives."""
+        """Decides, if a decision is due, and drives."""
         near = observation.route_s if self._near is None else self._near
         vehicle = self._context.vehicle
         around = look_around(observation, self._frame, self._forecaster, vehicle, near)
@@ -93,7 +93,7 @@ class DiluAdapter:
             stop = max(observation.light_distance, 0.0)
         if self._decide_at is None:
             self._decide_at, self._wanted = observation.time, around.speed
-        # Half a step early rather than a whole one late: times are sums of steps.
+        # Half a step early instead of a whole one late, since times are sums of steps.
         if observation.time > self._decide_at - 0.5 * self._context.step_length:
             self._decide_at += _EVERY_S
             self._decide(around, stop)
@@ -152,7 +152,7 @@ class DiluAdapter:
         return around.beside(offset)
 
     def _return_in_time(self, around: Surroundings) -> None:
-        """Goes back to the route's lane where the other one will soon be of no use."""
+        """Returns to the route's lane if the present lane will soon be unusable."""
         if self._lane == 0:
             return
         needed = max(_RETURN_S * around.speed, _LEAST_RETURN)
@@ -186,10 +186,10 @@ class DiluAdapter:
 
 
 def examples_in(parameters: Mapping[str, Any]) -> int:
-    """Returns how many examples the document asks for.
+    """Returns the number of examples in the document.
 
     Raises:
-        ValueError: The parameters are not of this agent.
+        ValueError: The parameters are invalid for this agent.
     """
     given = dict(parameters)
     examples = given.pop("examples", _EXAMPLES)
@@ -211,12 +211,12 @@ def make_adapter() -> DiluAdapter:
     """Makes the agent with the operator's endpoint, or with the embedded model.
 
     Raises:
-        ModelError: The settings cannot be used, or the weights are not there.
+        ModelError: The settings are invalid, or the weights are missing.
     """
     settings = endpoint_settings(os.environ)
     if settings is not None:
         return DiluAdapter(EndpointModel(settings), settings.timeout)
-    # It is there only in the agent's own environment.
+    # It is installed only in the agent's own environment.
     from drivora_service.agents.adapters.dilu.embedded import EmbeddedModel
 
     return DiluAdapter(EmbeddedModel(), _EMBEDDED_PATIENCE_S)

@@ -1,4 +1,4 @@
-"""What may be decided, and finding it in a model's answer."""
+"""The decisions, and parsing them from a model's answer."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import re
 from enum import StrEnum
 
 DELIMITER = "####"
-"""Stands between the reasons and the decision."""
+"""Delimiter between the reasons and the decision."""
 
 
 class Decision(StrEnum):
-    """One of five; in the order of DiLu's action ids, 0 to 4."""
+    """A decision; in the order of DiLu's action ids, 0 to 4."""
 
     LEFT = "left"
     KEEP = "keep"
@@ -24,12 +24,12 @@ _WORD = re.compile(rf"\b({'|'.join(DECISIONS)})\b", re.IGNORECASE)
 
 
 def decision_in(answer: str) -> Decision | None:
-    """Returns what an answer decides: the one decision named behind its last delimiter.
+    """Returns the decision of an answer: the single one named after its last delimiter.
 
-    Where there is no delimiter the whole answer is looked at, as DiLu does.
+    Without a delimiter the whole answer is searched, as in DiLu.
 
     Returns:
-        ``None`` where no decision is named there, or more than one.
+        ``None`` if no decision is named there, or more than one.
     """
     named = {word.lower() for word in _WORD.findall(answer.split(DELIMITER)[-1])}
     return Decision(named.pop()) if len(named) == 1 else None

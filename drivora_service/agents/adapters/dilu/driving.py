@@ -1,8 +1,8 @@
-"""Drives what was decided: IDM along the route or beside it, every step.
+"""Execution of decisions: IDM along the route or beside it, in every step.
 
 Treiber, Hennecke, Helbing: Congested traffic states in empirical observations and microscopic
 simulations (Phys. Rev. E 62, 2000); Coulter: Implementation of the pure pursuit path tracking
-algorithm (1992). Plain Python: what `idm` has of both is compiled, for which this environment has
+algorithm (1992). Plain Python: those of `idm` are compiled, for which this environment has
 no compiler.
 """
 
@@ -17,16 +17,16 @@ from drivora_service.agents.remote.views import VehicleView
 
 _ACCELERATION, _BRAKING = 1.5, 2.0
 _HEADWAY, _STANDSTILL = 1.2, 2.0
-"""Seconds and metres that are kept to who is ahead."""
+"""Headway to the actor ahead: seconds and metres."""
 
 _LINE_GAP = 1.0
-"""Metres that are kept before a light's line or a way that is crossed, once stopped."""
+"""Metres before a light's line or a crossed way at standstill."""
 
 _LOOK_AHEAD, _LEAST_LOOK_AHEAD = 0.9, 4.0
 """Seconds and metres."""
 
 _SIDEWAYS = 1.2
-"""m/s across the lane in a lane change."""
+"""Lateral speed of a lane change, m/s."""
 
 
 def idm_acceleration(
@@ -37,14 +37,14 @@ def idm_acceleration(
     Args:
         speed: m/s.
         wanted: m/s.
-        gap: Metres to who is ahead.
-        lead: Speed of who is ahead, m/s.
-        standstill: Metres to keep when standing.
+        gap: Metres to the actor ahead.
+        lead: Speed of the actor ahead, m/s.
+        standstill: Metres to keep at standstill.
     """
     if wanted <= 0.1:
         free = -_BRAKING
     elif speed > wanted:
-        # The model's own braking from above the wanted speed grows with the fourth power.
+        # Above the desired speed, the model's braking grows with the fourth power.
         free = -_BRAKING * min(1.0, speed - wanted)
     else:
         free = _ACCELERATION * (1.0 - (speed / wanted) ** 4)
@@ -66,14 +66,14 @@ def drive(
     offset: float,
     stop: float | None,
 ) -> AccelerationControl:
-    """Returns what to do in this step.
+    """Returns the control of this step.
 
     Args:
-        around: Vehicle and others.
-        frame: Of the route.
-        vehicle: The one that is driven.
-        wanted: The speed decided upon, m/s; limit and bends are kept to whatever it is.
-        offset: d of the lane decided upon.
+        around: The vehicle and other actors.
+        frame: Frame of the route.
+        vehicle: The driven vehicle.
+        wanted: Decided speed, m/s; limit and bends always apply.
+        offset: d of the decided lane.
         stop: Metres to a light to stop for.
     """
     speed = around.speed

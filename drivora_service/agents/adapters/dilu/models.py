@@ -1,4 +1,4 @@
-"""What a language model is asked through, wherever it runs."""
+"""The protocol of language models."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from drivora_service.agents.adapters.dilu.prompts import Message
 
 
 class ModelError(Exception):
-    """The model did not answer; the message says what was found and what to do."""
+    """The model did not answer; the message has the cause and what to do."""
 
 
 class ChatModel(Protocol):
     """A language model.
 
     Attributes:
-        name: For people, without secrets.
-        reasons: Whether it is to think aloud before it decides.
+        name: Display name, without secrets.
+        reasons: Whether it reasons in text before it decides.
     """
 
     name: str
     reasons: bool
 
     def begin_run(self) -> None:
-        """Forgets what earlier runs left in it."""
+        """Clears the state of earlier runs."""
         ...
 
     def answer(
@@ -35,10 +35,10 @@ class ChatModel(Protocol):
 
         Args:
             messages: The chat so far.
-            allowed: Decisions that the answer may hold, for a model that can be held to them.
-            seconds: Of wall time in which an answer must come, if waiting for it depends on others.
+            allowed: Allowed decisions, for a model whose output can be restricted.
+            seconds: Wall time for the answer, for a model that is remote.
 
         Raises:
-            ModelError: There is none.
+            ModelError: There is no answer.
         """
         ...

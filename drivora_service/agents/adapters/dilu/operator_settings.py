@@ -1,6 +1,6 @@
-"""What the operator says of the language model, in environment variables of the service.
+"""The operator's settings of the language model, in environment variables of the service.
 
-The manifest lists them; nothing else of what a document may say reaches this.
+The manifest lists them; documents have no access to them.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from drivora_service.agents.adapters.dilu.models import ModelError
 ENDPOINT, MODEL = "DRIVORA_DILU_ENDPOINT", "DRIVORA_DILU_MODEL"
 API_KEY, TIMEOUT = "DRIVORA_DILU_API_KEY", "DRIVORA_DILU_TIMEOUT_S"
 _TIMEOUT_S = 8.0
-"""Less than the ten seconds after which a call of an agent counts as hung."""
+"""Below the ten seconds after which a call of an agent counts as hung."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EndpointSettings:
-    """An OpenAI-compatible service to ask.
+    """An OpenAI-compatible service.
 
     Attributes:
-        url: Where its API begins, without a slash at the end: https://HOST/v1.
-        model: Name there.
+        url: Base address of its API, without a slash at the end: https://HOST/v1.
+        model: Name of the model there.
         api_key: "" for none.
         timeout: Seconds for all requests of one step.
     """
@@ -36,15 +36,15 @@ class EndpointSettings:
     timeout: float = _TIMEOUT_S
 
     def __repr__(self) -> str:
-        # What is printed ends in the log, where the key must not be.
+        # Printed text goes to the log, which must not contain the key.
         return f"EndpointSettings(url={self.url!r}, model={self.model!r})"
 
 
 def endpoint_settings(variables: Mapping[str, str]) -> EndpointSettings | None:
-    """Reads the settings; ``None`` where no endpoint is given.
+    """Reads the settings; ``None`` without an endpoint.
 
     Raises:
-        ModelError: They cannot be used.
+        ModelError: They are invalid.
     """
     text = variables.get(ENDPOINT, "").strip().rstrip("/")
     if not text:
@@ -69,7 +69,7 @@ def _check_url(text: str) -> None:
     try:
         url = httpx.URL(text)
     except httpx.InvalidURL:
-        # Without what is wrong with it: it may hold what must not be in a log.
+        # Without the text, which may contain secrets.
         raise ModelError(f"{ENDPOINT} is no address; {allowed}") from None
     if url.scheme not in ("http", "https") or not url.host:
         raise ModelError(f"{ENDPOINT} has no scheme or host; {allowed}")

@@ -1,7 +1,7 @@
-"""What the model is asked: to decide, to say it again, and to reflect.
+"""The prompts of the model: decision, clarification and reflection.
 
-A model that reasons is shown examples with their reasons and may think aloud. One that does not is
-shown decisions only, and answers with nothing else.
+A model that reasons is shown examples with their reasons and may reason in text. One that does not
+is shown decisions only, and answers with only a decision.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ class Message:
 
 
 def system_message(*, reasons: bool) -> Message:
-    """Returns what stands before everything.
+    """Returns the system message.
 
     Args:
-        reasons: Whether the model is to think aloud.
+        reasons: Whether the model reasons in text.
     """
     return Message(role="system", content=_TASK + _ALOUD if reasons else _AT_ONCE)
 
@@ -51,12 +51,12 @@ def system_message(*, reasons: bool) -> Message:
 def decision_messages(
     examples: Sequence[Experience], situation: Situation, *, reasons: bool
 ) -> list[Message]:
-    """Asks what to do.
+    """Returns the messages that ask for a decision.
 
     Args:
-        examples: To show before, in this order.
-        situation: The present one.
-        reasons: Whether the model is to think aloud.
+        examples: Examples to show first, in this order.
+        situation: The present situation.
+        reasons: Whether the model reasons in text.
     """
     messages = [system_message(reasons=reasons)]
     for example in examples:
@@ -73,12 +73,12 @@ def decision_messages(
 
 
 def example_answer(decision: Decision, why: str, reasons: bool) -> str:
-    """Returns the answer that an example shows."""
+    """Returns the answer of an example."""
     return f"{why}\nResponse to user:{DELIMITER} {decision}" if reasons else str(decision)
 
 
 def check_messages(answer: str) -> list[Message]:
-    """Asks which decision an answer means, as DiLu does where it finds none."""
+    """Returns the messages that ask for the decision of an unclear answer, as in DiLu."""
     return [
         Message(
             role="user",
@@ -91,7 +91,7 @@ def check_messages(answer: str) -> list[Message]:
 def reflection_messages(
     situation: Situation, decision: Decision, answer: str, *, reasons: bool
 ) -> list[Message]:
-    """Asks for a correction of a decision that led to hard braking."""
+    """Returns the messages that ask for a correction of a decision that led to hard braking."""
     request = (
         f"After that the car had to brake hard, so {decision} was wrong. What should you have "
         "decided?"
@@ -114,5 +114,5 @@ def _available(situation: Situation) -> str:
 
 
 def question(situation: Situation, *, reasons: bool) -> Message:
-    """Returns the message that tells a situation."""
+    """Returns the message that describes a situation."""
     return Message(role="user", content=described(situation) if reasons else in_brief(situation))

@@ -1,4 +1,4 @@
-"""Deciding, and learning from what came of it: DiLu's reasoning and reflection, for one run."""
+"""DiLu's reasoning and reflection for one run: decisions, and learning from their results."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from drivora_service.agents.adapters.dilu.situation import Situation, available
 from drivora_service.agents.log import AgentLog
 
 _GOOD_AFTER = 5
-"""Decisions without trouble after which one counts as good."""
+"""Following decisions without a mistake after which a decision counts as good."""
 
 _WORTH_KEEPING = 5
-"""Of good decisions every such one may be kept, as in DiLu."""
+"""Interval of the good decisions that may be kept, as in DiLu."""
 
 _MOVING = 1.0
-"""m/s: who stands has not shown that what it decided was good."""
+"""m/s; at standstill a decision does not count as good."""
 
 _LOOK_BACK = 4
-"""Decisions among which the one that led to trouble is looked for."""
+"""Number of last decisions that are searched for the cause of a mistake."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -43,16 +43,16 @@ class _Made:
 
 @dataclass(slots=True, kw_only=True)
 class Counts:
-    """What happened in the run so far.
+    """The counts of the run so far.
 
     Attributes:
-        decisions: That were made.
+        decisions: Decisions made.
         unclear: Answers without a decision in them.
-        unparsed: Answers whose decision asking again did not bring out either: it kept on.
-        impossible: Decisions that were not available: it kept on.
-        like_nearest: Decisions that equal that of the most fitting example.
-        reflections: That were asked for.
-        corrected: Of them, how many led to an experience.
+        unparsed: Answers still unclear after asking again: the decision was to keep.
+        impossible: Decisions that were not available: the decision was to keep.
+        like_nearest: Decisions equal to that of the nearest example.
+        reflections: Requested reflections.
+        corrected: Reflections that led to an experience.
         gained: Good decisions that were kept as experiences.
     """
 
@@ -71,10 +71,10 @@ class Driver:
     """The language model as the driver of one run.
 
     Attributes:
-        model: To ask.
-        memory: Grows as the run goes on.
+        model: The model.
+        memory: The memory, which grows during the run.
         examples: Experiences to show with each question.
-        log: Of the agent.
+        log: Log of the agent.
     """
 
     model: ChatModel
@@ -86,11 +86,11 @@ class Driver:
     _trouble_at: int = -1
 
     def decide(self, situation: Situation, until: float) -> Decision:
-        """Asks the model what to do.
+        """Returns the model's decision.
 
         Args:
-            situation: The present one.
-            until: Of the monotonic clock, when answers must be there.
+            situation: The present situation.
+            until: Deadline of the answers on the monotonic clock.
 
         Raises:
             ModelError: It does not answer.
@@ -98,8 +98,8 @@ class Driver:
         if situation.speed > _MOVING:
             self._keep_a_good_one()
         recalled = self.memory.recall(situation, self.examples)
-        # The most fitting one last, as a model heeds most what it read last; the others by number,
-        # so that questions begin alike: what it has read before it need not read again.
+        # The nearest one last, since a model weighs its last input most; the others by number, so
+        # that questions have the same beginning, which the model caches.
         shown = sorted(recalled[1:], key=lambda each: each.number) + recalled[:1]
         messages = decision_messages(
             [each.experience for each in shown], situation, reasons=self.model.reasons
@@ -142,11 +142,11 @@ class Driver:
         return left
 
     def reflect(self, braking: float, until: float) -> None:
-        """Has the last decision corrected that was not to decelerate: it led to hard braking.
+        """Requests a correction of the last decision other than to decelerate, after hard braking.
 
         Args:
-            braking: How hard, m/s².
-            until: Of the monotonic clock, when answers must be there.
+            braking: Deceleration, m/s².
+            until: Deadline of the answers on the monotonic clock.
 
         Raises:
             ModelError: The model does not answer.
@@ -185,7 +185,7 @@ class Driver:
         )
 
     def _keep_a_good_one(self) -> None:
-        """Keeps a decision of a while ago, if nothing went wrong since and it is new."""
+        """Keeps an earlier decision, if no mistake followed and it is new."""
         number = len(self._made) - _GOOD_AFTER
         if number < 0 or number % _WORTH_KEEPING != 1 or self._trouble_at > number:
             return

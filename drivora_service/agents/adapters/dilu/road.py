@@ -1,4 +1,4 @@
-"""The route as a frame: how far along it, how far beside it, and the lanes to both sides.
+"""The route as a frame: distance along it, lateral distance, and the lanes on both sides.
 
 Frame: s metres along the smoothed line of the route, d metres beside it, positive to the left.
 """
@@ -16,11 +16,11 @@ from drivora_service.agents.remote.views import ContextView, LaneView
 from drivora_service.geometry.arrays import FloatArray
 
 _REACH = 120.0, 160.0
-"""Metres behind and ahead in which places are looked for: farther than anybody counts."""
+"""Range of the search for places behind and ahead, metres: beyond all relevant actors."""
 
 
 class RouteFrame:
-    """Of one route."""
+    """The frame of one route."""
 
     def __init__(self, context: ContextView) -> None:
         reference = find_reference(context.route, context.lanes)
@@ -33,7 +33,7 @@ class RouteFrame:
         nearest = [int(np.argmin(((route.line - p) ** 2).sum(axis=1))) for p in self.line]
         self._lane_ids = route.lanes[nearest]
         self._ends = _ends(self._lane_ids, self._lanes, self.arc)
-        # The line is longer than the route; behind the route's end there is nowhere to be.
+        # The line is longer than the route, beyond whose end there are no places.
         self._end = float(self.arc[int(np.argmin(((self.line - route.line[-1]) ** 2).sum(axis=1)))])
 
     def project(self, points: FloatArray, near: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -41,7 +41,7 @@ class RouteFrame:
 
         Args:
             points: Metres, in the network's plane.
-            near: s around which places are looked for: a route may come by twice.
+            near: s around which places are searched, since a route may pass a place twice.
         """
         first = self._index(near - _REACH[0])
         part = slice(first, self._index(near + _REACH[1]) + 1)
@@ -69,15 +69,15 @@ class RouteFrame:
         return x - d * math.sin(heading), y + d * math.cos(heading)
 
     def allowed_speed(self, s: float, ahead: float) -> float:
-        """Returns the least speed that limit and bends allow up to ``ahead`` metres on, m/s."""
+        """Returns the least speed that limit and bends allow within ``ahead`` metres, m/s."""
         places = np.linspace(s, s + max(ahead, 0.0), 4)
         return float(np.interp(places, self.arc, self.speeds).min())
 
     def offset(self, s: float, lanes: int) -> float | None:
-        """Returns d of the lane that lies so many lanes to the left, negative to the right.
+        """Returns d of the lane ``lanes`` to the left, negative to the right.
 
         Returns:
-            ``None`` if there is none, or none that may be changed to.
+            ``None`` if there is no such lane, or changing to it is not allowed.
         """
         lane = self._lane(s)
         if lane is None or (lane.in_junction and lanes):
@@ -94,7 +94,7 @@ class RouteFrame:
         return math.copysign(away, lanes) if lanes else 0.0
 
     def room_beside(self, s: float, lanes: int) -> float:
-        """Returns the metres for which one can drive so many lanes to the left of the route."""
+        """Returns the metres for which the lane ``lanes`` to the left of the route is usable."""
         k = self._index(s)
         end = min(float(self._ends[k]), self._end)
         place = s
@@ -110,7 +110,7 @@ class RouteFrame:
 
 
 def _ends(ids: NDArray[np.int64], lanes: Mapping[int, LaneView], arc: FloatArray) -> FloatArray:
-    """Returns (n,) s at which a junction or a lane change of the route comes next."""
+    """Returns (n,) s of the next junction or lane change of the route."""
     ends = np.empty(len(ids))
     end = float(arc[-1])
     for k in range(len(ids) - 1, -1, -1):

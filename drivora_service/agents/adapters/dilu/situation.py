@@ -1,4 +1,4 @@
-"""What the vehicle's surroundings come to: a few numbers, told in words, and compared as a vector.
+"""The situation of the vehicle: a few numbers, with a description in words and as a vector.
 
 Gaps are metres between bumpers, speeds m/s along the road.
 """
@@ -13,24 +13,24 @@ from drivora_service.agents.adapters.dilu.decisions import Decision
 from drivora_service.geometry.arrays import FloatArray
 
 _LITTLE = 0.1
-"""m/s that make no difference."""
+"""m/s that count as no difference."""
 
 _SIGHT = 100.0
-"""Metres beyond which everything is as far as this, when situations are compared."""
+"""Maximum distance in the comparison of situations, metres."""
 
 _LONG = 10.0
-"""Seconds to a collision beyond which there is none, when situations are compared."""
+"""Maximum time to collision in the comparison of situations, seconds."""
 
 _CLEAR_AHEAD, _CLEAR_BEHIND = 1.5, 1.5
-"""Seconds of driving that a gap ahead and behind must have to count as room."""
+"""Least headway of a gap ahead and behind to count as free, seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbour:
-    """Somebody ahead or behind in a lane.
+    """An actor ahead or behind in a lane.
 
     Attributes:
-        gap: Metres, 0 at least.
+        gap: Metres, at least 0.
         speed: m/s.
     """
 
@@ -40,11 +40,11 @@ class Neighbour:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Beside:
-    """A lane beside, which may be changed to.
+    """An adjacent lane to which the vehicle may change.
 
     Attributes:
-        ahead: Who is next ahead there.
-        behind: Who is next behind there.
+        ahead: The next actor ahead there.
+        behind: The next actor behind there.
     """
 
     ahead: Neighbour | None = None
@@ -53,17 +53,17 @@ class Beside:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
-    """What is decided upon.
+    """The situation for a decision.
 
     Attributes:
-        speed: Of the vehicle, m/s.
-        wanted: What it wants to drive, by the decisions so far, m/s.
-        allowed: What limit and bends allow, m/s.
-        ahead: Who is next ahead in its lane.
-        left: The lane to the left, ``None`` where it may not change to one.
-        right: The same to the right.
+        speed: Speed of the vehicle, m/s.
+        wanted: Desired speed by the decisions so far, m/s.
+        allowed: Speed allowed by limit and bends, m/s.
+        ahead: The next actor ahead in its lane.
+        left: The lane to the left, ``None`` if it may not change to one.
+        right: The lane to the right, likewise.
         stop: Metres to a light that it has to stop for.
-        crossing: Metres to where somebody will cross its way.
+        crossing: Metres to a place where an actor will cross its way.
     """
 
     speed: float
@@ -90,7 +90,7 @@ def available(situation: Situation) -> tuple[Decision, ...]:
 
 
 def described(situation: Situation) -> str:
-    """Tells all of a situation."""
+    """Returns the full description of a situation."""
     s = situation
     return " ".join(
         [
@@ -106,7 +106,7 @@ def described(situation: Situation) -> str:
 
 
 def in_brief(situation: Situation) -> str:
-    """Tells the gist of a situation, for a model that reads a hundred tokens a second."""
+    """Returns a brief description, for a model that reads a hundred tokens a second."""
     s = situation
     return " ".join(
         [
@@ -127,7 +127,7 @@ def features(situation: Situation) -> FloatArray:
     return np.array(
         [
             s.speed / 6.0,
-            # Room to the allowed speed says whether there is anything to gain.
+            # The margin to the allowed speed shows the possible gain.
             (s.allowed - s.speed) / 4.0,
             (s.allowed - s.wanted) / 3.0,
             _gap(s.ahead) / 30.0,
@@ -186,7 +186,7 @@ def _seconds_to_collision(s: Situation) -> float:
 
 
 def _is_open(lane: Beside | None, speed: float) -> float:
-    """Tells by 1 that there is a lane with room, by 0 that there is not."""
+    """Returns 1 for a lane with room, else 0."""
     if lane is None:
         return 0.0
     ahead, behind = lane.ahead, lane.behind
@@ -196,7 +196,7 @@ def _is_open(lane: Beside | None, speed: float) -> float:
 
 
 def _halting_share(speed: float, distance: float | None) -> float:
-    """Returns how near a place to halt is: 0 far or none, 1 where comfortable braking begins."""
+    """Returns the nearness of a halt: 0 far or none, 1 where comfortable braking begins."""
     if distance is None:
         return 0.0
     return min(1.5, (speed**2 / 4.0 + 8.0) / max(distance, 1.0))

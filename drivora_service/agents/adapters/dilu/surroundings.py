@@ -1,4 +1,4 @@
-"""Who is where around the vehicle, seen along its route.
+"""The actors around the vehicle, relative to its route.
 
 Frame: that of the route; gaps are between bumpers.
 """
@@ -21,32 +21,32 @@ from drivora_service.observations.trace import Col
 
 _OTHERS = 20
 _TIMES = np.arange(0.5, 4.01, 0.5)
-"""Seconds at which others are foreseen."""
+"""Times at which other actors are predicted, seconds."""
 
 _SIDE, _LONG = 0.3, 2.0
-"""Metres that are kept free beside, and before and behind whoever crosses."""
+"""Margins in metres, beside, and before and behind crossing actors."""
 
 _START = 1.5
-"""m/s² with which the vehicle would drive off where somebody crosses."""
+"""Acceleration of driving off for the check of crossing actors, m/s²."""
 
 _SIGHT = 100.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surroundings:
-    """The vehicle and the others at one step.
+    """The vehicle and the other actors at one step.
 
     Attributes:
-        s: Of the vehicle's centre.
-        d: Of the vehicle's centre.
+        s: s of the vehicle's centre.
+        d: d of the vehicle's centre.
         turn: Radians from the route's direction to the vehicle's.
         places: (n, 2) s and d of the others.
-        extents: (n, 2) half of what they take up along and across.
+        extents: (n, 2) half extents along and across.
         speeds: (n,) along the route, m/s.
-        foreseen: (n, t, 2) s and d of the others in the seconds to come.
-        half_length: Of the vehicle.
-        half_width: Of the vehicle.
-        speed: Of the vehicle, m/s.
+        foreseen: (n, t, 2) s and d of the others in the next seconds.
+        half_length: Half length of the vehicle.
+        half_width: Half width of the vehicle.
+        speed: Speed of the vehicle, m/s.
     """
 
     s: float
@@ -61,31 +61,31 @@ class Surroundings:
     speed: float
 
     def ahead(self, low: float, high: float) -> Neighbour | None:
-        """Returns who is next ahead between two offsets of the vehicle's centre."""
+        """Returns the next actor ahead between two offsets from the vehicle's centre."""
         inside = self._within(self.places[:, 1], low, high)
         gaps = self.places[:, 0] - self.s - self.extents[:, 0] - self.half_length
         ahead = inside & (self.places[:, 0] > self.s)
         return self._nearest(ahead, gaps)
 
     def behind(self, low: float, high: float) -> Neighbour | None:
-        """The same behind."""
+        """Returns the next actor behind, likewise."""
         inside = self._within(self.places[:, 1], low, high)
         gaps = self.s - self.places[:, 0] - self.extents[:, 0] - self.half_length
         return self._nearest(inside & (self.places[:, 0] <= self.s), gaps)
 
     def beside(self, offset: float) -> Beside:
-        """Returns who is in the lane whose centre lies at an offset."""
+        """Returns the actors in the lane whose centre is at an offset."""
         return Beside(ahead=self.ahead(offset, offset), behind=self.behind(offset, offset))
 
     def crossing(self, low: float, high: float) -> float | None:
-        """Returns the metres to where somebody, not there yet, will be when the vehicle is."""
+        """Returns the metres to a place that a crossing actor and the vehicle reach together."""
         if not len(self.places):
             return None
         s, d = self.foreseen[:, :, 0], self.foreseen[:, :, 1]
         side = self.half_width + self.extents[:, 1:] + _SIDE
         comes = (d > low - side) & (d < high + side)
         comes &= ~self._within(self.places[:, 1], low, high)[:, None]
-        # Standing, it asks where it would be if it drove off.
+        # At standstill, assume that it drives off.
         ours = self.s + np.maximum(self.speed * _TIMES, 0.5 * _START * _TIMES**2)
         along = self.half_length + self.extents[:, :1] + _LONG
         comes &= (np.abs(s - ours) < along) & (s > self.s)
@@ -114,20 +114,20 @@ def look_around(
     vehicle: VehicleView,
     near: float,
 ) -> Surroundings:
-    """Brings what is perceived into the frame of the route.
+    """Returns the perceived actors in the frame of the route.
 
     Args:
-        observation: What is perceived.
-        frame: Of the route.
-        forecaster: Foresees the others.
-        vehicle: The one that is driven.
-        near: About where it is along the route, metres.
+        observation: The observation.
+        frame: Frame of the route.
+        forecaster: Forecaster of the others.
+        vehicle: The driven vehicle.
+        near: Approximate place along the route, metres.
     """
     x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
     (s,), (d,), (heading,) = frame.project(np.array([[x, y]]), near)
     now = forecaster.foresee(observation, np.array([0.0, *_TIMES]), _OTHERS)
     others = leave_out_followers(now, observation)
-    # Followers are left out of what will cross, not of who is behind: they are looked up as well.
+    # Followers do not count as crossing but as actors behind, so they are needed too.
     count = len(now.ids)
     placed_s, placed_d, headings = frame.project(now.poses[:, :, :2].reshape(-1, 2), near)
     shape = count, len(_TIMES) + 1

@@ -1,6 +1,6 @@
 """The planners of the package ``fiss-planner`` behind the protocol.
 
-The planner gets the lanes that its route can use, nothing else: with all lanes of a junction it
+The planner gets only the lanes that its route can use: with all lanes of a junction it
 mistakes crossing ones for its own. A red light is a stop line that it must not pass.
 """
 
@@ -32,27 +32,27 @@ from drivora_service.observations.trace import Col
 
 _HORIZON_S, _PREDICTION_S = 6.0, 0.1
 _OTHERS = 25
-"""Actors that are shown to the planner, the nearest ones."""
+"""Number of nearest actors for the planner."""
 
 _STANDING = 0.2
-"""m/s below which the planned heading means nothing."""
+"""m/s below which the planned heading is undefined."""
 
 _ODD_TURN = 0.5
-"""Radians that no vehicle turns in a step: an artefact of points that lie on one another."""
+"""Turn in a step above which a heading is an artefact of coinciding points, radians."""
 
 _STOP_LINE_GAP = 1.0
 """Metres before the end of a lane at which the planner's stop line lies."""
 
 
 class FissAdapter:
-    """Drives by one of the package's planners, asked anew every step."""
+    """Drives by one of the package's planners, which plans in every step."""
 
     def __init__(self, planner: str) -> None:
-        """Args: planner: A name of the package: ``fiss_plus``, ``fop``."""
+        """Args: planner: Name of a planner of the package: ``fiss_plus``, ``fop``."""
         self._planner_name = planner
 
     def setup_env(self, context: ContextView) -> None:
-        """Returns the planner its map and its route."""
+        """Gives the planner its map and its route."""
         self._context = context
         vehicle = fp.VehicleParams()
         vehicle.length, vehicle.width = context.vehicle.length, context.vehicle.width
@@ -79,7 +79,7 @@ class FissAdapter:
         context.log.declare("planned_speed", "planner_failed")
 
     def run_step(self, observation: Observation) -> Control:
-        """Plans, and goes where the plan is at the end of the step."""
+        """Plans, and returns the pose of the plan at the end of the step."""
         context = self._context
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         self._show_light(observation)
@@ -128,7 +128,7 @@ class FissAdapter:
         return made
 
     def _add_stop_lines(self, road_map: fp.RoadMap, first: int, lane: int) -> list[int]:
-        """Adds a stop line to every lane beside a signal's; gives their ids."""
+        """Adds a stop line to every lane beside a signal's; returns their ids."""
         numbers = []
         for number, beside in enumerate(beside_one_another(self._context.lanes, lane), start=first):
             if beside in self._ids:
@@ -139,7 +139,7 @@ class FissAdapter:
         return numbers
 
     def _show_light(self, observation: Observation) -> None:
-        """Puts up the stop lines of the next signal where it must be obeyed."""
+        """Activates the stop lines of the next signal if it must be obeyed."""
         active = -1
         distance, signals = observation.light_distance, self._context.route.signals
         if signals and must_stop(observation) and 0.0 <= distance < math.inf:
@@ -171,7 +171,7 @@ class FissAdapter:
 def pose_after(trajectory: fp.Trajectory, ahead: float, x: float, y: float) -> Sequence[float]:
     """Returns x, y, yaw and speed on a trajectory ``ahead`` seconds after its place nearest (x, y).
 
-    The plan may begin a little before or behind the vehicle, as it goes on from the last one.
+    The plan may begin a little before or behind the vehicle, as it continues the last one.
     """
     points = np.column_stack((trajectory.x, trajectory.y))[:16]
     times = np.array(trajectory.t)

@@ -1,8 +1,8 @@
 """The sampling core of the package ``frenetix`` behind the protocol.
 
-The package samples trajectories, tells which the vehicle can drive, and what each costs. Which of
-them is driven is decided here: the cheapest that stays on the road, before a red light and clear of
-where others are foreseen.
+The package samples trajectories, checks which the vehicle can drive, and computes their costs. The
+choice is made here: the cheapest that stays on the road, stops before a red light and avoids the
+predicted actors.
 """
 
 from __future__ import annotations
@@ -42,26 +42,26 @@ _OFFSETS = (0.0, -0.5, 0.5, -1.0, 1.0, -1.75, 1.75, -2.5, 2.5, -3.3, 3.3)
 
 _OTHERS = 25
 _SLOW = 3.0
-"""m/s below which offsets are sampled over the way rather than over time."""
+"""m/s below which offsets are sampled over distance instead of time."""
 
 _BRAKING, _MARGIN = 3.0, 1.0
-"""m/s², with which a light's stop line is kept to, and metres that are kept before it."""
+"""Deceleration before a light's stop line, m/s², and distance from the line, metres."""
 
 _ROOM = (0.6, 0.25)
-"""Metres that are kept free before and behind, and at each side."""
+"""Margins in metres, before and behind, and at each side."""
 
 _SIDE_ACCELERATION = 5.0
-"""m/s², more than which no trajectory may have."""
+"""Maximum deceleration of a trajectory, m/s²."""
 
 _STANDING = 0.2
-"""m/s below which the planned heading means nothing."""
+"""m/s below which the planned heading is undefined."""
 
 _ON_PLAN = (0.3, 0.1, 0.7)
-"""Metres, radians and m/s between plan and vehicle, up to which a plan goes on from the last."""
+"""Metres, radians and m/s between plan and vehicle, up to which a plan continues the last one."""
 
 
 class FrenetixAdapter:
-    """Samples anew every step."""
+    """Samples in every step."""
 
     def setup_env(self, context: ContextView) -> None:
         """Prepares reference, road and constraints."""
@@ -73,7 +73,7 @@ class FrenetixAdapter:
         self._forecaster = LaneForecaster(context.lanes)
         self._times = np.arange(0.0, _HORIZON + 0.5 * _DT, _DT)
         self._handler = frenetix.TrajectoryHandler(dt=_DT)
-        # Not the package's check of yaw rates: where a heading passes pi it sees a full turn.
+        # Not the package's check of yaw rates, which finds a full turn if a heading passes pi.
         for check in (
             feasability_functions.CheckAccelerationConstraint(
                 switchingVelocity=7.3,
@@ -89,7 +89,7 @@ class FrenetixAdapter:
         context.log.declare("planned_speed", "planner_failed", "looked_at")
 
     def run_step(self, observation: Observation) -> Control:
-        """Goes where the best plan is at the end of the step."""
+        """Returns the pose of the best plan at the end of the step."""
         context = self._context
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         state = self._state(observation, x, y, yaw)
@@ -135,7 +135,7 @@ class FrenetixAdapter:
         return self._next if on_plan else now
 
     def _plan(self, state: FloatArray, observation: Observation) -> tuple[FloatArray | None, int]:
-        """Returns the best trajectory as columns like those of a state, and how many were tried."""
+        """Returns the best trajectory, with the columns of a state, and the number of samples."""
         slow = bool(state[3] < _SLOW)
         wheelbase = self._context.vehicle.wheelbase
         try:
@@ -151,7 +151,7 @@ class FrenetixAdapter:
                 wheelbase=wheelbase,
                 low_velocity_mode=slow,
             )
-        except ValueError:  # Beside the reference by more than its bends let one project.
+        except ValueError:  # Too far from the reference for a projection in its bends.
             return None, 0
         wanted = self._wanted_speed(start.x0_lon)
         handler = self._handler
@@ -203,7 +203,7 @@ class FrenetixAdapter:
         return None, tried
 
     def _on_road(self, s: FloatArray, d: FloatArray) -> bool:
-        """Returns whether a trajectory keeps to the road, or comes no further off it."""
+        """Returns whether a trajectory stays on the road, or leaves it no further."""
         half = 0.5 * self._context.vehicle.width
         reference = self._reference
         over = np.maximum(
@@ -221,12 +221,12 @@ class FrenetixAdapter:
         poses[:, 1] += self._half_base * np.sin(poses[:, 2])
         size = vehicle.length + 2.0 * _ROOM[0], vehicle.width + 2.0 * _ROOM[1]
         met = overlap(poses, size, others.poses[:, : len(poses)], others.sizes)
-        # Who is within the margins already must not keep us from going away.
+        # Actors within the margins already must not prevent driving away.
         return bool((met & ~met[:, :1]).any() or (met[:, :1] & met[:, 10:11]).any())
 
 
 def samples(start: frenetix.CurvilinearPlannerState, wanted: float) -> FloatArray:
-    """Returns what the package samples, a row of thirteen numbers for each trajectory.
+    """Returns the samples for the package, a row of thirteen numbers for each trajectory.
 
     They are its begin and end, seconds; s and two derivatives at the begin, two derivatives at the
     end; d and two derivatives at the begin, and at the end.

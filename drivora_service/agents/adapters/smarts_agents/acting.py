@@ -1,4 +1,4 @@
-"""From the poses that a policy answers every tenth of a second to poses for each step.
+"""Conversion of a policy's poses every tenth of a second to poses for each step.
 
 Frame: the network's plane, metres, radians counter-clockwise from east.
 """
@@ -18,15 +18,15 @@ from drivora_service.agents.interface import Observation, PoseControl
 from drivora_service.observations.trace import Col
 
 PERIOD = 0.1
-"""Seconds after which a policy is asked again, and in which it wants to reach its pose."""
+"""Period of a policy in seconds, in which it wants to reach its pose."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """Where a policy wants to be ``PERIOD`` after ``time``.
+    """Pose that a policy wants to reach ``PERIOD`` after ``time``.
 
     Attributes:
-        pace: x, y and yaw a second, on the way there.
+        pace: Change of x, y and yaw per second on the way there.
     """
 
     x: float
@@ -37,7 +37,7 @@ class Target:
 
 
 def target_of(observation: Observation, x: float, y: float, yaw: float) -> Target:
-    """Returns the target of a policy that wants to go to a pose from where it is."""
+    """Returns the target of a policy from the present pose to the given one."""
     from_x, from_y, from_yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
     turn = math.remainder(yaw - from_yaw, math.tau)
     way = (x - from_x) / PERIOD, (y - from_y) / PERIOD, turn / PERIOD
@@ -45,15 +45,15 @@ def target_of(observation: Observation, x: float, y: float, yaw: float) -> Targe
 
 
 def pose_of(answer: Iterable[SupportsFloat]) -> tuple[float, float, float]:
-    """Returns x, y and heading of what a policy answered, which ends with a duration."""
+    """Returns x, y and heading of a policy's answer, which ends with a duration."""
     x, y, heading, *_ = (float(value) for value in answer)
     return x, y, heading
 
 
 def allowed_speed(reference: Reference, observation: Observation) -> float:
-    """Returns the speed that limit, bends and lights leave, m/s.
+    """Returns the speed that limit, bends and lights allow, m/s.
 
-    SMARTS puts a vehicle on the pose that a policy answers, whatever its tyres would say, and has
+    SMARTS places a vehicle at the pose of a policy's answer, regardless of its tyres, and has
     no lights.
     """
     away = reference.line - observation.ego[[Col.X, Col.Y]]
@@ -64,13 +64,13 @@ def allowed_speed(reference: Reference, observation: Observation) -> float:
 def step_towards(
     target: Target, observation: Observation, step_length: float, allowed: float
 ) -> PoseControl:
-    """Returns where to be after this step: on the way to the target, and no faster than allowed.
+    """Returns the pose after this step, on the way to the target and no faster than allowed.
 
-    A step that ends later than the target was to be reached goes on beyond it at the same pace.
+    A step that ends after the target's time continues beyond it at the same pace.
 
     Args:
-        target: Of the policy.
-        observation: Of this step.
+        target: Target of the policy.
+        observation: Observation of this step.
         step_length: Seconds.
         allowed: m/s.
     """

@@ -26,25 +26,25 @@ from drivora_service.agents.remote.views import ContextView
 from drivora_service.observations.trace import Col
 
 _GOAL_AHEAD = 45.0
-"""Metres: within the fifty that are shown, so that the lane that leads there can be told."""
+"""Metres; within the fifty of the observation, so that the lane to it is known."""
 
 _REMEMBERS = "iamp"
-"""The policy that keeps places of the last second, and so needs one frame for the whole run."""
+"""The policy that stores places of the last second, which needs one frame for the whole run."""
 
 
 class SmartsAdapter:
-    """Asks a policy ten times a second."""
+    """Runs a policy ten times a second."""
 
     def __init__(self, policy: str) -> None:
-        """Args: policy: Of ``LOADERS``."""
-        # More would change the order of sums, and with it the last digits.
+        """Args: policy: Name of ``LOADERS``."""
+        # More threads would change the order of sums, and the last digits.
         torch.set_num_threads(1)
         self._name = policy
         self._make_policy = LOADERS[policy]()
 
     def setup_env(self, context: ContextView) -> None:
         """Finds the ways along the route."""
-        # A package draws numbers that it does not use: here, so that no run depends on another.
+        # A package draws unused random numbers; seeded here, so that runs are independent.
         np.random.seed(context.seed % 2**32)  # noqa: NPY002 # the packages' generator
         self._policy = self._make_policy()
         self._observer = Observer(context, _GOAL_AHEAD)
@@ -56,7 +56,7 @@ class SmartsAdapter:
         self._log.declare("target_speed", "allowed_speed", "lanes_shown")
 
     def run_step(self, observation: Observation) -> PoseControl:
-        """Goes towards the pose that the policy answered last."""
+        """Returns the pose of this step towards the policy's last answer."""
         target = self._target
         if target is None or observation.time > target.time + PERIOD - 1e-6:
             target = self._target = self._decide(observation)

@@ -1,9 +1,9 @@
-"""Scenes turned so that the ego faces north, for policies that trip over the compass.
+"""Scenes turned so that the ego faces north, for policies with errors in other headings.
 
-DSAC and CASL subtract headings without going round, and so steer off the road on the way south;
-DSAC puts the empty places of its list at (200, 200), where it would see vehicles that are none.
-Neither remembers more of a scene than how far it has gone, so each scene may have a frame of its
-own: the ego faces north, at as many metres north of the origin as it has driven.
+DSAC and CASL subtract headings without wrapping, and so steer off the road on the way south;
+DSAC puts the empty places of its list at (200, 200), where they would count as vehicles.
+Neither stores more of a scene than the driven distance, so each scene may have a frame of its
+own: the ego faces north, at the driven distance north of the origin.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class Facing:
     """A frame in which the ego faces north.
 
     Attributes:
-        origin: (2,) where the ego is in the network's plane.
+        origin: (2,) the ego's place in the network's plane.
         heading: SMARTS's heading of the ego there.
-        driven: Metres north of the frame's origin at which it is in the frame.
+        driven: Metres north of the frame's origin of the ego in the frame.
     """
 
     origin: FloatArray
@@ -95,6 +95,6 @@ class Facing:
 
 
 def facing(scene: Scene, driven: float) -> Facing:
-    """Returns the frame of a scene, before which the ego has driven so many metres."""
+    """Returns the frame of a scene, for an ego that has driven ``driven`` metres."""
     ego = scene.ego_vehicle_state
     return Facing(origin=ego.position[:2].copy(), heading=ego.heading, driven=driven)

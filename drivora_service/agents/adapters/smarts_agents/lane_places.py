@@ -1,4 +1,4 @@
-"""On which lane somebody is, and where along it.
+"""Lanes of vehicles, and places along them.
 
 Frame: the network's plane, metres, radians counter-clockwise from east; left is positive.
 """
@@ -16,7 +16,7 @@ from drivora_service.agents.remote.views import LaneView
 from drivora_service.geometry.arrays import FloatArray
 
 _ODD_HEADING = 0.8
-"""Radians between a vehicle and a lane that it still drives along."""
+"""Maximum angle between a vehicle and the lane that it follows, radians."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +32,7 @@ class LanePlaces:
     """Finds the lane under a vehicle."""
 
     def __init__(self, lanes: Mapping[int, LaneView]) -> None:
-        """Args: lanes: By id."""
+        """Args: lanes: Lanes by id."""
         views = list(lanes.values())
         self._ids = np.array([view.id for view in views for _ in view.line[1:]])
         self._starts = np.concatenate([np.empty((0, 2)), *(view.line[:-1] for view in views)])
@@ -44,7 +44,7 @@ class LanePlaces:
         self._halves = np.array([0.5 * view.width for view in views for _ in view.line[1:]])
 
     def find(self, place: FloatArray, yaw: float) -> LanePlace | None:
-        """Returns the lane that somebody at ``place`` drives along, ``None`` if there is none."""
+        """Returns the lane that a vehicle at ``place`` follows, ``None`` if there is none."""
         away = place - self._starts
         share = np.clip((away * self._steps).sum(axis=1) / self._lengths**2, 0.0, 1.0)
         gaps = np.hypot(*(away - share[:, None] * self._steps).T)
@@ -52,7 +52,7 @@ class LanePlaces:
         fits = (gaps < self._halves) & (turns < _ODD_HEADING)
         if not fits.any():
             return None
-        # A junction's lanes lie on one another: the heading tells them apart.
+        # A junction's lanes overlap: the heading distinguishes them.
         best = int(np.argmin(np.where(fits, gaps + 3.0 * turns, np.inf)))
         (dx, dy), (ax, ay) = self._steps[best].tolist(), away[best].tolist()
         return LanePlace(

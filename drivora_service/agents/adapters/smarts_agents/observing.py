@@ -1,7 +1,7 @@
-"""From what an ADS perceives to what SMARTS would show a policy.
+"""Conversion of an ADS's observations to those of SMARTS.
 
-Frame: the network's plane, metres, radians counter-clockwise from east; left is positive. What
-comes out has SMARTS's headings, from north.
+Frame: the network's plane, metres, radians counter-clockwise from east; left is positive. The
+result has SMARTS's headings, from north.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col
 
 _WAYPOINTS = 51
-"""Of each way, a metre apart: the place beside the vehicle and fifty ahead, as in the contest."""
+"""Waypoints of a way, a metre apart: one beside the vehicle and fifty ahead (contest)."""
 
 _FEWEST = 20
 """Waypoints that DSAC reads of each way; it cuts all ways to the length of the shortest."""
 
 _RADIUS = 50.0
-"""Metres within which others are shown."""
+"""Range of the other actors, metres."""
 
 _OTHERS = 20
-"""Of these, the nearest ones."""
+"""Maximum number of other actors, the nearest ones."""
 
 
 class Observer:
@@ -49,8 +49,8 @@ class Observer:
         """Prepares the lanes of the route.
 
         Args:
-            context: Of the run.
-            goal_ahead: Metres along the route to where the policy is told to go.
+            context: Context of the run.
+            goal_ahead: Metres along the route to the policy's goal.
         """
         self._context = context
         self._goal_ahead = goal_ahead
@@ -105,7 +105,7 @@ class Observer:
     ) -> tuple[int, LanePosition]:
         """Returns the lane of the route's road, or of its ways through a junction, that is nearest.
 
-        Another lane may be nearer, as where roads cross: SMARTS keeps to the route too.
+        Other lanes may be nearer at crossings: like SMARTS, this uses the route's lanes.
         """
         if stage % 2 == 0:
             found = [(lane, *self._on_lane(lane, place)) for lane in self._ways.road(stage)]
@@ -130,7 +130,7 @@ class Observer:
         first, _ = way.project(place)
         count = int(np.clip(way.arc[-1] - first, 0.0, _WAYPOINTS - 1)) + 1
         places = first + np.arange(count)
-        # Lanes are polygons: a direction is that of a metre around its place.
+        # Lanes are polylines: a direction is that of a metre around its place.
         around = np.array([[-0.5], [0.5]]) + np.minimum(places, way.arc[-1] - 0.5)
         x, y = (np.interp(places, way.arc, way.line[:, k]) for k in (0, 1))
         dx, dy = (np.diff(np.interp(around, way.arc, way.line[:, k]), axis=0)[0] for k in (0, 1))
@@ -178,5 +178,5 @@ class Observer:
 
 
 def long_enough(paths: list[list[Waypoint]]) -> list[list[Waypoint]]:
-    """Leaves out ways that are about to end, unless all are."""
+    """Omits ways that are about to end, unless all are."""
     return [path for path in paths if len(path) >= _FEWEST] or [max(paths, key=len)]

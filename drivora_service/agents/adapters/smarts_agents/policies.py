@@ -1,6 +1,6 @@
 """The packages' policies, loaded with their weights.
 
-All of them answer an observation with the pose to be at a tenth of a second later.
+Each answers an observation with the pose for a tenth of a second later.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ class Policy(Protocol):
     """A policy during one run."""
 
     def act(self, obs: Scene) -> Any:
-        """Returns x, y, heading and the seconds in which to be there."""
+        """Returns x, y, heading and the seconds until then."""
         ...
 
 
 def load_iamp() -> Callable[[], Policy]:
-    """Loads the predictor of interaction and the planner that asks it."""
+    """Loads the predictor of interaction and the planner that uses it."""
     _stand_in_for_drawing()
     policy: Policy = import_module("interaction_aware_motion_prediction.policy").Policy()
-    # It begins anew at the first step of a run.
+    # It is reset at the first step of a run.
     return lambda: policy
 
 
@@ -57,17 +57,17 @@ LOADERS: dict[str, Callable[[], Callable[[], Policy]]] = {
     "dsac": load_dsac,
     "casl": load_casl,
 }
-"""By the name of the policy: loads it, and gives what makes it for a run."""
+"""Loaders by the name of the policy, each of which returns a factory for runs."""
 
 
 class StandOrDrive:
     """The network of CASL: three layers of 750, and a choice between standing (0) and driving (1).
 
-    In place of the library that trained it, of which nothing else is needed.
+    Replaces the library that trained it, of which no other part is needed.
     """
 
     def __init__(self, weights: dict[str, torch.Tensor]) -> None:
-        """Args: weights: As the library saved them."""
+        """Args: weights: Weights as saved by the library."""
         self._hidden = [
             (weights[f"_encoder._fcs.{k}.weight"], weights[f"_encoder._fcs.{k}.bias"])
             for k in range(3)
@@ -84,13 +84,13 @@ class StandOrDrive:
         return answer
 
     def predict(self, observations: list[FloatArray]) -> NDArray[np.int64]:
-        """Returns the likeliest choice for each observation; the library's name for it."""
+        """Returns the likeliest choice for each observation; named as in the library."""
         choices: NDArray[np.int64] = self.logits(np.stack(observations)).argmax(axis=1)
         return choices
 
 
 class _Casl:
-    """CASL's rules, which are told of the first observation in another way than of the others."""
+    """CASL's rules, which are called differently for the first observation."""
 
     def __init__(self, rules: Any) -> None:
         self._rules = rules
@@ -104,7 +104,7 @@ class _Casl:
 
 
 def _stand_in_for_drawing() -> None:
-    """Lets the package be imported without Matplotlib, which only its pictures need."""
+    """Allows importing the package without Matplotlib, which only its pictures need."""
     if "matplotlib" not in sys.modules:
         library, drawing = ModuleType("matplotlib"), ModuleType("matplotlib.pyplot")
         library.pyplot = drawing  # type: ignore[attr-defined] # as an import of it would

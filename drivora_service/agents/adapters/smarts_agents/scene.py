@@ -1,4 +1,4 @@
-"""What SMARTS shows a policy, by its names, as far as the policies here look at it.
+"""The observation of SMARTS with its names, as far as the policies here use it.
 
 Frame: the network's plane, metres. Headings are SMARTS's: radians counter-clockwise from north, in
 (-pi, pi]. Lanes are counted from the right, from 0.
@@ -15,10 +15,10 @@ import numpy as np
 from drivora_service.geometry.arrays import FloatArray
 
 OFF_LANE = "off_lane"
-"""SMARTS's id for the lane of who is on none."""
+"""SMARTS's lane id for vehicles off all lanes."""
 
 _RAYS = 300
-"""Of the lidar, which no policy here looks at, but one expects to be there."""
+"""Number of points of the lidar, which no policy here uses, but one requires."""
 
 
 def to_heading(yaw: float) -> float:
@@ -55,21 +55,21 @@ class LanePosition:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Goal:
-    """Where to go: (3,) position."""
+    """The goal: (3,) position."""
 
     position: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mission:
-    """What to do."""
+    """The mission."""
 
     goal: Goal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Waypoint:
-    """A place on a way ahead.
+    """A waypoint of a way ahead.
 
     Attributes:
         pos: (2,).
@@ -135,7 +135,7 @@ class EgoState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Events:
-    """What has happened to the vehicle; nothing, as a run with a collision has ended."""
+    """Events of the vehicle; none, as a run with a collision has ended."""
 
     collisions: tuple[object, ...] = ()
     off_road: bool = False
@@ -154,8 +154,8 @@ class Scene:
 
     Attributes:
         elapsed_sim_time: Seconds.
-        steps_completed: 1 at the first step of a run, at which policies forget the last run.
-        distance_travelled: Metres since the step before.
+        steps_completed: 1 at the first step of a run, at which policies clear the last run.
+        distance_travelled: Metres since the preceding step.
         waypoint_paths: For each lane of the road that leads on along the route, from the right, its
             way ahead with a point every metre; none is empty.
     """

@@ -1,4 +1,4 @@
-"""The ways ahead that SMARTS would show: one for each lane that leads on along the route.
+"""The ways ahead as in SMARTS: one for each lane that leads along the route.
 
 Frame: the network's plane, metres, radians counter-clockwise from east; left is positive.
 """
@@ -22,22 +22,23 @@ from drivora_service.agents.remote.views import LaneView, RouteView
 from drivora_service.geometry.arrays import FloatArray
 
 _BEYOND = 60.0
-"""Metres that the last lane of a route is continued straight on."""
+"""Metres of straight extension after the last lane of a route."""
 
 _LATE = 1.0
-"""Metres by which a vehicle may be past a stage before the next one is taken: the points of a route
-are that far apart. A way must not begin behind the vehicle: who stands would never get past it."""
+"""Metres by which a vehicle may be past a stage before the next one is used: the points of a route
+are that far apart. A way must not begin behind the vehicle, or a standing vehicle would never pass
+it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Way:
-    """Lanes that follow one another, as a line.
+    """Consecutive lanes as a line.
 
     Attributes:
         lanes: Their ids.
         line: (n, 2).
         arc: (n,) from the start.
-        starts: Of each lane, along ``arc``.
+        starts: Start of each lane along ``arc``.
         first_length: Metres up to which the first stage of the way goes: its lane on a road, or all
             its lanes within a junction.
     """
@@ -49,7 +50,7 @@ class Way:
     first_length: float
 
     def project(self, place: FloatArray) -> tuple[float, float]:
-        """Returns how far along the way's first stage a place is, and how far to the left of it."""
+        """Returns the distance of a place along the way's first stage, and to the left of it."""
         last = self.first_length + _LATE
         count = max(int(np.searchsorted(self.arc, last)) + 1, 2)
         line = self.line[:count]
@@ -64,7 +65,7 @@ class Way:
         return s, float(np.copysign(gaps[k], side))
 
     def lane_at(self, s: float) -> int:
-        """Returns which of ``lanes`` is at a place along the way."""
+        """Returns the lane of ``lanes`` at a place along the way."""
         return max(int(np.searchsorted(self.starts, s, side="right")) - 1, 0)
 
 
@@ -75,7 +76,7 @@ class RouteWays:
         """Finds the roads of a route and the ways from each to the next.
 
         Args:
-            lanes: Around the route, by id.
+            lanes: Lanes around the route, by id.
             route: The route.
         """
         self._lanes = lanes
@@ -87,7 +88,7 @@ class RouteWays:
         self._single: dict[int, Way] = {}
 
     def stage(self, route_s: float) -> int:
-        """Returns which road (even) or junction (odd) of the route is at a place along it."""
+        """Returns the number of the road (even) or junction (odd) at a place along the route."""
         k = int(np.searchsorted(self._arc, route_s, side="right")) - 1
         return int(self._stages[min(max(k, 0), len(self._stages) - 1)])
 
@@ -96,7 +97,7 @@ class RouteWays:
         return self._roads[stage // 2]
 
     def lane(self, lane: int) -> Way:
-        """Returns a lane alone."""
+        """Returns the way of a single lane."""
         if lane not in self._single:
             self._single[lane] = self._way((lane,), 1)
         return self._single[lane]
@@ -125,7 +126,7 @@ class RouteWays:
         return found
 
     def _continued(self, lanes: tuple[int, ...], road: int) -> tuple[int, ...]:
-        """Adds what follows from ``road`` on, to which the last of the lanes belongs."""
+        """Adds the continuation from ``road`` on, to which the last of the lanes belongs."""
         while road < len(self._roads) - 1:
             following = self._next[road].get(lanes[-1])
             if following is None:
@@ -144,7 +145,7 @@ class RouteWays:
         keep = np.hypot(*np.diff(joined, axis=0, prepend=joined[:1] - 1.0).T) > 1e-3
         line = joined[keep]
         arc = arc_of(line)
-        # A lane's first point is the last of the lane before, and so not kept twice.
+        # A lane's first point is the last of the preceding lane, so it is not repeated.
         counts = np.cumsum([0, *(len(part) for part in lines)])[: len(ids) + 1]
         kept = np.concatenate(([0], np.cumsum(keep)))[counts]
         places = arc[np.maximum(kept - 1, 0)]
@@ -180,9 +181,9 @@ def _road(lanes: Mapping[int, LaneView], lane: int) -> tuple[int, ...]:
 def _connections(
     lanes: Mapping[int, LaneView], roads: list[tuple[int, ...]], own: list[tuple[int, ...]]
 ) -> list[dict[int, tuple[int, ...]]]:
-    """Returns for each road the way from each lane to the next road, that one's lane included.
+    """Returns for each road the way from each lane to the next road, including its lane.
 
-    Where a lane has several, the route's own one is taken, else one that leads on behind the next
+    If a lane has several, the route's own one is taken, else one that continues after the next
     road, else that to the lane nearest to the route's.
     """
     found: list[dict[int, tuple[int, ...]]] = [{} for _ in roads]
