@@ -58,7 +58,7 @@ def field_names(kind: Any) -> tuple[str, ...]:
     return _field_names(kind)
 
 
-def combine(kind: type[T], *sources: object, **given: object) -> T:
+def combine(kind: type[T], /, *sources: object, **given: object) -> T:
     """Makes a dataclass of the attributes of others.
 
     Args:

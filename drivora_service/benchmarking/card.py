@@ -13,7 +13,8 @@ import numpy as np
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.records import RunRecord
 
 COLLISION = "collision"
 RED_LIGHT = "red_light"
@@ -25,7 +26,7 @@ _AGENTS_OWN = frozenset({RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BenchmarkRun:
-    """A finished run of the benchmark.
+    """A run of the benchmark that has ended.
 
     Attributes:
         network: Network of the run.
@@ -34,7 +35,7 @@ class BenchmarkRun:
 
     network: str
     number: int
-    report: RunReport
+    record: RunRecord
 
     @property
     def name(self) -> str:
@@ -44,29 +45,29 @@ class BenchmarkRun:
     @property
     def finished(self) -> bool:
         """Whether it was judged."""
-        return self.report.status is RunStatus.FINISHED
+        return self.record.status is RunStatus.FINISHED
 
     @property
     def arrived(self) -> bool:
         """Whether the ego reached its destination in time."""
         return any(
-            v.oracle == DESTINATION and v.outcome is Outcome.PASSED for v in self.report.verdicts
+            v.oracle == DESTINATION and v.outcome is Outcome.PASSED for v in self.record.verdicts
         )
 
     @property
     def violations(self) -> tuple[Verdict, ...]:
         """The violations."""
-        return tuple(v for v in self.report.verdicts if v.outcome is Outcome.VIOLATED)
+        return tuple(v for v in self.record.verdicts if v.outcome is Outcome.VIOLATED)
 
     @property
     def agent_cost_us(self) -> float | None:
         """Wall microseconds of the agent in a step; ``None`` if no agent drove."""
-        costs = self.report.agent_cost_us.values()
+        costs = self.record.agent_cost_us.values()
         return math.fsum(costs) if costs else None
 
     def metric(self, name: str) -> float | None:
         """Returns a metric; ``None`` if it was not measurable."""
-        value = self.report.metrics.get(name)
+        value = self.record.metrics.get(name)
         return value if value is not None and math.isfinite(value) else None
 
     def broke(self, rule: str, *, at_fault: bool = False) -> bool:
@@ -196,7 +197,7 @@ class AgentCard:
     @property
     def failed_otherwise(self) -> int:
         """Returns the number of runs that failed without the agent's fault."""
-        return sum(not run.finished and run.report.status not in _AGENTS_OWN for run in self.runs)
+        return sum(not run.finished and run.record.status not in _AGENTS_OWN for run in self.runs)
 
 
 def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
@@ -227,12 +228,12 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
 def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     """Returns the aggregates of runs."""
     judged = [run for run in runs if run.finished]
-    costs = [run.report.step_cost_us for run in judged]
+    costs = [cost for run in judged if (cost := run.record.step_cost_us) is not None]
     typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
     own = [cost for run in judged if (cost := run.agent_cost_us) is not None]
     at_fault = [run for run in judged if run.broke(COLLISION, at_fault=True)]
     arrivals = [run for run in judged if run.arrived]
-    failed = sum(run.report.status in _AGENTS_OWN for run in runs)
+    failed = sum(run.record.status in _AGENTS_OWN for run in runs)
     return Figures(
         runs=len(runs),
         judged=len(judged),
@@ -262,7 +263,7 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
         return (
             run.broke(COLLISION, at_fault=True),
             len({verdict.oracle for verdict in run.violations}),
-            run.report.sim_time_s,
+            run.record.sim_time_s or 0.0,
         )
 
     return max((run for run in runs if run.finished), key=badness, default=None)
@@ -293,14 +294,13 @@ def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
     groups: dict[tuple[RunStatus, str], list[BenchmarkRun]] = defaultdict(list)
     for run in runs:
         if not run.finished:
-            failure = run.report.failure
-            groups[run.report.status, "" if failure is None else failure.cause].append(run)
+            groups[run.record.status, run.record.cause].append(run)
     told = [
         FailureCause(
             status=status,
             cause=cause,
             runs=len(failed),
-            example="" if failed[0].report.failure is None else failed[0].report.failure.message,
+            example="" if failed[0].record.error is None else failed[0].record.error.message,
             example_run=failed[0].name,
         )
         for (status, cause), failed in groups.items()

@@ -82,17 +82,17 @@ def _card_content(card: AgentCard) -> dict[str, Any]:
 
 
 def _run_content(run: BenchmarkRun) -> dict[str, Any]:
-    failure = run.report.failure
+    error = run.record.error
     return {
         "scenario": run.name,
-        "status": run.report.status,
-        "cause": None if failure is None else failure.cause,
+        "status": run.record.status,
+        "cause": None if error is None else error.cause,
         "arrived": run.arrived,
         "broken": sorted({verdict.oracle for verdict in run.violations}),
         "at_fault": sorted({verdict.oracle for verdict in run.violations if verdict.at_fault}),
         "driving_score": run.metric("driving_score"),
-        "sim_time_s": run.report.sim_time_s,
-        "step_cost_us": run.report.step_cost_us,
+        "sim_time_s": run.record.sim_time_s,
+        "step_cost_us": run.record.step_cost_us,
         "agent_cost_us": run.agent_cost_us,
-        "trace_sha256": run.report.trace_sha256,
+        "trace_sha256": run.record.trace_sha256,
     }

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.agents.entry import AgentEntry
+from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, card_of
-from drivora_service.benchmarking.courses import BenchmarkScenario, benchmark_scenarios
+from drivora_service.benchmarking.courses import BenchmarkScenario
 from drivora_service.cli.drawing import draw_trace
-from drivora_service.cli.installation import network_catalogue
-from drivora_service.cli.output import number, print_table
-from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
-from drivora_service.runs.report import RunSpec
-from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.validation import validate_document
+from drivora_service.cli.output import named, number, print_table
+from drivora_service.client import Client
+from drivora_service.scenario.documents import document_text
 from drivora_service.settings import Settings
-from drivora_service.worker_settings import run_limits, worker_setup
+from drivora_service.shapes import combine
 
 _MOMENTS = 5
 """Pictures in the strip of a card."""
@@ -39,14 +34,18 @@ class Entrants:
     absent: tuple[AgentEntry, ...]
 
 
-def entrants(settings: Settings, names: Sequence[str]) -> Entrants:
+def entrants(client: Client, names: Sequence[str]) -> Entrants:
     """Looks agents up, each once; without names, all that there are.
 
     Raises:
         UnknownName: There is no agent of a name.
     """
-    catalogue = AgentCatalogue(folder=settings.agents_folder)
-    entries = [catalogue.entry(name) for name in dict.fromkeys(names or catalogue.names())]
+    agents = client.agents().items
+    wanted = dict.fromkeys(names or (agent.name for agent in agents))
+    entries = [
+        combine(AgentEntry, agent, kind=AgentKind(agent.kind))
+        for agent in (named("agent", name, agents) for name in wanted)
+    ]
     return Entrants(
         present=tuple(entry for entry in entries if entry.installed),
         absent=tuple(entry for entry in entries if not entry.installed),
@@ -54,62 +53,70 @@ def entrants(settings: Settings, names: Sequence[str]) -> Entrants:
 
 
 def benchmark(
-    settings: Settings,
+    client: Client,
     agents: Sequence[AgentEntry],
+    scenarios: Sequence[BenchmarkScenario],
     *,
-    runs: int,
-    out: Path | None,
     on_run: Callable[[AgentEntry], None],
-) -> tuple[tuple[AgentCard, ...], dict[str, Path]]:
-    """Lets agents drive the benchmark on worker processes of this machine.
+) -> tuple[AgentCard, ...]:
+    """Lets agents drive the benchmark: one batch an agent.
 
     Args:
-        settings: With the number of workers.
+        client: Of what runs them.
         agents: Can be used.
-        runs: Scenarios of each network.
-        out: Where to draw a run of each agent; exists. ``None``: nothing is drawn.
-        on_run: Told of whom a run is over.
+        scenarios: The scenarios that each agent drives.
+        on_run: Called with the agent of each run that has ended.
 
     Returns:
-        Their cards in the order of the agents, and the pictures by agent.
+        Their cards in the order of the agents.
 
     Raises:
-        NetworkError: A network does not offer that many routes.
+        InvalidDocument: The service does not accept a scenario.
+        ServiceError: The service refused, did not answer, or cannot begin runs.
     """
-    if not agents:
-        return (), {}
-    course = tuple(_ready(benchmark_scenarios(network_catalogue(settings), runs), settings))
-    entered = {
-        f"{agent.name}-{scenario.name}": (agent, scenario, document)
+    documents = [document_text(scenario.document) for scenario in scenarios]
+    # All of them are queued before the first is waited for, so that no worker is idle in between.
+    batches = [
+        client.post_batch(documents, name=f"benchmark {agent.name}", agent=agent.name).batch
         for agent in agents
-        for scenario, document in course
-    }
-    done: dict[str, list[BenchmarkRun]] = {agent.name: [] for agent in agents}
+    ]
+    cards = []
+    for agent, batch in zip(agents, batches, strict=True):
+        runs = []
+        for run in client.wait_for_batch(batch.id):
+            scenario = scenarios[run.item]
+            runs.append(BenchmarkRun(network=scenario.network, number=scenario.number, record=run))
+            on_run(agent)
+        cards.append(card_of(agent, runs))
+    return tuple(cards)
+
+
+def draw_cards(
+    client: Client, cards: Iterable[AgentCard], out: Path, settings: Settings
+) -> dict[str, Path]:
+    """Draws the shown run of each card.
+
+    Args:
+        client: Of what ran them.
+        cards: The cards.
+        out: Existing folder for the pictures.
+        settings: Where networks are looked up.
+
+    Returns:
+        The pictures by agent.
+
+    Raises:
+        ServiceError: A trace could not be fetched.
+    """
+    pictures = {}
     with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
-        specs = (
-            RunSpec(
-                run_id=name,
-                document=document,
-                agent=agent.name,
-                trace_path="" if out is None else str(_trace(Path(scratch), name)),
-            )
-            for name, (agent, _, document) in entered.items()
-        )
-        with LocalExecutor(
-            slots=min(settings.workers, len(entered)),
-            setup=worker_setup(settings),
-            folder=Path(scratch),
-            limits=run_limits(settings),
-        ) as executor:
-            for report in run_all(executor, specs):
-                agent, scenario, _ = entered[report.run_id]
-                done[agent.name].append(
-                    BenchmarkRun(network=scenario.network, number=scenario.number, report=report)
-                )
-                on_run(agent)
-        cards = tuple(card_of(agent, done[agent.name]) for agent in agents)
-        pictures = {} if out is None else dict(_pictures(cards, Path(scratch), out, settings))
-    return cards, pictures
+        for card in cards:
+            if card.shown is not None:
+                name = card.agent.name
+                trace, pictures[name] = Path(scratch) / "shown.parquet", out / f"{name}.png"
+                client.save_run_observations(trace, card.shown.record.id)
+                draw_trace(trace, settings, pictures[name], moments=_MOMENTS)
+    return pictures
 
 
 def print_cards(cards: Sequence[AgentCard], absent: Sequence[AgentEntry]) -> None:
@@ -158,29 +165,3 @@ def _row(card: AgentCard) -> tuple[str, ...]:
         number(None if cost is None else cost / 1000.0, 2),
         number(None if own is None else own / 1000.0, 2),
     )
-
-
-def _ready(
-    wanted: Iterable[BenchmarkScenario], settings: Settings
-) -> Iterator[tuple[BenchmarkScenario, str]]:
-    """Returns each scenario with the document that workers read."""
-    networks = network_catalogue(settings)
-    for scenario in wanted:
-        valid = validate_document(scenario.document, networks, None)
-        yield scenario, canonical_json(valid.scenario)
-
-
-def _pictures(
-    cards: Iterable[AgentCard], scratch: Path, out: Path, settings: Settings
-) -> Iterator[tuple[str, Path]]:
-    for card in cards:
-        if card.shown is not None:
-            name = card.agent.name
-            picture = out / f"{name}.png"
-            trace = _trace(scratch, f"{name}-{card.shown.name}")
-            draw_trace(trace, settings, picture, moments=_MOMENTS)
-            yield name, picture
-
-
-def _trace(folder: Path, run_id: str) -> Path:
-    return folder / f"{run_id}.trace.parquet"

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+from typing import Any
+
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.card import BenchmarkRun
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.report import RunFailure, RunStatus
+from drivora_service.store.records import RunRecord
 
 AGENT = AgentEntry(
     name="made-up",
@@ -52,9 +56,8 @@ def finished(
     return BenchmarkRun(
         network=network,
         number=number,
-        report=RunReport(
-            run_id=f"made-up-{network}-{number:02d}",
-            status=RunStatus.FINISHED,
+        record=_record(
+            RunStatus.FINISHED,
             verdicts=broken if missed else (arrived, *broken),
             metrics={
                 "driving_score": score,
@@ -74,9 +77,29 @@ def failed(number: int, status: RunStatus, cause: str, message: str = "") -> Ben
     return BenchmarkRun(
         network="tee-town",
         number=number,
-        report=RunReport(
-            run_id=f"made-up-tee-town-{number:02d}",
-            status=status,
-            failure=RunFailure(cause=cause, message=message or f"it was {cause}"),
+        record=_record(
+            status,
+            cause=cause,
+            error=RunFailure(cause=cause, message=message or f"it was {cause}"),
         ),
+    )
+
+
+def _record(status: RunStatus, **results: Any) -> RunRecord:
+    """Returns the record of a run with the given results."""
+    unknown: dict[str, Any] = dict.fromkeys(
+        ("started_at", "ended_at", "violations", "at_fault_violations", "observations")
+    )
+    unknown |= dict.fromkeys(("accountability", "steps", "sim_time_s", "wall_time_s", "seed"))
+    empty = dict.fromkeys(("id", "cause", "label", "batch_id", "scenario_sha256"), "")
+    return RunRecord(
+        status=status,
+        item=0,
+        town="",
+        agent="made-up",
+        created_at=datetime(2026, 1, 1, tzinfo=UTC),
+        cancel_requested=False,
+        attempts=1,
+        revision=0,
+        **{"trace_sha256": "", **unknown, **empty, **results},
     )

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption
+from drivora_service.cli.options import DataDirOption, ServerOption, WorkersOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 
 if TYPE_CHECKING:
@@ -38,9 +39,8 @@ def benchmark(
         Path | None,
         typer.Option(metavar="DIR", help="Write a table, a card and a picture of each there."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Worker processes [default: one a core].")
-    ] = None,
+    workers: WorkersOption = None,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -49,23 +49,24 @@ def benchmark(
     An agent that is not installed is listed with the reason. Runs that an agent fails are part of
     its card; exits with 3 if any failed for another reason.
     """
-    from drivora_service.execution.fork_server import prepare_processes
+    with connected(server, data_dir, works=True, workers=workers) as client:
+        from drivora_service.benchmarking.card_files import cards_content, write_cards
+        from drivora_service.benchmarking.courses import RUNS, benchmark_scenarios
+        from drivora_service.cli import agent_benchmark
+        from drivora_service.cli.installation import network_catalogue, settings_for
 
-    prepare_processes()
-    from drivora_service.benchmarking.card_files import cards_content, write_cards
-    from drivora_service.benchmarking.courses import COURSES, RUNS
-    from drivora_service.cli import agent_benchmark
-    from drivora_service.cli.installation import settings_for
-
-    settings = settings_for(data_dir, workers=workers)
-    number = RUNS if runs is None else runs
-    entered = agent_benchmark.entrants(settings, names or ())
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-    with _progress(entered.present, runs=number * len(COURSES)) as step:
-        cards, pictures = agent_benchmark.benchmark(
-            settings, entered.present, runs=number, out=out, on_run=step
+        settings = settings_for(data_dir)
+        number = RUNS if runs is None else runs
+        entered = agent_benchmark.entrants(client, names or ())
+        scenarios = (
+            [*benchmark_scenarios(network_catalogue(settings), number)] if entered.present else []
         )
+        with _progress(entered.present, runs=len(scenarios)) as step:
+            cards = agent_benchmark.benchmark(client, entered.present, scenarios, on_run=step)
+        pictures = {}
+        if out is not None:
+            out.mkdir(parents=True, exist_ok=True)
+            pictures = agent_benchmark.draw_cards(client, cards, out, settings)
     if as_json:
         print_json(cards_content(cards, entered.absent, runs=number))
     else:
