@@ -27,7 +27,7 @@ from typing import Any
 
 from benchmarks.method_study import ARMS, SCENES
 from benchmarks.method_study import campaign_document as study_document
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
@@ -87,7 +87,7 @@ def run_whole(
     setup: WorkerSetup, networks: NetworkCatalogue, wanted: Wanted, workers: int
 ) -> dict[str, Any]:
     """Runs a campaign; returns the counts of its candidates."""
-    catalogues = installed_catalogues(networks)
+    catalogues = Catalogues(networks)
     valid = read_campaign(json.dumps(campaign_document(networks, wanted)), catalogues)
     search = prepare_search(valid, catalogues, run_prefix="check")
     journal = MemoryJournal()

@@ -24,7 +24,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
-from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.grouping import Grouping
 from drivora_service.campaigns.journal import MemoryJournal
@@ -135,7 +135,7 @@ TWINS = tuple(replace(arm, feedback="shuffled") for arm in ARMS if arm.tester !=
 @cache
 def catalogues() -> Catalogues:
     """Returns the catalogues of campaigns; one a process."""
-    return installed_catalogues(NetworkCatalogue(shipped_networks()))
+    return Catalogues(NetworkCatalogue(shipped_networks()))
 
 
 def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from benchmarks.million_campaigns import fill_campaigns
 from benchmarks.million_fill import fill_runs
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
@@ -182,7 +182,7 @@ def _engines(database: Database, folder: Path) -> EngineSetup:
 
 def application(database: Database, folder: Path) -> FastAPI:
     """Builds the HTTP application over a database; no run is started."""
-    catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
+    catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
     return create_api(
         ApiContext(
             opened=lambda: database,

@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.supervisor import CampaignSupervisor
@@ -27,7 +27,6 @@ from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.settings import Settings
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import open_database
@@ -142,7 +141,7 @@ def create_service(
         dispatcher.start()
         try:
             # Else the first document would wait for the kernels that check it.
-            await asyncio.to_thread(warm_up_checks, NetworkCatalogue(shipped_networks()))
+            await asyncio.to_thread(_warm_up)
             campaigns.start()
             housekeeping.start()
             _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
@@ -155,7 +154,7 @@ def create_service(
             database.close()
             lock.release()
 
-    catalogues = installed_catalogues(
+    catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
     )
@@ -204,3 +203,9 @@ def _tokens(settings: Settings) -> TokenFile | None:
             f"`drivora tokens create NAME --data-dir {settings.data_dir}`, or listen on 127.0.0.1"
         )
     return tokens
+
+
+def _warm_up() -> None:
+    from drivora_service.scenario.warm_up import warm_up_checks
+
+    warm_up_checks(NetworkCatalogue(shipped_networks()))

@@ -19,7 +19,7 @@ from fastapi import FastAPI
 
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.command_campaigns import CommandCampaigns
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
@@ -157,7 +157,7 @@ def create_command_app(
     database = CommandDatabase(settings)
     traces = TraceFolder(settings.traces_dir)
     runs = CommandRuns(settings, database, traces)
-    catalogues = installed_catalogues(
+    catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
     )

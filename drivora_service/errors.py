@@ -69,8 +69,8 @@ class UnknownName(DrivoraError):
 
     def __init__(self, kind: str, name: str, known: tuple[str, ...], hint: str = "") -> None:
         self.kind, self.name, self.known = kind, name, known
-        listing = ", ".join(known) if known else "none"
-        super().__init__(f"unknown {kind} {name!r}; known: {listing}{'. ' + hint if hint else ''}")
+        listing = f"; known: {', '.join(known)}" if known else ""
+        super().__init__(f"unknown {kind} {name!r}{listing}{'. ' + hint if hint else ''}")
 
     def __reduce__(self) -> tuple[type[UnknownName], tuple[str, str, tuple[str, ...]]]:
         return type(self), (self.kind, self.name, self.known)

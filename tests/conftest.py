@@ -10,7 +10,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.cli.service_process import running_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.worker.integrity import judging_code
@@ -57,7 +57,7 @@ def shared_data() -> Path:
 @pytest.fixture(scope="session")
 def catalogues() -> Catalogues:
     """What the package itself has: networks, agents, oracles, testers and feedbacks."""
-    return installed_catalogues(NetworkCatalogue(shipped_networks()))
+    return Catalogues(NetworkCatalogue(shipped_networks()))
 
 
 @pytest.fixture(scope="session")

@@ -1,26 +1,108 @@
-"""The built-in agents, without those that need their own environments."""
+"""The built-in agents, without those that need their own environments.
+
+The code of an agent is imported when the agent is made: reading a catalogue and checking documents
+need its entry and parameters alone.
+"""
 
 from __future__ import annotations
 
-from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
-from drivora_service.agents.ad_mlp.view import AdMlpView
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 from drivora_service.agents.entry import AgentEntry, AgentKind
-from drivora_service.agents.idm.agent import IdmAgent, IdmParameters
-from drivora_service.agents.idm_mobil.agent import MobilAgent, MobilParameters
-from drivora_service.agents.imitation.agent import NoParameters, WaypointAgent
-from drivora_service.agents.imitation.weights import load_weights
-from drivora_service.agents.metadrive_ppo import agent as metadrive_ppo
+from drivora_service.agents.idm.parameters import IdmParameters
+from drivora_service.agents.idm_mobil.parameters import MobilParameters
 from drivora_service.agents.metadrive_ppo.weights import WEIGHTS_FILE as METADRIVE_WEIGHTS
-from drivora_service.agents.nmpc import agent as nmpc
 from drivora_service.agents.nmpc.casadi_files import CASADI_FILES
-from drivora_service.agents.pdm_closed.agent import PdmClosedAgent, PdmParameters
-from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
-from drivora_service.agents.plant_lite.view import PlantView
-from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, agent_plugin
-from drivora_service.agents.puffer_drive import agent as puffer_drive
+from drivora_service.agents.nmpc.parameters import NmpcParameters
+from drivora_service.agents.pdm_closed.parameters import PdmParameters
+from drivora_service.agents.plugin import (
+    AgentPlugin,
+    FetchedAgentPlugin,
+    NoParameters,
+    agent_plugin,
+)
+from drivora_service.agents.puffer_drive.parameters import PufferDriveParameters
 from drivora_service.agents.puffer_drive.weights import WEIGHTS_FILE as PUFFER_WEIGHTS
-from drivora_service.agents.scripted.agent import ScriptedAgent, ScriptedParameters
+from drivora_service.agents.scripted.parameters import ScriptedParameters
 from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
+
+if TYPE_CHECKING:
+    from drivora_service.agents.interface import Agent
+
+
+def import_agents() -> None:
+    """Imports the code of all agents that need no files of other packages, before any is made."""
+    import drivora_service.agents.ad_mlp.network
+    import drivora_service.agents.ad_mlp.view
+    import drivora_service.agents.idm.agent
+    import drivora_service.agents.idm_mobil.agent
+    import drivora_service.agents.imitation.agent
+    import drivora_service.agents.pdm_closed.agent
+    import drivora_service.agents.plant_lite.network
+    import drivora_service.agents.plant_lite.view
+    import drivora_service.agents.scripted.agent  # noqa: F401
+
+
+def _idm(parameters: IdmParameters) -> Agent:
+    from drivora_service.agents.idm.agent import IdmAgent
+
+    return IdmAgent(parameters.speed_factor)
+
+
+def _idm_mobil(parameters: MobilParameters) -> Agent:
+    from drivora_service.agents.idm_mobil.agent import MobilAgent
+
+    return MobilAgent(parameters)
+
+
+def _pdm_closed(parameters: PdmParameters) -> Agent:
+    from drivora_service.agents.pdm_closed.agent import PdmClosedAgent
+
+    return PdmClosedAgent(parameters)
+
+
+def _plant_lite(_: NoParameters) -> Agent:
+    from drivora_service.agents.imitation.agent import WaypointAgent
+    from drivora_service.agents.imitation.weights import load_weights
+    from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
+    from drivora_service.agents.plant_lite.view import PlantView
+
+    return WaypointAgent(PlantView(), PlantNetwork(load_weights(PlantWeights)))
+
+
+def _ad_mlp(_: NoParameters) -> Agent:
+    from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
+    from drivora_service.agents.ad_mlp.view import AdMlpView
+    from drivora_service.agents.imitation.agent import WaypointAgent
+    from drivora_service.agents.imitation.weights import load_weights
+
+    return WaypointAgent(AdMlpView(), AdMlpNetwork(load_weights(AdMlpWeights)))
+
+
+def _scripted(parameters: ScriptedParameters) -> Agent:
+    from drivora_service.agents.scripted.agent import ScriptedAgent
+
+    return ScriptedAgent(parameters)
+
+
+def _metadrive_ppo(written: Mapping[str, Any], folder: Path) -> Agent:
+    from drivora_service.agents.metadrive_ppo.agent import create
+
+    return create(written, folder)
+
+
+def _puffer_drive(written: Mapping[str, Any], folder: Path) -> Agent:
+    from drivora_service.agents.puffer_drive.agent import create
+
+    return create(written, folder)
+
+
+def _nmpc(written: Mapping[str, Any], folder: Path) -> Agent:
+    from drivora_service.agents.nmpc.agent import create
+
+    return create(written, folder)
 
 
 def _sumo_plugin(name: str, model: str, car_following: str) -> AgentPlugin:
@@ -53,7 +135,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         IdmParameters,
-        lambda parameters: IdmAgent(parameters.speed_factor),
+        _idm,
     ),
     agent_plugin(
         AgentEntry(
@@ -67,7 +149,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         MobilParameters,
-        MobilAgent,
+        _idm_mobil,
     ),
     agent_plugin(
         AgentEntry(
@@ -81,7 +163,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         PdmParameters,
-        PdmClosedAgent,
+        _pdm_closed,
     ),
     agent_plugin(
         AgentEntry(
@@ -95,7 +177,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         NoParameters,
-        lambda _: WaypointAgent(PlantView(), PlantNetwork(load_weights(PlantWeights))),
+        _plant_lite,
     ),
     agent_plugin(
         AgentEntry(
@@ -109,7 +191,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         NoParameters,
-        lambda _: WaypointAgent(AdMlpView(), AdMlpNetwork(load_weights(AdMlpWeights))),
+        _ad_mlp,
     ),
     agent_plugin(
         AgentEntry(
@@ -123,7 +205,7 @@ BUILT_IN: tuple[AgentPlugin, ...] = (
             licence="Apache-2.0",
         ),
         ScriptedParameters,
-        ScriptedAgent,
+        _scripted,
     ),
     _sumo_plugin("sumo-krauss", "Krauss car following", "krauss"),
     _sumo_plugin("sumo-idm", "IDM car following", "idm"),
@@ -145,9 +227,9 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="metadrive-simulator 0.4.3 (Li et al. 2022)",
             licence="Apache-2.0",
         ),
-        parameters=metadrive_ppo.MetaDriveParameters,
+        parameters=NoParameters,
         files=(METADRIVE_WEIGHTS,),
-        create=metadrive_ppo.create,
+        create=_metadrive_ppo,
     ),
     FetchedAgentPlugin(
         entry=AgentEntry(
@@ -161,9 +243,9 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="pufferlib 3.0.0 (Suarez 2024; scenes of GPUDrive, Kazemkhani et al. 2024)",
             licence="MIT",
         ),
-        parameters=puffer_drive.PufferDriveParameters,
+        parameters=PufferDriveParameters,
         files=(PUFFER_WEIGHTS,),
-        create=puffer_drive.create,
+        create=_puffer_drive,
     ),
     FetchedAgentPlugin(
         entry=AgentEntry(
@@ -176,8 +258,8 @@ FETCHED: tuple[FetchedAgentPlugin, ...] = (
             source="written here, with CasADi 3.8.2 (Andersson et al. 2019) and FATROP",
             licence="Apache-2.0; CasADi LGPL-3.0-or-later, FATROP BSD-2-Clause and EPL-2.0",
         ),
-        parameters=nmpc.NmpcParameters,
+        parameters=NmpcParameters,
         files=(CASADI_FILES,),
-        create=nmpc.create,
+        create=_nmpc,
     ),
 )

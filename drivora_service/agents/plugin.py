@@ -70,6 +70,11 @@ class AgentPlugin:
         return self.entry.name
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoParameters:
+    """The parameters of an agent that takes none."""
+
+
 def agent_plugin(
     entry: AgentEntry, parameters: type[P], make: Callable[[P], Agent | SumoDriver]
 ) -> AgentPlugin:

@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Request
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.api.tokens import TokenFile
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.host import CampaignHost
-from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.store.database import Database
+if TYPE_CHECKING:
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.api.tokens import TokenFile
+    from drivora_service.campaigns.catalogues import Catalogues
+    from drivora_service.campaigns.folder import CampaignFolder
+    from drivora_service.campaigns.gene_spaces import GeneSpaces
+    from drivora_service.campaigns.host import CampaignHost
+    from drivora_service.networks.catalogue import NetworkCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
+    from drivora_service.store.database import Database
 
 PREFIX = "/api/v1"
 

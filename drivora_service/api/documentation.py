@@ -200,7 +200,7 @@ def _unpack_examples(part: Any) -> None:
 _ERRORS: Mapping[int, tuple[str, str]] = {
     401: ("Unauthorized", "an API token is needed: Authorization: Bearer …"),
     403: ("Forbidden", "token 'viewer' has scope read; submit is needed"),
-    404: ("Not Found", "unknown run '0'; known: none"),
+    404: ("Not Found", "unknown run '0'"),
     406: ("Not Acceptable", "observations come as application/x-ndjson or Parquet"),
     409: ("Conflict", "the first request with this Idempotency-Key is still being done"),
     413: ("Request Entity Too Large", "the body is larger than the bytes that are allowed"),

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Header, Request, Response
 from pydantic import BaseModel, ConfigDict
@@ -15,7 +15,9 @@ from drivora_service.api.conditional import JSON
 from drivora_service.api.context import ApiContext
 from drivora_service.api.problems import ApiError
 from drivora_service.api.security import client_name
-from drivora_service.store.database import Transaction
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
 
 IdempotencyKey = Annotated[
     str,

@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
 
-import pyarrow.parquet as pq
 from fastapi import Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
 
 from drivora_service.api.conditional import cache_headers, is_known
 from drivora_service.api.problems import ApiError
-from drivora_service.observations.scene_obs import ndjson
-from drivora_service.observations.trace_file import read_steps, read_trace
 
 NDJSON = "application/x-ndjson"
 PARQUET = "application/vnd.apache.parquet"
@@ -58,6 +55,9 @@ def observations_answer(
     if is_known(request, etag):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
     if form == NDJSON:
+        from drivora_service.observations.scene_obs import ndjson
+        from drivora_service.observations.trace_file import read_steps, read_trace
+
         trace = read_trace(path) if steps.is_whole else read_steps(path, steps.first, steps.stop)
         lines = ndjson(trace, steps.first, steps.stop)
         return StreamingResponse(_chunks(lines), media_type=NDJSON, headers=headers)
@@ -80,6 +80,8 @@ def _accepted(request: Request) -> str:
 
 
 def _parquet_range(path: Path, steps: StepRange) -> bytes:
+    import pyarrow.parquet as pq
+
     wanted = [("step", ">=", steps.first), ("step", "<", steps.stop)]
     table = pq.read_table(path, filters=wanted, use_threads=False)
     buffer = io.BytesIO()

@@ -5,15 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from drivora_service.api.context import ApiContext
 from drivora_service.api.lookups import KnownAgents, KnownNetworks
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.store.records import NewRun
+
+if TYPE_CHECKING:
+    from drivora_service.scenario.validation import ValidScenario
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +49,9 @@ class Checker:
         Raises:
             InvalidDocument: It cannot be run; every problem is named.
         """
+        # Imported here: it needs the compiler of kernels.
+        from drivora_service.scenario.validation import validate_data
+
         agent = self._overrides.agent
         valid = validate_data(data, self._networks, self._agents, form, driven_by=agent)
         scenario = with_agent_parameters(

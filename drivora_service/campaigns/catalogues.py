@@ -2,35 +2,51 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.search.catalogue import TesterCatalogue
+if TYPE_CHECKING:
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.networks.catalogue import NetworkCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
+    from drivora_service.search.catalogue import TesterCatalogue
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Catalogues:
-    """Catalogues of everything that a campaign may name."""
+    """Catalogues of everything that a campaign may name.
 
-    networks: NetworkCatalogue
-    agents: AgentCatalogue
-    testers: TesterCatalogue
-    oracles: OracleCatalogue
-
-
-def installed_catalogues(networks: NetworkCatalogue, agents: Path | None = None) -> Catalogues:
-    """Returns the catalogues of this installation, with these networks.
-
-    Args:
-        networks: The road networks.
-        agents: Folder of installed agents and of the operator's manifests.
+    Each is made when it is first read: those of agents, testers and oracles import much code, of
+    which most commands and requests need none.
     """
-    return Catalogues(
-        networks=networks,
-        agents=AgentCatalogue(folder=agents),
-        testers=TesterCatalogue(),
-        oracles=OracleCatalogue(),
-    )
+
+    def __init__(self, networks: NetworkCatalogue, agents_folder: Path | None = None) -> None:
+        """Prepares; nothing is looked up yet.
+
+        Args:
+            networks: The road networks.
+            agents_folder: Folder of installed agents and of the operator's manifests.
+        """
+        self.networks = networks
+        self._agents_folder = agents_folder
+
+    @cached_property
+    def agents(self) -> AgentCatalogue:
+        """The agents of this installation."""
+        from drivora_service.agents.catalogue import AgentCatalogue
+
+        return AgentCatalogue(folder=self._agents_folder)
+
+    @cached_property
+    def testers(self) -> TesterCatalogue:
+        """The testers of this installation."""
+        from drivora_service.search.catalogue import TesterCatalogue
+
+        return TesterCatalogue()
+
+    @cached_property
+    def oracles(self) -> OracleCatalogue:
+        """The oracles of this installation."""
+        from drivora_service.oracles.catalogue import OracleCatalogue
+
+        return OracleCatalogue()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
@@ -107,7 +107,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             database,
             campaign_id,
             setup.folder(campaign_id),
-            catalogues=installed_catalogues(
+            catalogues=Catalogues(
                 NetworkCatalogue(setup.shipped_networks, setup.imported_networks), setup.agents
             ),
             evaluator=evaluating,

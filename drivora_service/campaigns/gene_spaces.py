@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from typing import TYPE_CHECKING
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.searched_space import searched_space_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
-from drivora_service.search.genes import GeneSpace
 from drivora_service.store.campaign_records import CampaignRecord
+
+if TYPE_CHECKING:
+    from drivora_service.search.genes import GeneSpace
 
 _MOST = 64
 
@@ -42,6 +44,8 @@ class GeneSpaces:
             return self._known[record.id]
 
     def _build(self, record: CampaignRecord) -> GeneSpace | None:
+        from drivora_service.campaigns.searched_space import searched_space_of
+
         try:
             return searched_space_of(record, self._catalogues).space
         except (CampaignError, InvalidDocument, NetworkError, SearchError):

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher, conduct
 from drivora_service.campaigns.documents import campaign_text
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.preparing import prepare_search, search_versions
-from drivora_service.campaigns.reading import ValidCampaign, read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError, StoreUnavailable, WorkersCannotStart
 from drivora_service.store.campaign_records import (
@@ -22,9 +21,14 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.database import Database
 
+if TYPE_CHECKING:
+    from drivora_service.campaigns.reading import ValidCampaign
+
 
 def new_campaign(valid: ValidCampaign) -> NewCampaign:
     """Returns the values of a campaign for the store."""
+    from drivora_service.campaigns.preparing import search_versions
+
     campaign = valid.campaign
     return NewCampaign(
         name=campaign.name,
@@ -67,6 +71,10 @@ def run_stored(
         UnknownName: There is no such campaign.
         WorkersCannotStart: No worker can be started here; the campaign is paused.
     """
+    # Imported here: they need the code of all agents, oracles and testers.
+    from drivora_service.campaigns.preparing import prepare_search
+    from drivora_service.campaigns.reading import read_campaign
+
     lock = folder.lock()
     try:
         with database.write() as transaction:
@@ -128,6 +136,8 @@ def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
 
 def _refuse_other_versions(record: CampaignRecord, valid: ValidCampaign) -> None:
     """Refuses to resume a campaign under changed versions."""
+    from drivora_service.campaigns.preparing import search_versions
+
     now = {**search_versions(), **valid.versions}
     changed = [
         f"{name} was {then} and is {now.get(name, 'not installed')}"

@@ -40,6 +40,10 @@ def connected(
     Raises:
         ConfigurationError: Options for work in this process were given for a service.
     """
+    # Standard output is the command's result alone.
+    from drivora_service.logs import configure_logs
+
+    configure_logs(level="error")
     if server:
         _refuse_local_options(workers, evaluator)
         from drivora_service.client import Client

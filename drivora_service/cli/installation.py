@@ -26,7 +26,7 @@ def network_catalogue(settings: Settings) -> NetworkCatalogue:
 
 def catalogues_for(data_dir: Path | None) -> Catalogues:
     """Returns the catalogues of this installation and a data folder."""
-    from drivora_service.campaigns.catalogues import installed_catalogues
+    from drivora_service.campaigns.catalogues import Catalogues
 
     settings = settings_for(data_dir)
-    return installed_catalogues(network_catalogue(settings), settings.agents_folder)
+    return Catalogues(network_catalogue(settings), settings.agents_folder)

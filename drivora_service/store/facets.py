@@ -20,7 +20,6 @@ from functools import lru_cache
 from typing import Any
 
 from sqlalchemy import inspect, update
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
@@ -134,8 +133,16 @@ def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> N
 
 
 def _adding(dialect: str, table: Any, keys: list[str]) -> Any:
-    # Both databases have the same syntax; SQLAlchemy has a class for each.
-    insert: Any = (postgresql if dialect == "postgresql" else sqlite).insert(table)
+    # Both databases have the same syntax; SQLAlchemy has a class for each, slow to import.
+    insert: Any
+    if dialect == "postgresql":
+        from sqlalchemy.dialects import postgresql
+
+        insert = postgresql.insert(table)
+    else:
+        from sqlalchemy.dialects import sqlite
+
+        insert = sqlite.insert(table)
     return insert.on_conflict_do_update(
         index_elements=keys, set_={"runs": table.c.runs + insert.excluded.runs}
     )

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.grouping import Grouping
-from drivora_service.campaigns.searched_space import SearchedSpace, searched_space_of
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError
 from drivora_service.networks.road_network import RoadNetwork
@@ -35,9 +34,11 @@ from drivora_service.studies.figures import (
     figures_of,
     within_time,
 )
-from drivora_service.studies.road_coverage import RoadCoverage
 from drivora_service.studies.situations import count_situations
 from drivora_service.studies.subjects import Compared, compared_campaigns
+
+if TYPE_CHECKING:
+    from drivora_service.campaigns.searched_space import SearchedSpace
 
 _PAGE = 500
 
@@ -91,6 +92,9 @@ def compare_stored(
         CampaignError: They cannot be compared; says why.
         InvalidDocument: A name in a campaign is no longer available.
     """
+    # Imported here: importing this module shall not import the testers and the clustering.
+    from drivora_service.campaigns.searched_space import searched_space_of
+
     campaigns = compared_campaigns(records, catalogues.testers)
     check_comparable([campaign.subject for campaign in campaigns], baseline)
     by_scenario: dict[str, list[Compared]] = defaultdict(list)
@@ -155,6 +159,8 @@ def network_coverage(
         network: Its road network.
         until: Number of the last evaluation that counts; ``None``: all count.
     """
+    from drivora_service.studies.road_coverage import RoadCoverage
+
     coverage = RoadCoverage(network)
     after = -1
     while True:
@@ -177,6 +183,8 @@ def _figures(
 ) -> list[CampaignFigures]:
     counted = [one if limit is None else within_time(one, limit) for one in evaluations]
     violations = [[verdict for record in one for verdict in record.violations] for one in counted]
+    from drivora_service.campaigns.grouping import Grouping
+
     groups = Grouping().count_each(violations)
     situations = count_situations(violations)
     return [

@@ -7,15 +7,17 @@ import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivora_service.campaigns.campaign import FeedbackMode
 from drivora_service.campaigns.documents import CampaignDocument, TesterDocument
 from drivora_service.errors import CampaignError, SearchError, UnknownName
 from drivora_service.parameters import read_parameters
-from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.campaign_records import CampaignRecord, CampaignState
 from drivora_service.studies.figures import Subject
+
+if TYPE_CHECKING:
+    from drivora_service.search.catalogue import TesterCatalogue
 
 _WITHOUT_FEEDBACK = " without feedback"
 _DEFAULT = "default"

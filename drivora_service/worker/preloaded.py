@@ -19,12 +19,14 @@ os.close(_nowhere)
 
 # An import that fails here fails again in the worker, where it is reported.
 with contextlib.suppress(Exception):
+    from drivora_service.agents.built_in import import_agents
     from drivora_service.networks.catalogue import shipped_networks
     from drivora_service.runs.report import RunReport, RunStatus
     from drivora_service.worker.messages import frame_of_report
     from drivora_service.worker.setup import WorkerSetup
     from drivora_service.worker.warm_up import warm_up
 
+    import_agents()
     warm_up(WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False))
     # The first report compiles how reports are written.
     frame_of_report(RunReport(run_id="warm-up", status=RunStatus.FINISHED))

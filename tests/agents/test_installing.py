@@ -20,9 +20,8 @@ import yaml
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import Agent
-from drivora_service.agents.metadrive_ppo.agent import MetaDriveParameters
 from drivora_service.agents.package_files import PackageFile
-from drivora_service.agents.plugin import FetchedAgentPlugin
+from drivora_service.agents.plugin import FetchedAgentPlugin, NoParameters
 from drivora_service.errors import AgentError, InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import TerminalEvent
@@ -181,9 +180,7 @@ def fetched(files: tuple[PackageFile, ...]) -> FetchedAgentPlugin:
         source="tests",
         licence="MIT",
     )
-    return FetchedAgentPlugin(
-        entry=entry, parameters=MetaDriveParameters, files=files, create=create
-    )
+    return FetchedAgentPlugin(entry=entry, parameters=NoParameters, files=files, create=create)
 
 
 def package_file(packages: Path, **more: Any) -> PackageFile:

@@ -20,7 +20,7 @@ from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.tokens import TokenFile
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.stored import hand_over
@@ -120,7 +120,7 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
         url = f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}"
         database = open_database(url, patience_s=patience_s)
         woken: list[int] = []
-        catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
+        catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
 
         def folder(campaign_id: str) -> CampaignFolder:
             return CampaignFolder(tmp_path / "campaigns", campaign_id)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +145,8 @@ def test_a_campaign_may_name_an_installed_oracle_that_can_judge(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     install_oracles(tmp_path, monkeypatch, "top_speed", "unmade")
-    here = replace(catalogues, oracles=OracleCatalogue())
+    here = Catalogues(catalogues.networks)
+    here.oracles = OracleCatalogue()
     content["oracles"] = ["collision", "top_speed"]
     assert read_campaign(content, here).campaign.oracles == ("collision", "top_speed")
     content["oracles"] = ["top_sped", "unmade"]

@@ -11,8 +11,7 @@ from typing import Any
 
 import pytest
 
-from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.campaigns.catalogues import Catalogues, installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder, ask_for
@@ -151,7 +150,7 @@ def test_a_campaign_that_fails_states_the_reason(
         'command: ["{python}", -c, pass]}'
     )
     networks = NetworkCatalogue(shipped_networks())
-    catalogues = installed_catalogues(networks, manifest.parents[1])
+    catalogues = Catalogues(networks, manifest.parents[1])
     campaigns = Campaigns(database, catalogues, tmp_path)
     content["agent"] = {"name": "mute"}
     content["budget"]["simulations"] = 30
@@ -225,7 +224,7 @@ def test_a_campaign_with_another_version_of_its_ads_cannot_be_resumed(
 ) -> None:
     agents = campaigns.root / "agents"
     add_agent(agents, "drives", version="week 47")
-    campaigns.catalogues = replace(campaigns.catalogues, agents=AgentCatalogue(folder=agents))
+    campaigns.catalogues = Catalogues(campaigns.catalogues.networks, agents)
     campaign_id = campaigns.create({**content, "agent": {"name": "drives"}, "lookahead": 1})
     assert campaigns.run(campaign_id, 1, after(1)[0]).state is CampaignState.PAUSED
     (first,) = campaigns.evaluations(campaign_id)

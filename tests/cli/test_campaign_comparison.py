@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
@@ -46,7 +46,7 @@ def content(tester: str, seed: int) -> dict[str, Any]:
 def study(tmp_path: Path) -> list[str]:
     """Ids of two testers' campaigns, three each, in the data folder that commands use."""
     data = tmp_path / "data"
-    catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
+    catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     ids = []
     with (
@@ -150,7 +150,7 @@ def test_real_campaigns_are_compared_and_reported(
 def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:
     unknown = drivora("campaign", "compare", "nothing")
     assert unknown.code == 2
-    assert "unknown campaign 'nothing'; known: none" in unknown.err
+    assert "unknown campaign 'nothing'" in unknown.err
     measure = drivora("campaign", "compare", "nothing", "--measure", "beauty")
     assert measure.code == 2
     assert "unknown measure 'beauty'; known: avoidable, at_fault" in measure.err

@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import installed_catalogues
+from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.evaluator import EvaluatorContext
 from drivora_service.campaigns.journal import MemoryJournal
@@ -58,7 +58,7 @@ def document(tester: str, simulations: int = SIMULATIONS, **changes: Any) -> dic
 
 def embedded(content: dict[str, Any], folder: Path) -> list[EvaluationRecord]:
     """The evaluations of an uninterrupted campaign without a server, on one worker."""
-    catalogues = installed_catalogues(NetworkCatalogue(shipped_networks()))
+    catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
     search = prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="embedded")
     context = EvaluatorContext(
         workers=1,

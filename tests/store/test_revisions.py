@@ -10,7 +10,7 @@ import pytest
 
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import open_database
-from drivora_service.store.migration import revisions, schema_version
+from drivora_service.store.migration import newest_revision, revisions, schema_version
 from drivora_service.store.records import JobFilter
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
@@ -34,7 +34,7 @@ def test_a_database_of_a_revision_is_migrated_and_read(tmp_path: Path, revision:
         old.executescript((DATA / f"revision_{revision}.sql").read_text())
     traces = TraceFolder(tmp_path / "traces")
     database = open_database(f"sqlite:///{path}")
-    assert schema_version(database.engine) == revisions()[-1]
+    assert schema_version(database.engine) == newest_revision() == revisions()[-1]
     with database.read() as transaction:
         jobs = transaction.jobs.page(limit=100).items
         for job in jobs:

@@ -9,27 +9,9 @@ path tracking algorithm* (1992).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated
-
-from pydantic import Field
-
 from drivora_service.agents.idm.driver import IdmDriver
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-
-SpeedFactor = Annotated[float, Field(ge=0.1, le=2.0)]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IdmParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        speed_factor: Share of the speed limit that it drives where the road is free.
-    """
-
-    speed_factor: SpeedFactor = 1.0
 
 
 class IdmAgent:

@@ -8,19 +8,16 @@ Helbing, *General lane-changing model MOBIL for car-following models* (2007).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
-from drivora_service.agents.idm.agent import SpeedFactor
 from drivora_service.agents.idm.car_following import follow
 from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.idm.driver import IdmDriver
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
+from drivora_service.agents.idm_mobil.parameters import MobilParameters
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.line_tracking import track_line
@@ -43,25 +40,6 @@ _CHANGED = 0.3
 """Metres beside the new lane's centre at which a change is complete."""
 _SIDE_ACCELERATION = 3.0
 """Maximum lateral acceleration of a lane change, m/s²."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MobilParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        speed_factor: Share of the speed limit that it drives where the road is free.
-        politeness: Weight of what a lane change gains or costs others; 0 is an egoist.
-        safe_braking: The hardest that the one behind may have to brake, m/s².
-        threshold: What a lane change must gain, m/s².
-        bias: What the lane to the right is worth more, m/s².
-    """
-
-    speed_factor: SpeedFactor = 1.0
-    politeness: Annotated[float, Field(ge=0.0, le=1.0)] = 0.2
-    safe_braking: Annotated[float, Field(ge=0.5, le=8.0)] = 4.0
-    threshold: Annotated[float, Field(ge=0.0, le=2.0)] = 0.1
-    bias: Annotated[float, Field(ge=0.0, le=2.0)] = 0.3
 
 
 class MobilAgent:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 from drivora_service.agents.imitation.waypoints import WAYPOINTS, drive_waypoints
@@ -12,11 +11,6 @@ from drivora_service.geometry.arrays import Float32Array
 
 _PERIOD = 0.1
 """Seconds between two decisions."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NoParameters:
-    """No parameters."""
 
 
 class View(Protocol):

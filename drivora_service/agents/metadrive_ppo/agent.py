@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ from drivora_service.agents.metadrive_ppo.policy import (
     expert_action,
 )
 from drivora_service.agents.metadrive_ppo.weights import load_weights
-from drivora_service.agents.plugin import read_agent_parameters
+from drivora_service.agents.plugin import NoParameters, read_agent_parameters
 from drivora_service.agents.route_corridor import find_corridor
 
 _PERIOD = 0.1
@@ -44,11 +43,6 @@ _BRAKE = 9.0
 """m/s² at full braking."""
 _OVER_LIMIT = 1.0
 """m/s² of braking per m/s above the speed limit."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MetaDriveParameters:
-    """No parameters."""
 
 
 class MetaDriveAgent:
@@ -119,7 +113,7 @@ def create(parameters: Mapping[str, Any], folder: Path) -> MetaDriveAgent:
     Raises:
         AgentError: If there are parameters, or the weights cannot be used.
     """
-    read_agent_parameters("metadrive-ppo", MetaDriveParameters, parameters)
+    read_agent_parameters("metadrive-ppo", NoParameters, parameters)
     compile_encoding()
     compile_braking()
     return MetaDriveAgent(load_weights(folder))

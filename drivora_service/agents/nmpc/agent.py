@@ -9,20 +9,18 @@ are those of ``idm``, the forecast that of ``pdm-closed``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
-from drivora_service.agents.idm.agent import SpeedFactor
 from drivora_service.agents.idm.car_following import MAX_ACCELERATION
 from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.agents.nmpc.parameters import NmpcParameters
 from drivora_service.agents.nmpc.plan import LastPlan
 from drivora_service.agents.nmpc.problem import (
     BOX,
@@ -50,19 +48,6 @@ _OVERSPEED = 5.0
 """m/s beyond the car's top speed that a plan may reach: a scenario may begin there."""
 _HOLD = -1.0
 """Commanded acceleration at rest, m/s²."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NmpcParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        speed_factor: Share of the speed limit that it drives where the road is free.
-        max_iterations: Of the solver, after which there is no plan.
-    """
-
-    speed_factor: SpeedFactor = 1.0
-    max_iterations: Annotated[int, Field(ge=1, le=200)] = 40
 
 
 class NmpcAgent:

@@ -7,20 +7,16 @@ route needs are those of ``idm``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
-from drivora_service.agents.idm.agent import SpeedFactor
 from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way
 from drivora_service.agents.pdm_closed.margins import side_margins
+from drivora_service.agents.pdm_closed.parameters import PdmParameters
 from drivora_service.agents.pdm_closed.paths import LanePaths
 from drivora_service.agents.pdm_closed.proposals import propose
 from drivora_service.agents.pdm_closed.scoring import score
@@ -40,24 +36,6 @@ _OFFSET_COST = 0.05
 """Penalty of a proposal beside the lane's centre, in score: of equal ones, the middle wins."""
 _CHANGE_COST = 0.02
 """Penalty of an offset other than that of the preceding step."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PdmParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        speed_factor: Share of the speed limit that the fastest proposal drives at.
-        offset: Metres beside the lane's centre at which proposals to either side drive; less where
-            the road is narrower.
-        brake_within: Seconds to a collision below which it brakes hard if no proposal avoids it.
-        emergency_braking: How hard it brakes then, m/s².
-    """
-
-    speed_factor: SpeedFactor = 1.0
-    offset: Annotated[float, Field(ge=0.2, le=2.0)] = 1.0
-    brake_within: Annotated[float, Field(ge=0.0, le=4.0)] = 2.0
-    emergency_braking: Annotated[float, Field(ge=2.0, le=9.0)] = 6.0
 
 
 class PdmClosedAgent:

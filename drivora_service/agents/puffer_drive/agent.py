@@ -11,17 +11,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from drivora_service.agents.interface import AgentContext, Observation, PoseControl
 from drivora_service.agents.light_braking import compile_braking, light_acceleration
 from drivora_service.agents.plugin import read_agent_parameters
 from drivora_service.agents.puffer_drive.encoding import SIZE_SHARE, compile_encoding, encode
+from drivora_service.agents.puffer_drive.parameters import GOAL_DISTANCE, PufferDriveParameters
 from drivora_service.agents.puffer_drive.policy import (
     ACCELERATIONS,
     OBSERVATION_SIZE,
@@ -40,29 +39,16 @@ _ACCELERATION_SHARE = 0.5
 """Share of a chosen acceleration that takes effect, as in its training."""
 _HARDEST = 4.0
 """Largest acceleration to choose, m/s²."""
-_GOAL_DISTANCE, _NEAREST_GOAL, _FURTHEST_GOAL = 20.0, 5.0, 100.0
-"""Distance of goals along the route, metres: default, minimum and maximum."""
 _REACHED = 2.5
 """Metres from a goal at which it is reached; 2 m in training."""
 _PASSED = 1.0
 """Metres before a goal on the route from which on the next one is shown in any case."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PufferDriveParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        goal_distance: Metres along the route from one goal to the next.
-    """
-
-    goal_distance: Annotated[float, Field(ge=_NEAREST_GOAL, le=_FURTHEST_GOAL)] = _GOAL_DISTANCE
-
-
 class PufferDriveAgent:
     """The agent. One object drives one ego through one run."""
 
-    def __init__(self, weights: DriveWeights, goal_distance: float = _GOAL_DISTANCE) -> None:
+    def __init__(self, weights: DriveWeights, goal_distance: float = GOAL_DISTANCE) -> None:
         """Makes the agent.
 
         Args:

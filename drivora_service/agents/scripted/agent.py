@@ -5,33 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from drivora_service.agents.interface import AgentContext, Control, Observation, PoseControl
+from drivora_service.agents.scripted.parameters import ScriptedParameters
 from drivora_service.errors import AgentError
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col
 
 _STANDING_SPEED = 0.05
 """m/s below which the direction of motion does not determine the heading."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScriptedParameters:
-    """Parameters of the agent.
-
-    Attributes:
-        speed: m/s along the route, where there is no trajectory.
-        trajectory: Places of the box centre: seconds of simulation, x and y in metres of the road
-            network's plane. The ego stays at the last one. An empty list: along the route.
-    """
-
-    speed: Annotated[float, Field(ge=0.0, le=100.0)] = 8.0
-    trajectory: tuple[tuple[float, float, float], ...] = ()
 
 
 class ScriptedAgent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
@@ -26,10 +26,12 @@ from drivora_service.api.schemas.batches import (
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.errors import InvalidDocument, Problem
-from drivora_service.scenario.validation import ValidScenario
 from drivora_service.shapes import to_json
-from drivora_service.store.database import Transaction
 from drivora_service.store.records import NewRun, Page, Priority
+
+if TYPE_CHECKING:
+    from drivora_service.scenario.validation import ValidScenario
+    from drivora_service.store.database import Transaction
 
 router = APIRouter(tags=["batches"])
 

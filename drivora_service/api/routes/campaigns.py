@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
@@ -16,14 +16,15 @@ from drivora_service.api.parameters import Limit, PageToken
 from drivora_service.api.schemas.campaigns import Campaign, CampaignValidation, campaign_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.campaigns.folder import ask_for
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import ValidCampaign, read_campaign
-from drivora_service.campaigns.stored import new_campaign
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState, CampaignSummary
-from drivora_service.store.database import Transaction
 from drivora_service.store.records import Page
+
+if TYPE_CHECKING:
+    from drivora_service.campaigns.engine import Search
+    from drivora_service.campaigns.reading import ValidCampaign
+    from drivora_service.store.database import Transaction
 
 router = APIRouter(tags=["campaigns"])
 
@@ -52,11 +53,11 @@ def post_campaign(
     form = bodies.document_format(request)
 
     def prepare() -> Work:
-        valid = read_campaign(body, context.catalogues, form)
-        # What the space and the tester refuse, they shall refuse now.
-        prepare_search(valid, context.catalogues, run_prefix="")
+        valid, _ = _prepared(context, body, form)
 
         def commit(transaction: Transaction) -> Answer:
+            from drivora_service.campaigns.stored import new_campaign
+
             campaign_id = transaction.campaigns.create(new_campaign(valid)).id
             context.campaigns.open(transaction, campaign_id)
             campaign = _campaign(context, transaction, campaign_id, valid)
@@ -85,8 +86,7 @@ def validate_campaign(
 ) -> CampaignValidation:
     """Checks a campaign as posting it would, and answers with the same problems."""
     form = bodies.document_format(request)
-    valid = read_campaign(body, context.catalogues, form)
-    search = prepare_search(valid, context.catalogues, run_prefix="")
+    valid, search = _prepared(context, body, form)
     return CampaignValidation(
         valid=True,
         tester=valid.campaign.tester.name,
@@ -158,7 +158,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     dependencies=[Depends(submitter)],
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
-    """Returns a campaign up for good; what it has found stays."""
+    """Cancels a campaign for good; what it has found stays."""
     return _asked(context, campaign_id, CampaignRequest.CANCEL)
 
 
@@ -174,6 +174,18 @@ def resume_campaign(context: Context, campaign_id: str) -> Campaign:
     context.campaigns.resume(campaign_id)
     with context.database.read() as transaction:
         return _campaign(context, transaction, campaign_id)
+
+
+def _prepared(
+    context: ApiContext, body: bytes, form: Literal["json", "yaml"]
+) -> tuple[ValidCampaign, Search]:
+    """Reads a campaign, and makes what the space and the tester may refuse."""
+    # Imported here: they need the code of all agents, oracles and testers.
+    from drivora_service.campaigns.preparing import prepare_search
+    from drivora_service.campaigns.reading import read_campaign
+
+    valid = read_campaign(body, context.catalogues, form)
+    return valid, prepare_search(valid, context.catalogues, run_prefix="")
 
 
 def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> Campaign:

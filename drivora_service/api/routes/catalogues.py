@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter, Depends, Request, Response
 
-from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
@@ -21,9 +22,12 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.oracles.catalogue import OracleEntry
 from drivora_service.parameters import describe_parameters
-from drivora_service.search.catalogue import TesterCatalogue
+
+if TYPE_CHECKING:
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.oracles.catalogue import OracleEntry
+    from drivora_service.search.catalogue import TesterCatalogue
 
 router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
 

@@ -13,8 +13,6 @@ from drivora_service.api.documentation import answers
 from drivora_service.api.schemas.comparisons import Figures
 from drivora_service.api.security import reader
 from drivora_service.shapes import combine
-from drivora_service.studies.campaign_report import read_report
-from drivora_service.studies.choosing import choose_campaigns
 from drivora_service.studies.comparing import Comparison, compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
 
@@ -50,6 +48,8 @@ def compare_campaigns(
     ] = False,
 ) -> Response:
     """Compares methods by finished campaigns: medians, effect sizes, p-values."""
+    from drivora_service.studies.choosing import choose_campaigns
+
     measures = tuple(measure(name) for name in dict.fromkeys(by)) if by else MEASURES
     comparison = compare_stored(
         context.database,
@@ -69,5 +69,7 @@ def compare_campaigns(
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
     """Returns what a campaign came to so far, in the figures by which campaigns are compared."""
+    from drivora_service.studies.campaign_report import read_report
+
     report = read_report(context.database, campaign_id, context.catalogues)
     return json_answer(request, Figures, combine(Figures, report))

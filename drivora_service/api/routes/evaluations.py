@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 
@@ -33,8 +33,10 @@ from drivora_service.store.campaign_records import (
     EvaluationSummary,
     FailureFilter,
 )
-from drivora_service.store.database import Transaction
 from drivora_service.store.records import Page
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
 
 router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 

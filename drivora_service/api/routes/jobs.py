@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import bodies, examples
@@ -14,8 +16,10 @@ from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides, new_run
 from drivora_service.shapes import to_json
-from drivora_service.store.database import Transaction
 from drivora_service.store.records import Page, RunSummary
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
 
 router = APIRouter(tags=["jobs"])
 
@@ -103,7 +107,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
     dependencies=[Depends(submitter)],
 )
 def cancel_job(context: Context, job_id: str) -> Job:
-    """Returns a job up: a waiting one ends at once, a running one as soon as its worker lets go."""
+    """Cancels a job: a waiting one ends at once, a running one as soon as its worker lets go."""
     return _cancel(context, job_id)
 
 

@@ -32,9 +32,9 @@ def networks() -> NetworkCatalogue:
 @cache
 def catalogues() -> Catalogues:
     """Returns the catalogues of campaigns."""
-    from drivora_service.campaigns.catalogues import installed_catalogues
+    from drivora_service.campaigns.catalogues import Catalogues
 
-    return installed_catalogues(networks())
+    return Catalogues(networks())
 
 
 @cache

@@ -52,7 +52,7 @@ class FissAdapter:
         self._planner_name = planner
 
     def setup_env(self, context: ContextView) -> None:
-        """Gives the planner its map and its route."""
+        """Sets the map and the route of the planner."""
         self._context = context
         vehicle = fp.VehicleParams()
         vehicle.length, vehicle.width = context.vehicle.length, context.vehicle.width

@@ -14,7 +14,6 @@ from itertools import product
 from typing import Protocol
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve
 
 from drivora_service.geometry.arrays import FloatArray
 
@@ -150,6 +149,8 @@ class Kriging:
 
 
 def _fit_latent(features: FloatArray, objective: FloatArray, components: int) -> _Latent:
+    from scipy.linalg import cho_factor, cho_solve
+
     mean = features.mean(axis=0)
     rotations = latent_directions(features - mean, objective, components)
     latent = (features - mean) @ rotations
@@ -229,6 +230,8 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
     """Returns the coefficients (n, m) of a kernel (n, n) with a ridge; changes the kernel."""
+    from scipy.linalg import solve
+
     kernel.flat[:: len(kernel) + 1] += ridge
     return np.asarray(solve(kernel, objectives, assume_a="pos", check_finite=False))
 
