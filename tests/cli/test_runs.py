@@ -1,0 +1,169 @@
+"""``drivora runs``, and what the runs of commands are while others work on the same data folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.cli.service_process import running_service
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.database import open_database
+from tests.cli.conftest import Drivora
+
+LONG = 40
+"""Scenarios of a command that is to be killed in between."""
+
+
+def start_run(tmp_path: Path, folder: Path) -> subprocess.Popen[bytes]:
+    """Starts ``drivora run`` on one worker and does not wait for it."""
+    command = [sys.executable, "-m", "drivora_service.cli", "run", str(folder), "--workers", "1"]
+    with (tmp_path / "run.log").open("ab") as log:
+        return subprocess.Popen(
+            command,
+            stdout=log,
+            stderr=log,
+            cwd=tmp_path,
+            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")},
+        )
+
+
+def wait_for_status(tmp_path: Path, process: subprocess.Popen[bytes], status: RunStatus) -> None:
+    """Waits until a run of the data folder has a status."""
+    path = tmp_path / "data" / "drivora.sqlite3"
+    deadline = time.monotonic() + 120.0
+    while not path.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    database = open_database(f"sqlite:///{path}")
+    try:
+        while True:
+            with database.read() as transaction:
+                if any(
+                    batch.counts.get(status) for batch in transaction.batches.page(limit=1).items
+                ):
+                    return
+            assert time.monotonic() < deadline
+            assert process.poll() is None, (tmp_path / "run.log").read_text()
+            time.sleep(0.02)
+    finally:
+        database.close()
+
+
+@pytest.fixture
+def many(tmp_path: Path) -> Path:
+    """A folder of many scenarios."""
+    folder = tmp_path / "many"
+    folder.mkdir()
+    for number in range(LONG):
+        (folder / f"{number:02d}.json").write_text(json.dumps(SCENARIO))
+    return folder
+
+
+def test_a_run_of_a_command_is_a_stored_run(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    ran = drivora("run", scenario_file, "--agent", "sumo-idm", "--json").json()
+    (listed,) = drivora("runs", "list", "--json").json()
+    shown = drivora("runs", "show", ran["id"], "--json").json()
+    assert listed["id"] == shown["id"] == ran["id"]
+    assert shown.items() <= ran.items()
+    assert listed["trace_sha256"] == ran["trace_sha256"] != ""
+    assert drivora("runs", "list", "--agent", "idm", "--json").json() == []
+    assert ran["id"] in drivora("runs", "list", "--status", "finished").out
+    again = tmp_path / "again.json"
+    assert drivora("runs", "scenario", ran["id"], "--out", again).code == 0
+    repeated = drivora("run", again, "--json").json()
+    assert (
+        repeated["trace_sha256"] == drivora("run", scenario_file, "--json").json()["trace_sha256"]
+    )
+    picture = tmp_path / "run.svg"
+    assert drivora("plot", ran["id"], "--out", picture).code == 0
+    assert picture.read_text().lstrip().startswith("<?xml")
+
+
+def test_what_cannot_be_shown(drivora: Drivora) -> None:
+    unknown = drivora("runs", "show", "no-such-run")
+    assert (unknown.code, unknown.out) == (2, "")
+    assert unknown.err.strip().endswith("unknown job 'no-such-run'")
+    wrong = drivora("runs", "list", "--status", "done")
+    assert wrong.code == 2
+    assert "known: queued" in wrong.err
+
+
+def test_options_for_one_place_are_refused_at_the_other(
+    drivora: Drivora, scenario_file: Path
+) -> None:
+    nowhere = "http://127.0.0.1:9"
+    refused = drivora("run", scenario_file, "--server", nowhere, "--workers", "2")
+    assert refused.code == 2
+    assert "--workers" in refused.err
+
+
+@pytest.mark.slow
+def test_a_command_works_beside_a_service_on_the_same_data_folder(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    with running_service(tmp_path / "data", workers=1) as url:
+        here = drivora("run", scenario_file, "--json")
+        assert here.code == 0, here.err
+        there = drivora("run", scenario_file, "--server", url, "--json").json()
+        assert there["trace_sha256"] == here.json()["trace_sha256"]
+        assert (
+            drivora("runs", "show", here.json()["id"], "--server", url, "--json").json()["status"]
+            == "finished"
+        )
+    with closing(sqlite3.connect(tmp_path / "data" / "drivora.sqlite3")) as database:
+        owners = [owner for (owner,) in database.execute("SELECT owner_id FROM batches")]
+    # The first was for the process of the command alone, the other for any server.
+    assert [bool(owner) for owner in owners] == [True, False]
+
+
+@pytest.mark.slow
+def test_runs_of_a_killed_command_are_cancelled_by_the_next(
+    drivora: Drivora, scenario_file: Path, many: Path, tmp_path: Path
+) -> None:
+    process = start_run(tmp_path, many)
+    wait_for_status(tmp_path, process, RunStatus.FINISHED)
+    process.kill()
+    process.wait()
+    assert drivora("run", scenario_file).code == 0
+    statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
+    assert len(statuses) == LONG + 1
+    assert set(statuses) == {"finished", "cancelled"}
+    assert statuses.count("cancelled") > 0 < statuses.count("finished") - 1
+
+
+@pytest.mark.slow
+def test_a_service_leaves_the_runs_of_a_living_command_alone(
+    drivora: Drivora, many: Path, tmp_path: Path
+) -> None:
+    process = start_run(tmp_path, many)
+    wait_for_status(tmp_path, process, RunStatus.RUNNING)
+    with running_service(tmp_path / "data", workers=2):
+        assert process.wait(120.0) == 0, (tmp_path / "run.log").read_text()
+        statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
+    assert statuses == ["finished"] * LONG
+
+
+@pytest.mark.slow
+def test_an_interrupted_run_cancels_what_has_not_ended(
+    drivora: Drivora, many: Path, tmp_path: Path
+) -> None:
+    process = start_run(tmp_path, many)
+    wait_for_status(tmp_path, process, RunStatus.FINISHED)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60.0) != 0
+    assert "Traceback" not in (tmp_path / "run.log").read_text()
+    statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
+    assert set(statuses) == {"finished", "cancelled"}
+    assert len(statuses) == LONG
