@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
-_LOCAL_S = 0.05
-"""Between two looks at an application in this process, which cost a few milliseconds."""
+_LOCAL_SHARE, _LOCAL_SHORTEST_S, _LOCAL_LONGEST_S = 0.05, 0.02, 0.25
+"""The wait between two looks at an application in this process: a share of the time since the first
+look, within bounds. A look takes a few milliseconds of the processor that the workers use."""
 _GROWTH = 1.5
 
 
@@ -25,9 +26,9 @@ class _Pace:
     """How long to wait between two looks: short while things change, longer while they do not."""
 
     def __init__(self, *, is_local: bool) -> None:
-        self._longest_s = _LOCAL_S if is_local else _LONGEST_S
+        self._is_local = is_local
         self._wait_s = _SHORTEST_S
-        self._looked_at = time.monotonic()
+        self._began_at = self._looked_at = time.monotonic()
         self._seen: object = None
 
     def look(self) -> None:
@@ -47,10 +48,14 @@ class _Pace:
             retry_after_s: After which the service says that looking is worth it: the bound of the
                 waits that grow, not their beginning, as what changes may end at any time.
         """
-        bound = min(max(retry_after_s or self._longest_s, _SHORTEST_S), self._longest_s)
+        now = time.monotonic()
+        if self._is_local:
+            share = _LOCAL_SHARE * (now - self._began_at)
+            return Sleep(min(max(share, _LOCAL_SHORTEST_S), _LOCAL_LONGEST_S))
+        bound = min(max(retry_after_s or _LONGEST_S, _SHORTEST_S), _LONGEST_S)
         self._wait_s = min(self._wait_s, bound)
         # Looks at a large batch take time, and shall not take all of it.
-        return Sleep(min(max(self._wait_s, time.monotonic() - self._looked_at), self._longest_s))
+        return Sleep(min(max(self._wait_s, now - self._looked_at), _LONGEST_S))
 
 
 def expecting_workers(terms: Terms) -> Flow[None]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 from urllib.parse import parse_qs, urlencode
 
@@ -150,6 +151,26 @@ def test_looks_become_rare_while_nothing_happens_and_frequent_again() -> None:
     assert slept[0] < 0.2
     assert slept[13] == 2.0
     assert slept[14] < 0.2
+
+
+def test_an_application_in_this_process_is_looked_at_more_often() -> None:
+    batch: dict[str, Any] = {**BATCH, "size": 1, "counts": {"running": 1}}
+    looks = 0
+
+    def answer(path: str, _: dict[str, list[str]]) -> Any:
+        nonlocal looks
+        if path == "/readyz":
+            return READY
+        looks += 1
+        if looks == 20:
+            batch["counts"], batch["size"] = {}, 0
+        return batch
+
+    terms = replace(TERMS, service=replace(TERMS.service, is_local=True))
+    _, slept, _ = performed(batch_runs("b", terms, lambda _: None), answer)
+    assert len(slept) == 19
+    # Hardly any time passes here between two looks.
+    assert all(0.02 <= seconds < 0.1 for seconds in slept)
 
 
 def test_a_campaign_is_followed_until_it_rests() -> None:
