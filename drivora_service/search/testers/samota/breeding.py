@@ -1,7 +1,7 @@
 """Making many candidates at once, for searches on surrogates.
 
-The operators of ``search.mutation`` and ``search.crossover`` take one or two candidates; on
-surrogates their calls would cost more than the predictions.
+The operators of ``search.mutation`` take one candidate; on surrogates their calls would cost more
+than the predictions.
 """
 
 from __future__ import annotations
