@@ -34,7 +34,7 @@ from drivora_service.client.flows import (
     listing_items,
 )
 from drivora_service.client.following import batch_runs, expecting_workers, followed_campaign
-from drivora_service.client.operations import Operations
+from drivora_service.client.operations import AwaitedOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import AsyncApplicationTransport
 
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class AsyncClient(Operations):
+class AsyncClient(AwaitedOperations):
     """Asks one service, or the application in this process; an asynchronous context manager.
 
     As :class:`Client`, for asyncio.

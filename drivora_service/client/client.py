@@ -33,7 +33,7 @@ from drivora_service.client.flows import (
     listing_items,
 )
 from drivora_service.client.following import batch_runs, expecting_workers, followed_campaign
-from drivora_service.client.operations import Operations
+from drivora_service.client.operations import BlockingOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import ApplicationTransport
 
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class Client(Operations):
+class Client(BlockingOperations):
     """Asks one service, or the application in this process; a context manager.
 
     Several threads may use one client. Its methods raise ``InvalidDocument`` where the service

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
+from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
 
 from drivora_service.client.call import Call, Listing
 from drivora_service.client.calls import campaigns as campaign_calls
 from drivora_service.client.calls import catalogues as catalogue_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import runs as run_calls
-
-if TYPE_CHECKING:
-    from drivora_service.client.async_client import AsyncClient
-    from drivora_service.client.client import Client
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -31,10 +28,10 @@ class Answered(Generic[P, T]):
     @overload
     def __get__(self, client: None, owner: type) -> Self: ...
     @overload
-    def __get__(self, client: Client, owner: type) -> Callable[P, T]: ...
+    def __get__(self, client: BlockingOperations, owner: type) -> Callable[P, T]: ...
     @overload
-    def __get__(self, client: AsyncClient, owner: type) -> Callable[P, Awaitable[T]]: ...
-    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+    def __get__(self, client: AwaitedOperations, owner: type) -> Callable[P, Awaitable[T]]: ...
+    def __get__(self, client: BlockingOperations | AwaitedOperations | None, owner: type) -> Any:
         if client is None:
             return self
 
@@ -55,10 +52,10 @@ class Listed(Generic[P, T]):
     @overload
     def __get__(self, client: None, owner: type) -> Self: ...
     @overload
-    def __get__(self, client: Client, owner: type) -> Callable[P, Iterator[T]]: ...
+    def __get__(self, client: BlockingOperations, owner: type) -> Callable[P, Iterator[T]]: ...
     @overload
-    def __get__(self, client: AsyncClient, owner: type) -> Callable[P, AsyncIterator[T]]: ...
-    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+    def __get__(self, client: AwaitedOperations, owner: type) -> Callable[P, AsyncIterator[T]]: ...
+    def __get__(self, client: BlockingOperations | AwaitedOperations | None, owner: type) -> Any:
         if client is None:
             return self
 
@@ -82,12 +79,14 @@ class Saved(Generic[P]):
     @overload
     def __get__(self, client: None, owner: type) -> Self: ...
     @overload
-    def __get__(self, client: Client, owner: type) -> Callable[Concatenate[Path, P], None]: ...
+    def __get__(
+        self, client: BlockingOperations, owner: type
+    ) -> Callable[Concatenate[Path, P], None]: ...
     @overload
     def __get__(
-        self, client: AsyncClient, owner: type
+        self, client: AwaitedOperations, owner: type
     ) -> Callable[Concatenate[Path, P], Awaitable[None]]: ...
-    def __get__(self, client: Client | AsyncClient | None, owner: type) -> Any:
+    def __get__(self, client: BlockingOperations | AwaitedOperations | None, owner: type) -> Any:
         if client is None:
             return self
 
@@ -148,3 +147,43 @@ class Operations:
     health = Answered(catalogue_calls.health)
     readiness = Answered(catalogue_calls.readiness)
     metrics = Answered(catalogue_calls.metrics)
+
+
+class BlockingOperations(Operations, ABC):
+    """The operations of a client whose methods return when they are answered."""
+
+    @abstractmethod
+    def ask(self, call: Call[T]) -> T:
+        """Makes a call and returns its answer."""
+
+    @abstractmethod
+    def items(self, listing: Listing[T]) -> Iterator[T]:
+        """Returns the items of a list; a page is asked for when its first item is wanted."""
+
+    @abstractmethod
+    def save(self, call: Call[bytes], path: Path) -> None:
+        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+
+        Raises:
+            StoreError: The file cannot be written.
+        """
+
+
+class AwaitedOperations(Operations, ABC):
+    """The operations of a client whose methods are awaited."""
+
+    @abstractmethod
+    async def ask(self, call: Call[T]) -> T:
+        """Makes a call and returns its answer."""
+
+    @abstractmethod
+    def items(self, listing: Listing[T]) -> AsyncIterator[T]:
+        """Returns the items of a list; a page is asked for when its first item is wanted."""
+
+    @abstractmethod
+    async def save(self, call: Call[bytes], path: Path) -> None:
+        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+
+        Raises:
+            StoreError: The file cannot be written.
+        """
