@@ -34,9 +34,9 @@ def _of_campaigns(folder: Path) -> None:
         file = shipped_campaigns() / f"{name}.yaml"
         _run("-m", "drivora_service.cli", "campaign", "run", file, "--out", found)
         trace = found / f"{discovery.number:06d}.trace.parquet"
-        rule = discovery.kind.partition("|")[0]
+        oracle = discovery.kind.partition("|")[0]
         picture = _IMAGES / f"{name}.png"
-        _run("-m", "drivora_service.cli", "plot", trace, "--rule", rule, "--out", picture)
+        _run("-m", "drivora_service.cli", "plot", trace, "--oracle", oracle, "--out", picture)
 
 
 def _of_responsibility(_: Path) -> None:

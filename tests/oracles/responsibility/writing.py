@@ -114,7 +114,7 @@ def _said(answers: dict[str, str]) -> str:
 
 _PICTURES = """
 ## Ten of them
-Three moments each, the last of them the collision, as `drivora plot TRACE --moments 3 --rule
+Three moments each, the last of them the collision, as `drivora plot TRACE --moments 3 --oracle
 collision` draws them.
 """
 
