@@ -46,7 +46,7 @@ class Ran:
 
     Attributes:
         values: (d,) genes.
-        failed: Whether an ego broke a rule by its own fault.
+        failed: Whether an ego violated an oracle by its own fault.
         objective: What was measured, ``None`` where nothing could be.
     """
 

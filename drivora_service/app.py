@@ -34,7 +34,7 @@ from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
-_PATIENCE_S = 5.0
+_LOCK_TIMEOUT_S = 5.0
 """Seconds for which a request waits for other writers of the database."""
 
 _log = structlog.stdlib.get_logger(__name__)
@@ -42,18 +42,18 @@ _log = structlog.stdlib.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Service:
-    """A service that has been put together.
+    """A service and its control.
 
     Attributes:
         api: The application; the service works during its life.
-        drain: Takes no more work, waits so many seconds for the runs that are going on, and puts
-            the others back into the queue.
-        hurry: Has a drain that is going on wait no longer.
+        drain: Takes no more work, waits for the given seconds for running runs, and puts the others
+            back into the queue.
+        stop_draining: Ends the wait of a drain.
     """
 
     api: FastAPI
     drain: Callable[[float], None]
-    hurry: Callable[[], None]
+    stop_draining: Callable[[], None]
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -67,8 +67,8 @@ def create_service(
     """Builds the service; it begins to work with the first event of the application's life.
 
     Args:
-        settings: Of the installation.
-        on_fatal: Told why the process is of no use any more and must be started anew.
+        settings: Settings of the installation.
+        on_fatal: Called with the reason that the process must be restarted.
 
     Raises:
         ConfigurationError: The settings would open the service to others without tokens.
@@ -79,7 +79,7 @@ def create_service(
     settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     exclusive = settings.resolved_database_url.startswith("sqlite")
     lock = ServerLock(settings.data_dir)
-    database = open_database(settings.resolved_database_url, patience_s=_PATIENCE_S)
+    database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
     traces = TraceFolder(settings.traces_dir)
     workers_folder = settings.data_dir / "workers"
     infrastructure = Infrastructure(
@@ -178,7 +178,9 @@ def create_service(
         storage_fault=lambda: infrastructure.fault,
         stopping=stopping.is_set,
     )
-    return Service(api=create_api(context, lifespan), drain=drain, hurry=dispatcher.hurry)
+    return Service(
+        api=create_api(context, lifespan), drain=drain, stop_draining=dispatcher.stop_draining
+    )
 
 
 def _engine_setup(settings: Settings) -> EngineSetup:

@@ -48,7 +48,7 @@ class CommandDatabase:
     """The database of a command, opened when it is needed."""
 
     def __init__(self, settings: Settings) -> None:
-        """Prepares; nothing is opened or made."""
+        """Prepares; nothing is opened or created."""
         self._settings = settings
         self._opening = threading.Lock()
         self._database: Database | None = None
@@ -75,7 +75,7 @@ class CommandRuns:
     """The dispatcher of a command and its workers; they start with the first runs."""
 
     def __init__(self, settings: Settings, database: CommandDatabase, traces: TraceFolder) -> None:
-        """Begins with none."""
+        """Starts no worker yet."""
         self._settings, self._database, self._traces = settings, database, traces
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
@@ -84,11 +84,11 @@ class CommandRuns:
 
     @property
     def fault(self) -> str:
-        """Why no run can be begun, "" while they can."""
+        """Why no run can be started, "" while they can."""
         return "" if self._dispatcher is None else self._dispatcher.fault
 
     def reserve(self, runs: int) -> str:
-        """Gets ready for so many runs, and returns the process that they are for.
+        """Prepares for a number of runs, and returns the id of the process that owns them.
 
         Raises:
             StoreError: The database cannot be used.
@@ -99,12 +99,12 @@ class CommandRuns:
         return self._owner_id
 
     def wake(self) -> None:
-        """Tells that something was queued or cancelled."""
+        """Notifies the dispatcher of queued or cancelled runs."""
         if self._dispatcher is not None:
             self._dispatcher.wake()
 
     def close(self) -> None:
-        """Ends the runs that go on; runs that have not ended are cancelled."""
+        """Stops the workers; runs that have not ended are cancelled."""
         if self._dispatcher is not None:
             self._dispatcher.stop()
         self._stack.close()
@@ -145,10 +145,10 @@ def create_command_app(
     """Builds the application of a command.
 
     Args:
-        settings: Of the installation.
+        settings: Settings of the installation.
         workers: For campaigns, in place of their own number.
         evaluator: Name of the evaluator of campaigns.
-        on_error: Told why a campaign cannot continue.
+        on_error: Called with the error that stopped a campaign.
 
     Raises:
         UnknownName: There is no such evaluator.

@@ -184,7 +184,7 @@ class _Server(uvicorn.Server):
             # In a thread, because a signal handler interrupts the main thread anywhere.
             threading.Thread(target=self._drain, args=(sig, frame), name="drain").start()
             return
-        self._service.hurry()
+        self._service.stop_draining()
         self._ending.within(_SECOND_SIGNAL_S)
         self.config.timeout_graceful_shutdown = 1
         super().handle_exit(sig, frame)

@@ -1,4 +1,4 @@
-"""Answers that are given again for as long as nothing has changed."""
+"""A cache of answers, valid until the database changes."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _Key = tuple[str, bytes, str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class _Answer:
-    """What an operation has answered.
+    """The answer of an operation.
 
     Attributes:
         messages: Head and body, as ASGI has them.
-        route: Of the operation, by which requests are counted.
+        route: Route of the operation, by which requests are counted.
         until: Monotonic seconds.
     """
 
@@ -48,7 +48,7 @@ class _Memory:
 
 
 class AnswerMemory:
-    """ASGI middleware: a client that asks what was asked just now gets the same answer.
+    """ASGI middleware: repeated requests get the same answer from memory.
 
     Many clients look at the same lists. An answer holds until the database changes, so that a
     client finds everything that was written before it asked. Requests for the same that come
@@ -64,7 +64,7 @@ class AnswerMemory:
             app: What answers.
             version: Returns another number after each change of the database, without waiting;
                 ``None`` where it cannot be told: then nothing is kept.
-            tokens: Whose holders may ask; ``None``: everyone.
+            tokens: API tokens; ``None``: no token is needed.
         """
         self._app, self._version, self._tokens = app, version, tokens
         self._memory = _Memory(None)
@@ -109,7 +109,7 @@ class AnswerMemory:
     async def _make(
         self, memory: _Memory, key: _Key, scope: Scope, receive: Receive, send: Send
     ) -> None:
-        """Has the application answer, and keeps that for the same request meanwhile and later."""
+        """Calls the application, and keeps its answer for equal requests meanwhile and later."""
         made: asyncio.Future[_Answer | None] = asyncio.get_running_loop().create_future()
         while len(memory.answers) >= MOST_ANSWERS:
             del memory.answers[next(iter(memory.answers))]
@@ -136,7 +136,7 @@ class AnswerMemory:
             await send(message)
 
         def give_up() -> None:
-            """Has the requests that wait go on by themselves, before this client takes its time."""
+            """Releases the waiting requests to the application, before this client is served."""
             if not made.done():
                 made.set_result(None)
                 if memory.answers.get(key) is made:
@@ -157,7 +157,7 @@ def _is_known(tokens: TokenFile, secret: str) -> bool:
 
 
 def _holds(answer: asyncio.Future[_Answer | None]) -> bool:
-    """Whether an answer is still being made, or has been a short while ago."""
+    """Whether an answer is still being made, or was made a short while ago."""
     made = answer.result() if answer.done() else None
     return made is None or time.monotonic() < made.until
 

@@ -35,7 +35,7 @@ from drivora_service.api.routes import (
 from drivora_service.api.write_gate import WriteGate
 
 _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""What the page of the API may load."""
+"""Content security policy of the page of the API."""
 
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 
@@ -45,7 +45,7 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
 
     Args:
         context: Everything below the HTTP layer.
-        lifespan: What is started before the first request and stopped after the last.
+        lifespan: Startup before the first request and shutdown after the last.
     """
     api = FastAPI(
         title="Drivora",

@@ -41,13 +41,13 @@ def media_type(request: Request, allowed: frozenset[str]) -> str:
 
 
 def document_format(request: Request) -> Literal["json", "yaml"]:
-    """Tells in which language a single document is written."""
+    """Returns the language of a single document."""
     given = media_type(request, JSON_TYPES | YAML_TYPES)
     return "yaml" if given in YAML_TYPES else "json"
 
 
 def split_batch(request: Request, body: bytes, *, most: int) -> list[bytes | dict[str, Any]]:
-    """Returns the documents of a batch, unparsed where they came as lines.
+    """Returns the documents of a batch, unparsed if they came as lines.
 
     Raises:
         InvalidDocument: The body is no list, is empty, or holds more than ``most`` documents.

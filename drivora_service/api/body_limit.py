@@ -12,7 +12,7 @@ from drivora_service.api.problems import ApiError, problem_response
 
 DRAIN_SECONDS = 2.0
 DRAIN_BYTES = 16 << 20
-"""What a client on the same machine sends in some hundredths of a second."""
+"""Bytes that a client on the same machine sends in some hundredths of a second."""
 BODY_SECONDS = 20.0
 BODY_BYTES_A_SECOND = 16 << 10
 """A client that sends more slowly, after the first seconds, only holds a connection."""
@@ -104,7 +104,7 @@ async def _send_and_linger(message: Message, receive: Receive, send: Send) -> No
 
 
 async def _drain(receive: Receive) -> None:
-    """Throws away what comes, until the body's end, the client's leaving or a limit."""
+    """Discards input until the end of the body, the end of the connection or a limit."""
     left = DRAIN_BYTES
     try:
         async with asyncio.timeout(DRAIN_SECONDS):

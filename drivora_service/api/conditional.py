@@ -13,10 +13,10 @@ JSON = "application/json"
 
 
 def json_answer(request: Request, kind: Any, body: object, *, etag: str = "") -> Response:
-    """Answers with JSON, or 304 if the client has the same already.
+    """Answers with JSON, or with 304 if the client has it already.
 
     Args:
-        request: What was asked.
+        request: The request.
         kind: Type of the answer, as which it is written.
         body: The answer.
         etag: Stands for the content; "": its hash.
@@ -26,7 +26,7 @@ def json_answer(request: Request, kind: Any, body: object, *, etag: str = "") ->
 
 
 def bytes_answer(request: Request, content: bytes, *, media_type: str, etag: str) -> Response:
-    """Answers with bytes, or 304 if the client has the same already."""
+    """Answers with bytes, or with 304 if the client has it already."""
     headers = cache_headers(etag)
     if is_known(request, etag):
         return Response(status_code=304, headers=headers)
@@ -34,7 +34,7 @@ def bytes_answer(request: Request, content: bytes, *, media_type: str, etag: str
 
 
 def is_known(request: Request, etag: str) -> bool:
-    """Whether the client says that it has the content that ``etag`` stands for."""
+    """Whether the request names ``etag`` as known."""
     known = request.headers.get("if-none-match", "")
     tags = {tag.strip().removeprefix("W/") for tag in known.split(",")}
     return f'"{etag}"' in tags or "*" in tags

@@ -1,4 +1,4 @@
-"""Connections of clients: how many there may be, and how long each may keep the service waiting."""
+"""Connections of clients, with a limit of their number and deadlines."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_DESCRIPTORS = 65_536
 
 
 def raise_descriptor_limit() -> int:
-    """Lets this process open as many files as the system allows it.
+    """Raises the limit of open files to the greatest that the system allows.
 
     Returns:
         How many connections of clients leave enough descriptors for everything else.
@@ -114,20 +114,20 @@ class BoundedConnection(H11Protocol):
             self._stop_waiting()
 
     def pause_writing(self) -> None:
-        """Waits for a client that takes nothing of its answer."""
+        """Begins to wait for a client that does not read its answer."""
         super().pause_writing()
         if self._stall is None:
             self._stall = self.loop.call_later(STALL_SECONDS, self.transport.abort)
 
     def resume_writing(self) -> None:
-        """Goes on when the client does."""
+        """Continues when the client reads again."""
         if self._stall is not None:
             self._stall.cancel()
             self._stall = None
         super().resume_writing()
 
     def send_400_response(self, msg: str) -> None:
-        """Refuses what is no HTTP."""
+        """Refuses input that is not HTTP."""
         self._refuse(HTTPStatus.BAD_REQUEST, f"{msg.rstrip('.')}: this is no HTTP/1.1")
 
     def _await_head(self) -> None:

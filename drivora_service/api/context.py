@@ -1,4 +1,4 @@
-"""What the endpoints work with, put together once by the composition root."""
+"""The dependencies of the endpoints, built once by the composition root."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PREFIX = "/api/v1"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """How much a client may ask for at once.
+    """Limits of requests.
 
     Attributes:
         body_bytes: Size of a request's body.
@@ -46,18 +46,18 @@ class ApiContext:
         opened: Returns the database, and opens it if it is not open yet.
         revision: Returns another number after each change of the database, without waiting;
             ``None``: not known.
-        catalogues: Where names in documents are looked up.
-        tokens: Who may use the service; ``None``: everyone who reaches it.
-        trace_path: Where the trace of a run lies, by the run's id.
+        catalogues: Catalogues for the names in documents.
+        tokens: API tokens; ``None``: no token is needed.
+        trace_path: Returns the path of a run's trace, by the run's id.
         gene_spaces: Names the genes of campaigns.
         campaign_folder: Returns the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
         campaigns: Runs campaigns.
         reserve: Gets ready for so many runs; returns the process that they are for, "" for any
             server.
-        faults: What must work before requests are sent here, by name, with what is wrong and what
-            to do, or "". Known without waiting for anything.
-        storage_fault: Why nothing can be stored and what to do, "" while it can; known likewise.
+        faults: Returns the conditions of readiness by name, each with its fault and what to do, or
+            "", without waiting.
+        storage_fault: Returns why nothing can be stored and what to do, or "", without waiting.
         stopping: Whether the service takes no more work because it is being stopped.
     """
 

@@ -1,4 +1,4 @@
-"""The page of the API at ``/docs``: written from the OpenAPI document, and complete in itself.
+"""The page of the API at ``/docs``: written from the OpenAPI document, without external resources.
 
 It loads nothing, from here or from elsewhere, and needs no script.
 """

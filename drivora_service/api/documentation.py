@@ -59,7 +59,7 @@ def scenario_answers(example: str, *errors: int) -> dict[int | str, dict[str, An
 
 
 def observations_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
-    """Documents an answer that is what a run recorded, and the errors."""
+    """Documents an answer with the recording of a run, and the errors."""
     content = {
         NDJSON: {"schema": {"type": "string"}, "example": example},
         PARQUET: {"schema": {"type": "string", "format": "binary"}},
@@ -175,7 +175,7 @@ def _simplify(part: Any) -> None:
 
 
 def _say_that_text_has_no_nul(schema: dict[str, Any]) -> None:
-    """Completes the schema of a query parameter by what ``query_guard`` refuses in all of them."""
+    """Completes the schema of a query parameter by the refusals of ``query_guard``."""
     for alternative in (schema, *schema.get("anyOf", ())):
         text = alternative["items"] if alternative.get("type") == "array" else alternative
         if text.get("type") == "string" and "enum" not in text:

@@ -1,4 +1,4 @@
-"""The examples of the API's documentation: what is asked, and what a service answered.
+"""The examples of the API's documentation: requests, and the answers of a service.
 
 The answers lie in ``recorded``, where ``make api-examples`` writes them anew; nothing is read
 before the OpenAPI document is made.

@@ -1,4 +1,4 @@
-"""``Idempotency-Key``: a request that is sent twice is done once and answered the same twice."""
+"""``Idempotency-Key``: a repeated request is done once and gets the same answer."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _REPLAY_HEADER = "Idempotency-Replayed"
 
 
 class Answer(BaseModel):
-    """An answer as it is kept for the next time."""
+    """An answer as it is kept for repetitions."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -60,10 +60,10 @@ def done_once(
     body: bytes,
     prepare: Callable[[], Work],
 ) -> Response:
-    """Does a request, or answers as when it was done.
+    """Does a request, or repeats the answer of its first time.
 
     Args:
-        request: What was asked.
+        request: The request.
         context: With the database that keeps the keys.
         key: The client's name of the request, or "" for one that is not to be remembered.
         body: The request's body; another body under the same key is refused.

@@ -15,7 +15,7 @@ class _Link:
 
     Attributes:
         source: Method and path of the operation that answers.
-        values: Where the values of the parameters stand, by the parameter's name.
+        values: Places of the parameters' values in the answer, by the parameter's name.
         targets: Methods and paths of those that take them.
     """
 

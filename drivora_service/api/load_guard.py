@@ -1,4 +1,4 @@
-"""A bound on the requests that are served at once: what is beyond it is refused at once."""
+"""A limit of the requests that are served at once; further ones are refused at once."""
 
 from __future__ import annotations
 

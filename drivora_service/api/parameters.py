@@ -26,12 +26,12 @@ PageToken = Annotated[
         json_schema_extra={"format": "page-token"},
     ),
 ]
-Label = Annotated[str, Query(max_length=200, description="Name for people.")]
+Label = Annotated[str, Query(max_length=200, description="Display name.")]
 
 
 async def _overrides(
     agent: Annotated[
-        str, Query(max_length=200, description="Drives every ego in place of the documented one.")
+        str, Query(max_length=200, description="Agent of every ego, overrides the documented one.")
     ] = "",
     agent_parameter: Annotated[
         list[str] | None,
@@ -42,7 +42,7 @@ async def _overrides(
         ),
     ] = None,
     seed: Annotated[
-        int | None, Query(ge=0, le=_SEED_MAX, description="Seed in place of the document's.")
+        int | None, Query(ge=0, le=_SEED_MAX, description="Seed that overrides the document's.")
     ] = None,
 ) -> Overrides:
     parameters = tuple(read_agent_parameter(text) for text in agent_parameter or ())
@@ -58,7 +58,7 @@ async def _job_filter(
     agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
     town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
     oracle: Annotated[
-        str, Query(max_length=60, description="About which this oracle said `outcome`.")
+        str, Query(max_length=60, description="With the verdict `outcome` of this oracle.")
     ] = "",
     outcome: Annotated[Outcome, Query(description="See `oracle`.")] = Outcome.VIOLATED,
     at_fault: Annotated[
@@ -68,7 +68,7 @@ async def _job_filter(
         Accountability | None, Query(description="The strongest of its violations is this.")
     ] = None,
     violated: Annotated[
-        bool | None, Query(description="With, or without, any broken rule.")
+        bool | None, Query(description="With, or without, any violation.")
     ] = None,
     scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
 ) -> JobFilter:

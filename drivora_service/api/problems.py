@@ -1,4 +1,4 @@
-"""Errors as problem details (RFC 9457): one shape for everything that goes wrong."""
+"""Errors as problem details (RFC 9457): one shape for all errors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _log = structlog.stdlib.get_logger(__name__)
 
 
 class ProblemItem(BaseModel):
-    """One thing that is wrong, and where."""
+    """One problem and its place."""
 
     pointer: str = Field(description="JSON pointer (RFC 6901) into the body; empty: all of it.")
     code: str = Field(description="Short stable name of the kind of problem.")
@@ -48,7 +48,7 @@ class ProblemDetails(BaseModel):
     type: str = Field(default="about:blank", description="Kind of error.")
     title: str = Field(description="Short text for the kind of error.")
     status: int = Field(description="HTTP status code.")
-    detail: str = Field(default="", description="What happened this time.")
+    detail: str = Field(default="", description="This occurrence of the error.")
     instance: str = Field(default="", description="Path of the request.")
     problems: list[ProblemItem] = Field(default_factory=list, description="Every problem found.")
 
@@ -70,7 +70,7 @@ class ApiError(Exception):
 
 
 def problem_items(problems: tuple[Problem, ...]) -> list[ProblemItem]:
-    """Returns problems in the shape of the answer; a document that is all wrong is cut short."""
+    """Returns problems in the shape of the answer; too many problems are cut short."""
     return [
         ProblemItem(pointer=p.pointer, code=p.code, message=p.message)
         for p in problems[:_MAX_PROBLEMS]

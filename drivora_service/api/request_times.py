@@ -1,4 +1,4 @@
-"""How long the service takes to answer, by operation."""
+"""Times of answers, by operation."""
 
 from __future__ import annotations
 

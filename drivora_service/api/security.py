@@ -1,4 +1,4 @@
-"""Who may do what: bearer tokens with scopes."""
+"""Authorisation: bearer tokens with scopes."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _require(
 
 
 async def reader(request: Request, credentials: Credentials) -> None:
-    """Lets requests pass that may look."""
+    """Lets requests pass that may read."""
     _require(request, credentials, Scope.READ)
 
 

@@ -1,4 +1,4 @@
-"""From a document that came in to a run that can be queued."""
+"""Runs to be queued, from posted documents."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Overrides:
-    """What a request sets in place of what its documents say.
+    """The values of a request that override those of its documents.
 
     Attributes:
         agent: Drives every ego; "": as documented.
-        parameters: Of the agents.
+        parameters: Parameters of the agents.
         seed: Seeds the run; ``None``: as documented.
     """
 

@@ -22,7 +22,7 @@ _PREFIX = "drv_"
 
 
 class Scope(IntEnum):
-    """What a token allows; a higher scope allows what the lower ones do."""
+    """The scope of a token; a higher scope includes the lower ones."""
 
     READ = 1
     SUBMIT = 2

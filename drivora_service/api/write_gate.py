@@ -1,4 +1,4 @@
-"""Refuses at once what cannot be stored now."""
+"""Refusal of requests while nothing can be stored."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from drivora_service.api.problems import problem_response
 
 RETRY_AFTER = {"Retry-After": "5"}
-"""What a client is told that shall come again when a fault may be over."""
+"""Header of refusals: when to ask again."""
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
@@ -18,18 +18,18 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 class WriteGate:
     """ASGI middleware: 503 for requests that change something while nothing can be stored.
 
-    It knows that without a thread and without the database, so that a fault which lasts makes
-    nobody wait. Validating is always possible. Giving up and pausing is tried even then: it needs
-    less than what is refused, and may be the way out.
+    It needs neither a thread nor the database, so that no request waits while a fault lasts.
+    Validation is always possible. Cancelling and pausing are tried even then: they need less
+    storage than the refused requests, and may end the fault.
     """
 
     def __init__(
         self, app: ASGIApp, *, storage_fault: Callable[[], str], stopping: Callable[[], bool]
     ) -> None:
-        """Takes what knows.
+        """Prepares the gate.
 
         Args:
-            app: What serves the requests that pass.
+            app: Application for the requests that pass.
             storage_fault: Returns why nothing can be stored and what to do, "" if it can.
             stopping: Whether the service takes no more work because it is being stopped.
         """

@@ -70,9 +70,9 @@ class BenchmarkRun:
         value = self.record.metrics.get(name)
         return value if value is not None and math.isfinite(value) else None
 
-    def broke(self, rule: str, *, at_fault: bool = False) -> bool:
+    def violated(self, oracle: str, *, at_fault: bool = False) -> bool:
         """Returns whether the ego violated an oracle; with ``at_fault``, whether at its fault."""
-        return any(v.oracle == rule and (not at_fault or v.at_fault) for v in self.violations)
+        return any(v.oracle == oracle and (not at_fault or v.at_fault) for v in self.violations)
 
     @property
     def collided_avoidably(self) -> bool:
@@ -134,11 +134,11 @@ class NetworkFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BrokenRule:
+class ViolatedOracle:
     """An oracle that the agent violated.
 
     Attributes:
-        rule: Name of the oracle.
+        oracle: Name of the oracle.
         runs: Number of runs with a violation.
         at_fault: In how many of these the verdict blames the ego; 0 if the oracle does not
             attribute fault.
@@ -146,7 +146,7 @@ class BrokenRule:
         example_run: Scenario of that verdict.
     """
 
-    rule: str
+    oracle: str
     runs: int
     at_fault: int
     example: str
@@ -180,7 +180,7 @@ class AgentCard:
         agent: Entry of the catalogue.
         total: Aggregates of all its runs.
         networks: Aggregates by network.
-        broken: Violated oracles, the most frequent first.
+        violated: Violated oracles, the most frequent first.
         failures: Causes, the most frequent first.
         runs: The underlying runs.
         shown: The run to draw; ``None`` if none was judged.
@@ -189,7 +189,7 @@ class AgentCard:
     agent: AgentEntry
     total: Figures
     networks: tuple[NetworkFigures, ...]
-    broken: tuple[BrokenRule, ...]
+    violated: tuple[ViolatedOracle, ...]
     failures: tuple[FailureCause, ...]
     runs: tuple[BenchmarkRun, ...]
     shown: BenchmarkRun | None
@@ -218,7 +218,7 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
             NetworkFigures(network=network, figures=figures_of(own))
             for network, own in by_network.items()
         ),
-        broken=_broken(ordered),
+        violated=_violated(ordered),
         failures=_failures(ordered),
         runs=ordered,
         shown=worst_run(ordered),
@@ -231,18 +231,18 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     costs = [cost for run in judged if (cost := run.record.step_cost_us) is not None]
     typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
     own = [cost for run in judged if (cost := run.agent_cost_us) is not None]
-    at_fault = [run for run in judged if run.broke(COLLISION, at_fault=True)]
+    at_fault = [run for run in judged if run.violated(COLLISION, at_fault=True)]
     arrivals = [run for run in judged if run.arrived]
     failed = sum(run.record.status in _AGENTS_OWN for run in runs)
     return Figures(
         runs=len(runs),
         judged=len(judged),
         arrivals=len(arrivals),
-        clean_arrivals=sum(not run.broke(COLLISION, at_fault=True) for run in arrivals),
-        collisions=sum(run.broke(COLLISION) for run in judged),
+        clean_arrivals=sum(not run.violated(COLLISION, at_fault=True) for run in arrivals),
+        collisions=sum(run.violated(COLLISION) for run in judged),
         at_fault_collisions=len(at_fault),
         avoidable_collisions=sum(run.collided_avoidably for run in judged),
-        red_lights=sum(run.broke(RED_LIGHT) for run in judged),
+        red_lights=sum(run.violated(RED_LIGHT) for run in judged),
         driving_score=_mean([*_values(judged, "driving_score"), *[0.0] * failed]),
         route_completion=_mean(_values(judged, "route_completion")),
         comfort=_mean(_values(judged, "comfort")),
@@ -261,7 +261,7 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
 
     def badness(run: BenchmarkRun) -> tuple[bool, int, float]:
         return (
-            run.broke(COLLISION, at_fault=True),
+            run.violated(COLLISION, at_fault=True),
             len({verdict.oracle for verdict in run.violations}),
             run.record.sim_time_s or 0.0,
         )
@@ -269,25 +269,25 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
     return max((run for run in runs if run.finished), key=badness, default=None)
 
 
-def _broken(runs: Sequence[BenchmarkRun]) -> tuple[BrokenRule, ...]:
-    rules = dict.fromkeys(verdict.oracle for run in runs for verdict in run.violations)
-    told = []
-    for rule in rules:
-        guilty = [run for run in runs if run.broke(rule)]
-        blamed = [run for run in guilty if run.broke(rule, at_fault=True)]
-        shown = (blamed or guilty)[0]
-        verdicts = [verdict for verdict in shown.violations if verdict.oracle == rule]
+def _violated(runs: Sequence[BenchmarkRun]) -> tuple[ViolatedOracle, ...]:
+    oracles = dict.fromkeys(verdict.oracle for run in runs for verdict in run.violations)
+    found = []
+    for oracle in oracles:
+        violating = [run for run in runs if run.violated(oracle)]
+        at_fault = [run for run in violating if run.violated(oracle, at_fault=True)]
+        shown = (at_fault or violating)[0]
+        verdicts = [verdict for verdict in shown.violations if verdict.oracle == oracle]
         example = next((verdict for verdict in verdicts if verdict.at_fault), verdicts[0])
-        told.append(
-            BrokenRule(
-                rule=rule,
-                runs=len(guilty),
-                at_fault=len(blamed),
+        found.append(
+            ViolatedOracle(
+                oracle=oracle,
+                runs=len(violating),
+                at_fault=len(at_fault),
                 example=example.message,
                 example_run=shown.name,
             )
         )
-    return tuple(sorted(told, key=lambda broken: (-broken.runs, broken.rule)))
+    return tuple(sorted(found, key=lambda violated: (-violated.runs, violated.oracle)))
 
 
 def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:

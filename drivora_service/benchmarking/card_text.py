@@ -77,7 +77,7 @@ HOW_TO_READ = (
     "least one. *driving score*: mean of Leaderboard 2.1 (per cent), 0 where the agent failed. "
     "*comfort*: mean share of the time within nuPlan's bounds. *step*, *95 %*: median and 95th "
     "percentile over the runs of the mean wall time of a step, simulation and agent together; "
-    "*agent*: the median of what the agent alone took of it, a dash where SUMO drives. "
+    "*agent*: the median of the agent's share of it, a dash where SUMO drives. "
     "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
     "perception model lets through."
 )
@@ -129,7 +129,7 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
     lines += ["", HOW_TO_READ, ""]
     rows = [(own.network, *cells(own.figures)) for own in card.networks]
     lines += _table(("network", *COLUMNS), (*rows, ("all", *cells(card.total))))
-    lines += ["", "## What it did wrong", ""]
+    lines += ["", "## Violations", ""]
     lines += _wrongs(card)
     if picture and card.shown is not None:
         lines += ["", "## A run", "", _about(card.shown), ""]
@@ -139,21 +139,21 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
 
 def _wrongs(card: AgentCard) -> list[str]:
     lines = []
-    if card.broken:
+    if card.violated:
         lines += _table(
-            ("rule", "runs", "at fault", "for example"),
+            ("oracle", "runs", "at fault", "for example"),
             (
                 (
-                    broken.rule.replace("_", " "),
-                    str(broken.runs),
-                    str(broken.at_fault) if broken.at_fault else "",
-                    f"{broken.example_run}: {broken.example}",
+                    violated.oracle.replace("_", " "),
+                    str(violated.runs),
+                    str(violated.at_fault) if violated.at_fault else "",
+                    f"{violated.example_run}: {violated.example}",
                 )
-                for broken in card.broken
+                for violated in card.violated
             ),
         )
     elif card.total.judged:
-        lines.append("It broke no rule in any judged run.")
+        lines.append("It violated no oracle in any judged run.")
     if card.failures:
         lines += [""] if lines else []
         lines += _table(
@@ -173,12 +173,12 @@ def _wrongs(card: AgentCard) -> list[str]:
 
 def _about(run: BenchmarkRun) -> str:
     if not run.violations:
-        return f"The longest run, {run.name}; nothing was broken in it."
+        return f"The longest run, {run.name}; no oracle was violated in it."
     # Only the first of each oracle: some are violated at every bend.
     said: dict[str, str] = {}
     for verdict in run.violations:
         said.setdefault(verdict.oracle, verdict.message)
-    return f"The run in which most went wrong, {run.name}: {' '.join(said.values())}"
+    return f"The run with the most violations, {run.name}: {' '.join(said.values())}"
 
 
 def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

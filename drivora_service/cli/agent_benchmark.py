@@ -1,4 +1,4 @@
-"""``drivora agents benchmark``: the runs, and what is drawn of them."""
+"""``drivora agents benchmark``: the runs and their pictures."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def draw_cards(
 
 
 def print_cards(cards: Sequence[AgentCard], absent: Sequence[AgentEntry]) -> None:
-    """Prints a row an agent, and below it why runs were not judged and who could not drive."""
+    """Prints a row an agent, and below it why runs were not judged and agents were not run."""
     if cards:
         print_table("", _COLUMNS, map(_row, cards))
     if any(card.agent.privileged for card in cards):

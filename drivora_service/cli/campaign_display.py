@@ -1,4 +1,4 @@
-"""A campaign that runs, shown on a terminal."""
+"""The progress of a campaign on a terminal."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 class CampaignDisplay:
-    """A bar and a line below it that follow the work."""
+    """A progress bar and a line of counts below it."""
 
     def __init__(self, budget: int) -> None:
-        """Begins at the beginning."""
+        """Begins with no simulation."""
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),
@@ -32,11 +32,11 @@ class CampaignDisplay:
         self._found = Text()
 
     def __rich__(self) -> Group:
-        """Returns what is shown."""
+        """Returns the bar and the line."""
         return Group(self._bar, self._found)
 
     def show(self, campaign: Campaign) -> None:
-        """Shows how far a campaign is."""
+        """Shows the progress of a campaign."""
         left = "" if campaign.left_s is None else f", {_duration(campaign.left_s)} left"
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
@@ -50,7 +50,7 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     with Live(display, console=console, refresh_per_second=4):
         yield display
     if not console.is_terminal:
-        # What follows would else stand in the same line.
+        # The next output would otherwise stand in the same line.
         console.line()
 
 

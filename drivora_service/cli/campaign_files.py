@@ -60,7 +60,7 @@ def _scenario_of(name: object, folder: Path) -> dict[str, Any]:
 def _content(data: bytes, path: Path) -> dict[str, Any]:
     language = detect_format(data)
     if language in (FileFormat.JSON, FileFormat.YAML):
-        # As it stands: whoever reads the campaign names all of its problems together.
+        # Unchecked: reading the campaign names the problems of both together.
         content, problems = plain_data(data, "json" if language is FileFormat.JSON else "yaml")
         if problems:
             raise InvalidDocument(tuple(problems))

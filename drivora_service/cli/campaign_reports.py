@@ -37,10 +37,10 @@ def drawn_report(
     """Reports on a campaign.
 
     Args:
-        client: Of what has the campaign.
-        campaign_id: Which campaign.
-        data_dir: Has the imported road networks that pictures show.
-        folder: Where pictures go; ``None``: none are drawn.
+        client: Client of the application or service with the campaign.
+        campaign_id: Id of the campaign.
+        data_dir: Data folder with the imported road networks for pictures.
+        folder: Folder for pictures; ``None``: none are drawn.
 
     Raises:
         ServiceError: There is no such campaign, or the service did not answer.

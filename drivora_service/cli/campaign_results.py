@@ -16,7 +16,7 @@ from drivora_service.store.campaign_records import (
 )
 
 _SHOWN = 40
-"""Evaluations of a lineage that people are shown."""
+"""Evaluations of a lineage in a table."""
 
 
 def campaign_content(campaign: Campaign, failures: Sequence[Failure]) -> dict[str, Any]:

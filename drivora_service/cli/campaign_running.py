@@ -1,4 +1,4 @@
-"""Following a campaign, and what is written of it at its end."""
+"""Following a campaign, and exporting it at its end."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 def follow(client: Client, campaign_id: str) -> Campaign:
-    """Shows a campaign until it has ended or rests.
+    """Shows the progress of a campaign until it has ended or is paused.
 
     Raises:
-        KeyboardInterrupt: The command was interrupted or is to terminate; the campaign goes on.
+        KeyboardInterrupt: The command was interrupted or is to terminate; the campaign continues.
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     budget = client.campaign(campaign_id).budget
@@ -31,7 +31,7 @@ def follow(client: Client, campaign_id: str) -> Campaign:
 
 
 def pause_and_wait(client: Client, campaign_id: str) -> Campaign:
-    """Pauses a campaign and waits until it rests."""
+    """Pauses a campaign and waits until it is paused."""
     client.pause_campaign(campaign_id)
     return client.follow_campaign(campaign_id)
 
@@ -53,7 +53,7 @@ def export_campaign(client: Client, campaign: Campaign, target: Path) -> None:
 
 @contextmanager
 def _terminated_by_interrupt() -> Iterator[None]:
-    """Makes a request to terminate an interrupt."""
+    """Handles a request to terminate as an interrupt."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt

@@ -35,7 +35,7 @@ def connected(
         works: Whether runs will be made, so that worker processes may get ready meanwhile.
         workers: Worker processes in this process.
         evaluator: Evaluator of campaigns in this process.
-        on_error: Told why a campaign in this process cannot continue.
+        on_error: Called with the error that stopped a campaign in this process.
 
     Raises:
         ConfigurationError: Options for work in this process were given for a service.
@@ -57,7 +57,7 @@ def connected(
     if works:
         from drivora_service.execution.fork_server import prepare_processes
 
-        # They get ready while this process reads and checks what they are to do.
+        # Processes start while this one reads and checks the documents.
         prepare_processes()
     from drivora_service.cli.installation import settings_for
     from drivora_service.client import ApplicationTransport, Client

@@ -21,12 +21,12 @@ _EXAMPLE = "side-collision.yaml"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoCampaign:
-    """What the campaign left behind.
+    """The results of the campaign.
 
     Attributes:
         file: The campaign, with its scenario in it.
         folder: With the scenario and the trace of each failure.
-        pictures: Of the first failure of each kind, beside its trace.
+        pictures: Pictures of the first failure of each kind, beside its trace.
     """
 
     campaign: Campaign
@@ -40,7 +40,7 @@ def search_with(client: Client, data_dir: Path, *, simulations: int) -> DemoCamp
     """Has a service run the campaign, shows it meanwhile, and then what it has found.
 
     Args:
-        client: Of the service.
+        client: Client of the service.
         data_dir: Folder of the demo.
         simulations: Budget of the campaign.
 

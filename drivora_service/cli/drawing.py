@@ -29,24 +29,24 @@ def draw_trace(
     """Judges a trace and draws it.
 
     Args:
-        path: Of the trace.
-        settings: Where networks are looked up.
-        target: Where to write; ends in ``.svg`` or ``.png``.
-        color_by: What the colour of the egos' trails says.
+        path: Path of the trace.
+        settings: Settings with the folder of imported networks.
+        target: File to write; ends in ``.svg`` or ``.png``.
+        color_by: Meaning of the colours of the egos' trails.
         oracles: Names of the oracles whose violations are marked; none: of all.
         moments: Draws a strip of so many moments rather than the whole run.
 
     Raises:
         StoreError: The file is no trace.
         UnknownName: Its network is not in the catalogue, or there is no such oracle.
-        OracleError: A package's oracle that is to judge cannot.
+        OracleError: An oracle of a package cannot judge.
     """
     catalogue = OracleCatalogue()
     known = catalogue.names()
     for name in oracles:
         if name not in known:
             raise UnknownName("oracle", name, known)
-    # An oracle that cannot judge costs no picture in which only others are marked.
+    # An oracle that cannot judge does not prevent a picture that marks other oracles only.
     chosen = [catalogue.oracle(name) for name in known if not oracles or name in oracles]
     trace = read_trace(path)
     network = network_catalogue(settings).get(trace.network)

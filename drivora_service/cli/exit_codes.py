@@ -1,4 +1,4 @@
-"""How commands end; scripts rely on it."""
+"""Exit codes of commands; scripts rely on them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class ExitCode(IntEnum):
-    """What the exit code of a command says."""
+    """The exit code of a command."""
 
     DONE = 0
     GATE_FAILED = 1

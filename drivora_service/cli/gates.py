@@ -1,4 +1,4 @@
-"""What ``--gate`` fails on: which oracles count, and in how many runs they may be violated."""
+"""Gates: the oracles that count, and the number of runs that may violate each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivora_service.oracles.verdict import Severity, Verdict
 ACCOUNTABLE = frozenset(
     {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.NOT_JUDGED}
 )
-"""What a gate counts: not what is another's fault, could not be avoided, or cannot be told."""
+"""A gate does not count faults of others, unavoidable violations and undetermined faults."""
 
 _RUNS = re.compile(r"[0-9]{1,9}")
 
@@ -30,7 +30,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GateAnswer:
-    """What a gate says of runs.
+    """The result of a gate.
 
     Attributes:
         fails: Whether some oracle was violated in more runs than the gate allows.
@@ -47,7 +47,7 @@ class GateAnswer:
     passed_over: int
 
     def __str__(self) -> str:
-        """Says it in one line."""
+        """Returns it in one line."""
         runs = f"{self.failing_runs} failing run{'' if self.failing_runs == 1 else 's'}"
         times = f"{self.violations} violation{'' if self.violations == 1 else 's'}"
         oracles = ", ".join(f"{name} in {count}" for name, count in sorted(self.by_oracle.items()))
@@ -96,9 +96,9 @@ def read_gate(wanted: Sequence[str], known: Collection[str], *, counted_by: str)
     """Reads ``ORACLE`` and ``ORACLE=RUNS``.
 
     Args:
-        wanted: As they were written.
+        wanted: Texts of the command line.
         known: Names of the oracles that runs are judged by.
-        counted_by: What counts them, for the message.
+        counted_by: Owner of the oracles, for the message.
 
     Raises:
         ConfigurationError: An oracle is not among ``known``, or what it allows is no number.
@@ -134,7 +134,7 @@ def violations_of_run(violated: Iterable[Verdict]) -> list[Violation]:
 def violations_of_campaign(violated: Iterable[tuple[int, Verdict]]) -> list[list[Violation]]:
     """Returns the violations by evaluation.
 
-    What a campaign counts as a failure is no observation to its gate: the campaign has named it.
+    A violation that a campaign counts as a failure is not an observation: the campaign names it.
     """
     runs: dict[int, list[Violation]] = {}
     for number, verdict in violated:

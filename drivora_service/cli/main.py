@@ -1,6 +1,6 @@
-"""``drivora``: everything that the service does, from a terminal.
+"""``drivora``: the command line.
 
-The modules of the commands are light to import; what a command works with is imported when it runs.
+The modules of the commands are light to import; a command imports its dependencies when it runs.
 """
 
 from __future__ import annotations

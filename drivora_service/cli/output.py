@@ -1,4 +1,4 @@
-"""What commands print: a table for people, JSON for programs; progress goes to standard error."""
+"""Output of commands: a table, or JSON for programs; progress goes to standard error."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for program
 
 
 def print_json(value: Any) -> None:
-    """Prints one JSON value; what is not finite becomes null."""
+    """Prints one JSON value; numbers that are not finite become null."""
     json.dump(_finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write("\n")
 
@@ -110,17 +110,17 @@ def print_table(
 
 
 def note(message: str) -> None:
-    """Prints a remark for people to standard error."""
+    """Prints a remark to standard error."""
     typer.echo(message, err=True)
 
 
 def fail(message: str) -> None:
-    """Prints why something did not work to standard error."""
+    """Prints an error to standard error."""
     typer.secho(message, err=True, fg=typer.colors.RED)
 
 
 def number(value: float | None, digits: int = 1) -> str:
-    """Writes a number for a table; what is not measurable is a dash."""
+    """Returns a number as text for a table; a dash if it is not measurable."""
     return "-" if value is None else f"{value:.{digits}f}"
 
 

@@ -1,4 +1,4 @@
-"""Stored traces under today's oracles, beside their earlier verdicts."""
+"""Stored traces judged by the current oracles, compared with their earlier verdicts."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rejudged:
-    """A trace under today's oracles.
+    """A trace judged by the current oracles.
 
     Attributes:
         error: Why it could not be judged, or "".
-        compared: Whether a report beside it says what was said before.
-        verdicts: Of today.
-        changes: Empty where nothing changed, or nothing is known of before.
+        compared: Whether there is a report beside it to compare with.
+        verdicts: By the current oracles.
+        changes: Empty if nothing changed or was compared.
     """
 
     trace: Path
@@ -100,7 +100,7 @@ def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) ->
 
 
 def _reported(path: Path) -> list[dict[str, Any]] | None:
-    """Returns the verdicts of the report beside a trace; ``None`` if there is none of use."""
+    """Returns the verdicts of the report beside a trace; ``None`` without a usable report."""
     report = path.with_name(path.name.removesuffix(_TRACE) + ".report.json")
     try:
         content = json.loads(report.read_bytes())
@@ -110,7 +110,7 @@ def _reported(path: Path) -> list[dict[str, Any]] | None:
 
 
 def _in_words(verdicts: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
-    """Describes what each oracle says of each ego, several violations counted."""
+    """Returns the verdicts of each oracle on each ego in words, several violations counted."""
     said: dict[tuple[str, str], Counter[str]] = {}
     for verdict in verdicts:
         key = (str(verdict["oracle"]), str(verdict["ego"]))

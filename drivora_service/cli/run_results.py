@@ -29,14 +29,14 @@ _LOG_LINES = 10
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScenarioResult:
-    """What came of a scenario that was named on the command line.
+    """The result of a scenario that was named on the command line.
 
     Attributes:
         scenario: Its name.
         run: Its run; ``None`` if it cannot be run.
         problems: Why it cannot be run.
         trace: File of its trace; "" if none was written.
-        notes: How it was interpreted, where that may surprise.
+        notes: Remarks of the importer and of validation.
     """
 
     scenario: str

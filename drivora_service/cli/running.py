@@ -1,4 +1,4 @@
-"""The runs of scenario files, by whatever answers a client."""
+"""Runs of scenario files, in this process or on a service."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def run_files(
     """Runs scenarios as one batch and returns their results in the order of the files.
 
     Args:
-        client: Of what runs them.
+        client: Client of the application or service that runs them.
         files: The scenarios.
-        agent: Drives every ego; "": as documented.
+        agent: Agent of every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
-        seed: In place of the documents'.
+        seed: Overrides the documents'.
         out: Folder for the traces; ``None``: they are not fetched.
-        on_result: Told of each result, in any order.
+        on_result: Called with each result, in any order.
 
     Raises:
         ConfigurationError: The agent or one of its parameters cannot be used.
@@ -53,7 +53,7 @@ def run_files(
         )
     except InvalidDocument as error:
         if all(not problem.pointer for problem in error.problems):
-            # It is the request that is wrong, such as the name of the agent.
+            # The request itself is wrong, such as the name of the agent.
             raise ConfigurationError(str(error.problems[0].message)) from error
         return [
             ScenarioResult(

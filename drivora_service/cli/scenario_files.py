@@ -28,8 +28,8 @@ class ScenarioFile:
 
     Attributes:
         name: Unique among those that were read together; good for a file name.
-        path: Where it came from.
-        notes: What the importer dropped or interpreted.
+        path: Path of its file.
+        notes: Remarks of the importer on dropped or interpreted parts.
     """
 
     name: str

@@ -22,7 +22,7 @@ _LEAST_CUT = 14
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """What a table shows.
+    """The content of a table.
 
     Attributes:
         columns: The heads; a newline in one always breaks it.
@@ -67,8 +67,8 @@ def table_lines(table: Table, width: int) -> tuple[list[str], list[str]]:
     """Lays a table out.
 
     Args:
-        table: What is shown.
-        width: Of the terminal, in characters.
+        table: The content.
+        width: Width of the terminal, characters.
 
     Returns:
         The lines of its head, and those of its rows.

@@ -1,4 +1,4 @@
-"""What is asked of a service, as a value: the same for every client."""
+"""Calls of a service as values: the same for every client."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Call(Generic[T]):
 
     Attributes:
         template: Path, with the names of ``places`` in braces.
-        places: What stands in the path, by name.
+        places: Values for the placeholders of the path, by name.
         query: See :data:`Query`.
         body: ``None`` for requests without.
         headers: Besides those of every request.

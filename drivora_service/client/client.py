@@ -72,7 +72,7 @@ class Client(BlockingOperations):
             retry_s: Seconds for which a request that may be repeated is tried again; 0: never.
             timeout_s: Seconds for which a service may be silent; one in this process as long as it
                 needs.
-            on_retry: Told why a request is tried again, and after how many seconds.
+            on_retry: Called with the reason of a retry and the seconds before it.
 
         Raises:
             ConfigurationError: The address or the token cannot be used.
@@ -138,7 +138,7 @@ class Client(BlockingOperations):
 
         Args:
             batch_id: Which batch.
-            on_progress: Told how far the batch is, at every look.
+            on_progress: Called with the batch at every poll.
 
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
@@ -152,7 +152,7 @@ class Client(BlockingOperations):
 
         Args:
             campaign_id: Which campaign.
-            on_progress: Told how far it is, at every look, the last one included.
+            on_progress: Called with the campaign at every poll, the last one included.
 
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.

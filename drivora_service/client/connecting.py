@@ -1,4 +1,4 @@
-"""What both clients are made of: where they ask, with which token, and how patiently."""
+"""The connection of both clients: address, token and time limits."""
 
 from __future__ import annotations
 
@@ -79,18 +79,18 @@ def connection(
 
 
 def ignore_retry(error: ServiceError, seconds: float) -> None:
-    """Tells no one that a request is tried again."""
+    """Ignores that a request is tried again."""
     del error, seconds
 
 
 def ignore_progress(progress: object) -> None:
-    """Tells no one how far something is."""
+    """Ignores progress."""
     del progress
 
 
 @contextlib.contextmanager
 def written_whole(path: Path) -> Iterator[BinaryIO]:
-    """Opens a file that stands at ``path`` once it is complete; before, what was there stays.
+    """Opens a file that replaces ``path`` once it is complete.
 
     Raises:
         StoreError: It cannot be written.

@@ -1,6 +1,6 @@
-"""How calls are made, as generators of steps: one text for all clients.
+"""Flows of calls as generators of steps: one implementation for all clients.
 
-A flow yields what is to be done and is sent what came of it. A client performs the steps, with or
+A flow yields steps and is sent their outcomes. A client performs the steps, with or
 without an event loop.
 """
 
@@ -67,11 +67,11 @@ Items = Generator[Step | Emit[T], Outcome, None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Terms:
-    """How a service is asked.
+    """The terms of requests: address, retries and their listener.
 
     Attributes:
         retry_s: Seconds for which a request that may be repeated is tried again.
-        on_retry: Told why a request is tried again, and after how many seconds.
+        on_retry: Called with the reason of a retry and the seconds before it.
     """
 
     service: Service
@@ -89,7 +89,7 @@ class Answer(Generic[T]):
 
 @dataclass(slots=True)
 class _Patience:
-    """Says how long to wait before the next try."""
+    """The waits between tries."""
 
     seconds: float
     begun: float = field(default_factory=time.monotonic)
@@ -105,7 +105,7 @@ class _Patience:
 
 
 def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[Answer[T]]:
-    """Makes a call, again where that does no harm.
+    """Makes a call, repeatedly if that does no harm.
 
     Raises:
         InvalidDocument: The service refused a document.

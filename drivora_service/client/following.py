@@ -23,7 +23,7 @@ _GROWTH = 1.5
 
 
 class _Pace:
-    """How long to wait between two looks: short while things change, longer while they do not."""
+    """The waits between two polls: short while the state changes, longer while it does not."""
 
     def __init__(self, *, is_local: bool) -> None:
         self._is_local = is_local
@@ -77,9 +77,9 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
     """Hands out the runs of a batch as they end, each once, until all have ended.
 
     Args:
-        batch_id: Which batch.
+        batch_id: Id of the batch.
         terms: How the service is asked.
-        on_progress: Told how far the batch is, at every look.
+        on_progress: Called with the batch at every poll.
 
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
@@ -127,12 +127,12 @@ def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int)
 def followed_campaign(
     campaign_id: str, terms: Terms, on_progress: Callable[[Campaign], None]
 ) -> Flow[Campaign]:
-    """Waits until a campaign has ended or rests, and returns it.
+    """Waits until a campaign has ended or is paused, and returns it.
 
     Args:
-        campaign_id: Which campaign.
+        campaign_id: Id of the campaign.
         terms: How the service is asked.
-        on_progress: Told how far it is, at every look, the last one included.
+        on_progress: Called with the campaign at every poll, the last one included.
 
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.

@@ -1,4 +1,4 @@
-"""Replies of a service: values, or errors that say what went wrong."""
+"""Replies of a service: values, or errors with the reason."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _MOST_SHOWN = 300
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reply:
-    """What came back.
+    """The reply to a request.
 
     Attributes:
         content: The body; empty if it was written to a file.
@@ -61,7 +61,7 @@ class Reply:
 
     @property
     def retry_after_s(self) -> float | None:
-        """Seconds after which it is sensible to ask again; ``None``: it does not say."""
+        """Seconds after which it is sensible to ask again; ``None``: not stated."""
         text = self.headers.get("retry-after", "").strip()
         if text.isascii() and text.isdigit():
             return float(text)
@@ -75,7 +75,7 @@ class Reply:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Service:
-    """What is asked.
+    """The service of a request.
 
     Attributes:
         url: Its address.
@@ -87,7 +87,7 @@ class Service:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         return "the application" if self.is_local else f"the service at {self.url}"
 
 

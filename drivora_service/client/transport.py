@@ -43,7 +43,7 @@ class AsyncApplicationTransport(httpx.AsyncBaseTransport):
         self._open: dict[asyncio.Task[None], Exchange] = {}
 
     async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
-        """Has the application answer; the body of the answer is read from the response."""
+        """Calls the application; the body of the answer is read from the response."""
         exchange, status, headers = await self.exchange(request)
         return httpx.Response(
             status, headers=headers, stream=_AsyncBody(exchange), extensions=_EXTENSIONS
@@ -111,7 +111,7 @@ class ApplicationTransport(httpx.BaseTransport):
         self._is_closed = False
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
-        """Has the application answer; the body of the answer is read from the response."""
+        """Calls the application; the body of the answer is read from the response."""
         stream = request.stream
         if isinstance(stream, httpx.SyncByteStream) and not isinstance(stream, httpx.ByteStream):
             stream = _InThreads(stream)
@@ -173,7 +173,7 @@ class _AsyncBody(httpx.AsyncByteStream):
             yield part
 
     async def aclose(self) -> None:
-        """Tells the application that no more is wanted."""
+        """Tells the application that the client is gone."""
         self._exchange.disconnect()
 
 
@@ -188,7 +188,7 @@ class _Body(httpx.SyncByteStream):
             yield part
 
     def close(self) -> None:
-        """Tells the application that no more is wanted."""
+        """Tells the application that the client is gone."""
         # The event loop of a transport that was closed has told it.
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._exchange.disconnect)

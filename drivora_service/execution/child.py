@@ -185,7 +185,7 @@ class Child:
         Does not wait until the new process is ready.
 
         Raises:
-            Exception: The system gives no process; what kind depends on what is short.
+            Exception: The system starts no process; the type depends on the missing resource.
         """
         self.end()
         log = self.log.open()

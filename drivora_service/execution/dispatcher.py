@@ -134,8 +134,8 @@ class Dispatcher:
         self._executor.wake()
         self._thread.join()
 
-    def hurry(self) -> None:
-        """Makes the current or next :meth:`stop` wait for no run."""
+    def stop_draining(self) -> None:
+        """Ends the wait of the current or next :meth:`stop` for runs."""
         with self._ending:
             self._stop_at = 0.0
             self._stopping.set()

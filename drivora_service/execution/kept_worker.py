@@ -67,7 +67,7 @@ class KeptWorker:
             log: Descriptor of the log.
 
         Raises:
-            Exception: The system gives no process; what kind depends on what is short.
+            Exception: The system starts no process; the type depends on the missing resource.
         """
         self.pid: int | None = None
         self._worker: ProcessHandle | None = None

@@ -85,7 +85,7 @@ def _frames(
                     **_ego(values[k][row], trace.lane_ids, lanes[k][row], lights[k][row]),
                 }
             )
-            said = [message for who, message in events.get(first + k, ()) if who == row]
+            said = [message for ego_row, message in events.get(first + k, ()) if ego_row == row]
             agent_logs[ego.id] = {
                 "values": dict(zip(trace.log_names, logs[k][row], strict=True)),
                 "events": said,

@@ -61,7 +61,7 @@ class FailureToYield:
         return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
 
     def _hindered(self, ego: EgoView, conflict: Conflict) -> Verdict:
-        who = ego.trace.actors[conflict.other].id
+        other_id = ego.trace.actors[conflict.other].id
         if conflict.lag < self.encroachment:
             how = f"reached its place {conflict.lag:.1f} s later"
         else:
@@ -70,9 +70,9 @@ class FailureToYield:
             self.name,
             ego,
             conflict.row,
-            f"Went before {who}, which has the right of way and {how}.",
+            f"Went before {other_id}, which has the right of way and {how}.",
             at_fault=True,
-            counterpart=who,
+            counterpart=other_id,
             place=conflict.place,
             encroachment=conflict.lag if conflict.lag < 1e3 else None,
             braking=conflict.braking,

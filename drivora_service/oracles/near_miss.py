@@ -92,15 +92,15 @@ class NearMiss:
         return [self._near(ego, row, other, "post_encroachment_time", time)]
 
     def _near(self, ego: EgoView, k: int, other: int, measure: str, seconds: float) -> Verdict:
-        who = ego.trace.actors[other].id
+        other_id = ego.trace.actors[other].id
         words = measure.replace("_", " ").replace("post encroachment", "post-encroachment")
         return violated(
             self.name,
             ego,
             k,
-            f"Down to a {words} of {seconds:.2f} s with {who}.",
+            f"Down to a {words} of {seconds:.2f} s with {other_id}.",
             severity=Severity.OBSERVATION,
-            counterpart=who,
+            counterpart=other_id,
             measure=measure,
             seconds=seconds,
         )

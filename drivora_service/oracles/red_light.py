@@ -42,7 +42,7 @@ class RedLight:
     Every stop line of the network counts that the ego drives over along its lane, on the route or
     off it; where the ego leaves its lane to drive past the line of its route, that line counts as
     well. A vehicle whose front has passed on green or yellow and whose tail follows on red has
-    violated the rule, as in the Leaderboard.
+    violated the oracle, as in the Leaderboard.
 
     Attributes:
         seen_within: Metres before the stop line within which the front bumper must have been at

@@ -75,16 +75,16 @@ class Tailgating:
             if seconds < self.duration - 1e-9:
                 continue
             k = first + int(np.argmin(ahead.room[first:last] - needed[first:last]))
-            who = ego.trace.actors[ahead.actor[k]].id
+            leader = ego.trace.actors[ahead.actor[k]].id
             verdicts.append(
                 violated(
                     self.name,
                     ego,
                     first,
-                    f"{ahead.room[k]:.1f} m behind {who} at {speed[k]:.1f} m/s, where "
+                    f"{ahead.room[k]:.1f} m behind {leader} at {speed[k]:.1f} m/s, where "
                     f"{needed[k]:.1f} m are safe; too close for {seconds:.1f} s.",
                     severity=Severity.OBSERVATION,
-                    counterpart=who,
+                    counterpart=leader,
                     duration=seconds,
                     distance=float(ahead.room[k]),
                     safe_distance=float(needed[k]),

@@ -32,7 +32,7 @@ class CampaignState(StrEnum):
 
     @property
     def is_over(self) -> bool:
-        """Whether it has ended for good."""
+        """Whether its state cannot change any more."""
         return self in (CampaignState.FINISHED, CampaignState.CANCELLED)
 
 

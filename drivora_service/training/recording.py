@@ -50,7 +50,7 @@ class Samples:
 
 
 class PerturbingDriver(Protocol):
-    """Perturbing driver, which drives instead of the expert for some time."""
+    """A perturbing driver, which drives instead of the expert for some time."""
 
     def setup_env(self, context: AgentContext) -> None:
         """Prepares for a run."""

@@ -44,11 +44,11 @@ def assert_stops_at_red(trace: Trace, *, before_line: float = 4.0) -> NDArray[np
     return stands
 
 
-def assert_keeps(trace: Trace, rules: Sequence[Oracle]) -> None:
-    """Asserts that no rule was broken by an ego's fault."""
+def assert_keeps(trace: Trace, oracles: Sequence[Oracle]) -> None:
+    """Asserts that no oracle was violated by an ego's fault."""
     broken = [
         f"{v.time}: {v.message}"
-        for v in judge_all(trace, network(trace.network), rules)
+        for v in judge_all(trace, network(trace.network), oracles)
         if v.outcome is Outcome.VIOLATED and v.at_fault is not False
     ]
     assert not broken

@@ -74,7 +74,7 @@ def test_it_is_shown_where_it_came_from() -> None:
     assert out[:, 3] == pytest.approx(np.array([7.0, 6.0, 5.0, 4.0]) / 15.0)
 
 
-def test_it_sees_nobody() -> None:
+def test_it_sees_no_other_actor() -> None:
     way = (place("harbour_0_0", 60), place("harbour_0_0", 140))
     box = obstacle(place("harbour_0_0", 110))
     what = scenario(ego(*way, initial_speed=8.0), npc_obstacles=(box,), seconds=20.0)
@@ -89,7 +89,7 @@ def test_it_takes_no_parameters() -> None:
     assert failure.value.cause == "agent_parameters"
 
 
-def test_its_entry_says_that_it_sees_nobody() -> None:
+def test_its_entry_says_that_it_sees_no_other_actor() -> None:
     assert "perceives no actors" in AgentCatalogue().entry("ad-mlp").description
 
 

@@ -81,11 +81,11 @@ def test_it_goes_on_when_braking_has_just_ended(installed: AgentCatalogue, speed
     start(scenario(ego(place(ROAD, 40.0), place(ROAD, 115.0))), agent)
     x, y, yaw = network().lane(ROAD).position_at(40.0)
     state = np.array([x, y, yaw, speed * math.cos(yaw), speed * math.sin(yaw), 0, 0, 0, 0])
-    nobody = np.empty(0, dtype=np.int64)
+    none = np.empty(0, dtype=np.int64)
     answer = agent.run_step(
         Observation(
             ego=state, speed=speed, acceleration=-6.0, objects=np.empty((0, 9)),
-            object_sizes=np.empty((0, 2)), object_kinds=nobody, object_ids=nobody, speed_limit=13.9,
+            object_sizes=np.empty((0, 2)), object_kinds=none, object_ids=none, speed_limit=13.9,
         )
     )  # fmt: skip
     assert isinstance(answer, PoseControl)

@@ -192,7 +192,7 @@ def test_it_changes_lanes_where_its_route_needs_it(
     assert [e.message for e in trace.log_events if "changes to lane" in e.message]
 
 
-def test_it_does_not_change_into_somebody() -> None:
+def test_it_does_not_change_into_another_vehicle() -> None:
     town = "highway"
     beside = car(
         place("eb_1_1", 20, on=town, speed=20.0),

@@ -266,7 +266,7 @@ def test_steps_of_any_length_go_at_the_pace_of_the_target(step: float) -> None:
         assert yaw == pytest.approx(3.1 + 10.0 * (math.tau - 6.2) * (time - 5.0))
 
 
-def test_nobody_goes_faster_than_is_allowed() -> None:
+def test_no_policy_goes_faster_than_is_allowed() -> None:
     target = target_of(seen(40.0, 3.0, time=5.0), 42.0, 3.0, 0.4)
     pose = step_towards(target, seen(40.0, 3.0, time=5.0), 0.1, 5.0)
     assert pose[:3] == pytest.approx((40.5, 3.0, 0.1))

@@ -1,4 +1,4 @@
-"""Clients of a real service, and an application whose runs nobody hands out."""
+"""Clients of a real service, and an application that hands out no runs."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def finished_run(service_url: str) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Offline:
-    """The application in this process, its runs handed out by nobody.
+    """The application in this process, which hands out no runs.
 
     Attributes:
         woken: Grows each time that the dispatcher would be told of new work.

@@ -1,4 +1,4 @@
-"""Answers that are given again: what they hold for, and for whom."""
+"""Answers that are given again: their validity and their clients."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ CAMPAIGNS = "/api/v1/campaigns"
 
 @pytest.fixture
 def document() -> dict[str, Any]:
-    """A campaign that can be run; its rules are broken often."""
+    """A campaign that can be run; its oracles are violated often."""
     return copy.deepcopy(small_campaign("random"))
 
 

@@ -22,17 +22,17 @@ AGENT = AgentEntry(
 
 
 def violation(
-    rule: str,
+    oracle: str,
     *,
     at_fault: bool | None = None,
     avoidable: Answer | None = None,
     message: str = "",
 ) -> Verdict:
     return Verdict(
-        oracle=rule,
+        oracle=oracle,
         ego="ego_0",
         outcome=Outcome.VIOLATED,
-        message=message or f"broke {rule}",
+        message=message or f"broke {oracle}",
         at_fault=at_fault,
         avoidable=avoidable,
     )
@@ -40,7 +40,7 @@ def violation(
 
 def finished(
     number: int,
-    *broken: Verdict,
+    *violated: Verdict,
     network: str = "tee-town",
     score: float | None = 100.0,
     comfort: float | None = 1.0,
@@ -48,17 +48,17 @@ def finished(
     agent_cost_us: float | None = 40.0,
     sim_time_s: float = 30.0,
 ) -> BenchmarkRun:
-    """A judged run; it arrived unless the destination is among what was broken."""
+    """A judged run; it arrived unless the destination is among the violated oracles."""
     arrived = Verdict(
         oracle="destination", ego="ego_0", outcome=Outcome.PASSED, message="Arrived after 30 s."
     )
-    missed = any(verdict.oracle == "destination" for verdict in broken)
+    missed = any(verdict.oracle == "destination" for verdict in violated)
     return BenchmarkRun(
         network=network,
         number=number,
         record=_record(
             RunStatus.FINISHED,
-            verdicts=broken if missed else (arrived, *broken),
+            verdicts=violated if missed else (arrived, *violated),
             metrics={
                 "driving_score": score,
                 "route_completion": 60.0 if missed else 100.0,

@@ -71,22 +71,22 @@ def test_cost_of_a_step_is_median_and_percentile_over_runs() -> None:
 def test_what_the_agent_takes_of_a_step_is_told_apart() -> None:
     figures = figures_of([finished(n, agent_cost_us=float(n)) for n in range(1, 101)])
     assert figures.agent_cost_median_us == pytest.approx(50.5)
-    nobody_asked = figures_of([finished(1, agent_cost_us=None)])
-    assert nobody_asked.agent_cost_median_us is None
-    assert nobody_asked.step_cost_median_us is not None
-    assert cells(nobody_asked)[COLUMNS.index("agent (ms)")] == "-"
+    without_agents = figures_of([finished(1, agent_cost_us=None)])
+    assert without_agents.agent_cost_median_us is None
+    assert without_agents.step_cost_median_us is not None
+    assert cells(without_agents)[COLUMNS.index("agent (ms)")] == "-"
     assert cells(figures)[COLUMNS.index("agent (ms)")] == "0.05"
 
 
-def test_a_card_tells_rules_causes_and_networks() -> None:
+def test_a_card_has_oracles_causes_and_networks() -> None:
     card = card_of(AGENT, RUNS)
-    assert [(b.rule, b.runs, b.at_fault) for b in card.broken] == [
+    assert [(v.oracle, v.runs, v.at_fault) for v in card.violated] == [
         ("collision", 2, 1),
         ("destination", 1, 0),
         ("red_light", 1, 0),
     ]
-    assert card.broken[0].example == "hit the back of npc_1"
-    assert card.broken[0].example_run == "tee-town-03"
+    assert card.violated[0].example == "hit the back of npc_1"
+    assert card.violated[0].example_run == "tee-town-03"
     (failure,) = card.failures
     assert (failure.cause, failure.runs, failure.example) == (
         "agent_raised",
@@ -129,4 +129,4 @@ def test_of_runs_without_wrongs_the_longest_is_shown() -> None:
 def test_an_agent_that_ran_nothing_has_an_empty_card() -> None:
     card = card_of(AGENT, ())
     assert (card.total.runs, card.total.driving_score) == (0, None)
-    assert (card.networks, card.broken, card.failures, card.shown) == ((), (), (), None)
+    assert (card.networks, card.violated, card.failures, card.shown) == ((), (), (), None)

@@ -30,7 +30,7 @@ def test_cards_are_written_as_a_table_pages_and_data(tmp_path: Path) -> None:
     (told,) = content["cards"]
     assert told["privileged"] is True
     assert told["total"]["clean_arrivals"] == 1
-    assert [run["broken"] for run in told["runs"]] == [["collision"], []]
+    assert [run["violated"] for run in told["runs"]] == [["collision"], []]
     page = (tmp_path / "made-up.md").read_text()
     assert "![made-up on tee-town-01](made-up.svg)" in page
     assert "Licence: none stated" in page
@@ -51,11 +51,11 @@ def test_an_agent_that_always_fails_says_with_what_cause() -> None:
 
 def test_an_agent_without_fault_is_said_to_have_none() -> None:
     page = card_markdown(card_of(AGENT, (finished(1),)), runs=1, picture="made-up.svg")
-    assert "It broke no rule in any judged run." in page
-    assert "The longest run, tee-town-01; nothing was broken in it." in page
+    assert "It violated no oracle in any judged run." in page
+    assert "The longest run, tee-town-01; no oracle was violated in it." in page
 
 
-def test_the_shown_run_is_told_once_a_rule() -> None:
+def test_the_shown_run_is_told_once_an_oracle() -> None:
     again = violation("collision", at_fault=False, message="hit npc_2")
     run = finished(1, HIT, violation("red_light", message="Ran a light."), again)
     page = card_markdown(card_of(AGENT, (run,)), runs=1, picture="made-up.svg")

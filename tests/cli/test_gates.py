@@ -1,4 +1,4 @@
-"""What a gate counts."""
+"""Gates: the violations that count."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def test_parameters_of_agents_are_set_and_kept_with_the_trace(
     assert "allowed: NAME=VALUE" in " ".join(malformed.err.split())
 
 
-def test_a_folder_is_a_batch_in_which_broken_files_harm_nobody(
+def test_a_folder_is_a_batch_in_which_broken_files_harm_no_run(
     drivora: Drivora, tmp_path: Path
 ) -> None:
     folder = tmp_path / "scenarios"

@@ -52,7 +52,7 @@ def test_a_wide_table_is_left_as_it_is() -> None:
 
 def test_prose_wraps_beside_its_row_or_stands_below_it() -> None:
     table = table_of(
-        ("rule", "ego", "outcome", "message"),
+        ("oracle", "ego", "outcome", "message"),
         [("collision", "ego_0", "violated", MESSAGE)],
         wrap=("message",),
     )

@@ -22,7 +22,7 @@ class Session:
 
     Attributes:
         read: Inputs that were not refused.
-        causes: Number of inputs by what went wrong and where.
+        causes: Number of inputs by error and place.
         slowest_s: CPU time of the slowest input.
     """
 

@@ -24,7 +24,7 @@ class Outcome:
         seconds: Wall time, without the start of the process.
         coverage: Edges of the instrumented byte code that some input took.
         slowest_s: CPU time of the slowest input.
-        causes: Number of inputs by what went wrong and where.
+        causes: Number of inputs by error and place.
     """
 
     inputs: int

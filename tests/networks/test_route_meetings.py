@@ -73,14 +73,14 @@ def test_a_route_that_comes_back_meets_twice() -> None:
     assert first.zones[0][1] < second.zones[0][0]
 
 
-def test_the_matrix_says_who_meets_whom() -> None:
+def test_the_matrix_has_the_routes_that_meet() -> None:
     meet = meeting_matrix(CROSSING, [EAST, WEST, NORTH, WEST_TO_NORTH])
     assert np.array_equal(meet, meet.T)
     pairs = {(int(i), int(j)) for i, j in np.argwhere(meet) if i < j}
     assert pairs == {(0, 2), (1, 2), (1, 3), (2, 3)}
 
 
-def test_nobody_meets_where_there_are_no_junctions_or_no_routes() -> None:
+def test_no_routes_meet_without_junctions_or_routes() -> None:
     assert find_meetings(straight_road(), [EAST, NORTH]) == ()
     assert find_meetings(CROSSING, []) == ()
     assert meeting_matrix(CROSSING, []).shape == (0, 0)

@@ -118,7 +118,7 @@ def test_required_deceleration_follows_the_braking_of_the_one_in_front(
     assert near.required_deceleration[0] == pytest.approx(expected)
 
 
-def test_whoever_is_beside_the_ego_needs_no_braking() -> None:
+def test_an_actor_beside_the_ego_needs_no_braking() -> None:
     trace = run(Motion.steady(0.0, 0.0, steps=2, speed=10.0), Motion.steady(10.0, 3.0, steps=2))
     near = look_around(trace, 0, 0, 2)
     assert not near.drac.any()
@@ -147,7 +147,7 @@ def test_post_encroachment_time_of_crossing_paths() -> None:
     assert near.post_encroachment_time == pytest.approx(delay - clear, abs=0.11)
 
 
-def test_whoever_is_on_another_level_is_not_there() -> None:
+def test_an_actor_on_another_level_is_not_there() -> None:
     above = Motion.steady(20.0, 0.0, steps=STEPS)
     above.states[:, Col.Z] = 5.0
     near = look_around(run(Motion.steady(0.0, 0.0, steps=STEPS, speed=5.0), above), 0, 0, STEPS)

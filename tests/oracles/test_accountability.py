@@ -1,4 +1,4 @@
-"""What fault and avoidability come to."""
+"""The accountability of an ego, from fault and avoidability."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def steady(x: float, y: float, speed: float = 0.0, yaw: float = 0.0) -> Motion:
     return Motion.steady(x, y, steps=STEPS, speed=speed, yaw=yaw)
 
 
-def test_nobody_touched() -> None:
+def test_no_actor_touched() -> None:
     (verdict,) = collide(on_lane(motion=steady(0.0, 0.0, 10.0)))
     assert verdict.outcome is Outcome.PASSED
 
@@ -97,7 +97,7 @@ def test_a_fast_grazing_hit_from_behind_is_seen_at_its_first_touch() -> None:
     assert verdict.at_fault is False
 
 
-def test_backing_into_somebody_is() -> None:
+def test_backing_into_an_actor_is() -> None:
     (verdict,) = collide(
         on_lane(motion=steady(0.0, 0.0, -3.0)), SyntheticActor(motion=steady(-10.0, 0.0, 0.5))
     )
@@ -194,7 +194,7 @@ def test_a_walker_into_the_side_of_a_moving_ego() -> None:
     assert verdict.at_fault is False
 
 
-def test_somebody_who_appears_in_the_ego_is_not_the_egos_fault() -> None:
+def test_an_actor_that_appears_in_the_ego_is_not_the_egos_fault() -> None:
     appearing = SyntheticActor(motion=steady(12.0, 0.0), present=np.arange(STEPS) >= 25)
     (verdict,) = collide(on_lane(motion=steady(0.0, 0.0, 10.0)), appearing)
     assert verdict.at_fault is False

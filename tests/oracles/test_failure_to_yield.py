@@ -57,7 +57,7 @@ def test_going_behind_another_or_long_before_it_is_none(seconds: float) -> None:
     assert verdict.outcome is Outcome.PASSED
 
 
-def test_the_one_with_the_right_of_way_fails_nobody() -> None:
+def test_the_ego_with_the_right_of_way_passes() -> None:
     minor = SyntheticActor(motion=along(way(TOWN, MINOR, LEFT), steady(8.0, STEPS)))
     (verdict,) = judge(meeting(1.3), minor, lanes=MAJOR)
     assert verdict.outcome is Outcome.PASSED

@@ -149,7 +149,7 @@ def test_a_signal_ahead_is_a_reason() -> None:
 
 
 @pytest.mark.parametrize(("room", "outcome"), [(30.0, Outcome.PASSED), (90.0, Outcome.VIOLATED)])
-def test_somebody_ahead_is_a_reason(room: float, outcome: Outcome) -> None:
+def test_an_actor_ahead_is_a_reason(room: float, outcome: Outcome) -> None:
     ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=3.0))
     assert outcomes(judge(MinimumSpeed(), ego, others=[ahead(room, 3.0)])) == [outcome]
 

@@ -1,4 +1,4 @@
-"""What every rule says of an ego that has left its route."""
+"""Verdicts of every oracle on an ego that has left its route."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_rule_says_the_same_off_the_route_as_on_it(oracle: Oracle) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rule", "make"),
+    ("name", "make"),
     [
         ("speeding", lambda: driver(speed=18.0, lateral=25.0)),
         ("stop_sign", lambda: driver(speed=8.0, lateral=25.0)),
@@ -57,8 +57,8 @@ def test_a_rule_says_the_same_off_the_route_as_on_it(oracle: Oracle) -> None:
         ("destination", lambda: driver(speed=8.0, lateral=31.0)),
     ],
 )
-def test_rules_are_broken_off_the_route_too(rule: str, make: object) -> None:
-    (oracle,) = (oracle for oracle in default_oracles() if oracle.name == rule)
+def test_oracles_are_violated_off_the_route_too(name: str, make: object) -> None:
+    (oracle,) = (oracle for oracle in default_oracles() if oracle.name == name)
     assert callable(make)
     verdicts = judge_on(TOWN, oracle, make())
     assert {verdict.outcome for verdict in verdicts} == {Outcome.VIOLATED}

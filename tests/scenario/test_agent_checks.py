@@ -90,7 +90,7 @@ def test_parameters_that_an_agent_does_not_take_are_named_with_their_place(
     assert {problem.code for problem in caught.value.problems} == {"negative"}
 
 
-def test_parameters_of_egos_that_somebody_else_will_drive_do_not_matter(
+def test_parameters_of_egos_that_another_agent_will_drive_do_not_matter(
     networks: NetworkCatalogue, good: dict[str, Any]
 ) -> None:
     content = two_drivers(good)

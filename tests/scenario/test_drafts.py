@@ -41,7 +41,7 @@ NEEDS_TOWN = NEEDS_FRAME | {"unknown light"}
 NEEDS_FIRST_EGO = {"same id twice", "overlapping starts"}
 """Mistakes that are ones beside the first ego, which is well-formed."""
 ALONE = {"start outside the region"}
-"""Mistakes that concern everybody."""
+"""Mistakes that concern all actors."""
 LISTED = {
     name: pointer.split("/")[1]
     for name, (_, pointer) in BROKEN.items()
@@ -185,7 +185,7 @@ def test_a_malformed_route_is_not_driven(
     assert shape[0].startswith("/ego_vehicles/0/route")
 
 
-def test_a_malformed_actor_is_in_nobodys_way(
+def test_a_malformed_actor_is_in_no_actors_way(
     networks: NetworkCatalogue, good: dict[str, Any]
 ) -> None:
     place = GOOD["ego_vehicles"][0]["route"][0]

@@ -53,7 +53,7 @@ def batch_lines(networks: NetworkCatalogue) -> list[str]:
 
 
 @pytest.mark.slow
-def test_three_rogues_harm_nobody_else(
+def test_three_rogues_harm_no_other_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shared_data: Path
 ) -> None:
     imported = tmp_path / "data" / "networks"

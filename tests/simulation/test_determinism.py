@@ -91,7 +91,7 @@ def test_another_seed_gives_another_run() -> None:
     assert not np.array_equal(first.states[1, rows, :2], other.states[1, rows, :2], equal_nan=True)
 
 
-def test_somebody_far_away_does_not_move_the_egos() -> None:
+def test_an_actor_far_away_does_not_move_the_egos() -> None:
     what = replace(everything(), weather=Weather())
     far: NpcVehicle = car(place("corner_northeast_1", 20, on="signal-grid", right=60.0), name="far")
     alone, watched = run(what), run(replace(what, npc_vehicles=(*what.npc_vehicles, far)))

@@ -45,7 +45,7 @@ def at(lane: Lane, s: float) -> Waypoint:
     return Waypoint(x=x, y=y, yaw=yaw, z=float(np.interp(s, lane.arc, lane.heights)))
 
 
-def test_nobody_collides_with_or_sees_who_is_on_another_level(town: RoadNetwork) -> None:
+def test_actors_on_different_levels_neither_collide_nor_see_each_other(town: RoadNetwork) -> None:
     upper, s, lower, below = crossing(town)
     eye = Watching()
     scenario = Scenario(

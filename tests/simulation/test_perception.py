@@ -23,7 +23,7 @@ CAR, VAN, WALKER = (4.5, 1.8, 1.5), (6.0, 2.0, 2.3), (0.4, 0.4, 1.7)
 """Length, width and height, metres."""
 
 Figure = tuple[tuple[float, float, float], tuple[float, float, float]]
-"""x, y and yaw of somebody, and their size."""
+"""x, y and yaw of an actor, and its size."""
 
 
 def world(*actors: Figure) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -63,7 +63,7 @@ def test_a_walker_behind_a_van_is_hidden_and_beside_it_is_not() -> None:
     assert not hidden(EGO, ((10.0, 0.0, 0.0), WALKER), van)
 
 
-def test_part_of_somebody_is_enough() -> None:
+def test_part_of_an_actor_is_enough() -> None:
     van = ((15.0, 0.0, 0.0), VAN)
     assert not hidden(EGO, ((30.0, 0.0, math.pi / 2), VAN), van)
     assert hidden(EGO, ((30.0, 0.0, 0.0), CAR), van)
@@ -83,13 +83,13 @@ def test_a_tall_ego_sees_over_a_van() -> None:
     assert hidden(bus, ((19.0, 0.0, 0.0), WALKER), van)
 
 
-def test_who_is_on_another_level_hides_nobody() -> None:
+def test_an_actor_on_another_level_hides_no_other() -> None:
     states, sizes, heights = world(EGO, ((20.0, 0.0, 0.0), WALKER), ((15.0, 0.0, 0.0), VAN))
     states[2, Col.Z] = 6.0
     assert not is_hidden(0, 1, states, np.ones(3, dtype=np.bool_), sizes, heights)
 
 
-def test_who_is_not_there_hides_nobody() -> None:
+def test_an_absent_actor_hides_no_other() -> None:
     states, sizes, heights = world(EGO, ((20.0, 0.0, 0.0), WALKER), ((15.0, 0.0, 0.0), VAN))
     present = np.array([True, True, False])
     assert not is_hidden(0, 1, states, present, sizes, heights)
@@ -102,10 +102,10 @@ figures = st.tuples(places, st.sampled_from([CAR, VAN, WALKER]))
 @settings(max_examples=200)
 @given(other=figures, between=st.lists(figures, max_size=4))
 def test_tall_walls_hide_as_lines_of_sight_say(other: Figure, between: list[Figure]) -> None:
-    # Where everybody between is taller than all lines of sight, it is a matter of the plane.
+    # If every actor between is taller than all lines of sight, it is a matter of the plane.
     walls = [(place, (*size[:2], 9.0)) for place, size in between]
-    everybody = [EGO, other, *walls]
-    states, sizes, _ = world(*everybody)
+    actors = [EGO, other, *walls]
+    states, sizes, _ = world(*actors)
     corners = [
         box_corners(*(state[None, k] for k in (Col.X, Col.Y, Col.YAW)), *size)[0]
         for state, size in zip(states, sizes.tolist(), strict=True)
@@ -116,7 +116,7 @@ def test_tall_walls_hide_as_lines_of_sight_say(other: Figure, between: list[Figu
     depth = [max((line.intersection(box).length for box in boxes), default=0.0) for line in lines]
     assume(not any(0.0 < cut < 1e-6 for cut in depth))
     assume(all(line.length > 1e-3 for line in lines))
-    assert hidden(*everybody) == (min(depth) > 0.0)
+    assert hidden(*actors) == (min(depth) > 0.0)
 
 
 @settings(max_examples=100)

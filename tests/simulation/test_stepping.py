@@ -103,7 +103,7 @@ def test_every_kind_of_control_moves_the_ego() -> None:
         assert state(episode, "one").speed > 1.0  # type: ignore[union-attr]  # it is still there
 
 
-def test_controls_for_somebody_else_are_refused() -> None:
+def test_controls_for_other_actors_are_refused() -> None:
     with pytest.raises(SimulatorError, match=r"'three'.*one, two"):
         two_egos().step(controls={"three": AccelerationControl(2.0, 0.0)})
 
@@ -186,7 +186,7 @@ def test_an_id_is_given_once() -> None:
         episode.add_vehicle(car(place(ROAD, 80), name="walker", behavior="sumo"))
 
 
-def test_nobody_joins_after_the_end() -> None:
+def test_no_actor_joins_after_the_end() -> None:
     episode = two_egos(seconds=0.05)
     episode.step()
     with pytest.raises(SimulatorError, match="ended"):

@@ -89,29 +89,29 @@ class RemoteAgent:
 
     def _failed(self, where: str, timeout: float, error: grpc.RpcError | AgentError) -> AgentError:
         """Returns the error of a failed call; an ADS that hangs or cannot be reached is ended."""
-        who = f"agent {self._name!r} of ego {self._ego!r}"
+        subject = f"agent {self._name!r} of ego {self._ego!r}"
         if isinstance(error, AgentError):
             return AgentError(
-                f"{who} in {where}: {error}", cause=error.cause, log=self._host.tail()
+                f"{subject} in {where}: {error}", cause=error.cause, log=self._host.tail()
             )
         code, details = error.code(), str(error.details() or "")[:_DETAILS]
         match code:
             case grpc.StatusCode.DEADLINE_EXCEEDED:
                 cause = "agent_hung"
-                message = f"{who} did not answer {where} within {timeout:g} s"
+                message = f"{subject} did not answer {where} within {timeout:g} s"
             case grpc.StatusCode.UNAVAILABLE | grpc.StatusCode.CANCELLED:
                 ended = self._host.ended()
                 cause = self._host.death if ended else "agent_unreachable"
-                message = f"{who} {ended or f'cannot be reached: {details}'}, in {where}"
+                message = f"{subject} {ended or f'cannot be reached: {details}'}, in {where}"
             case grpc.StatusCode.UNIMPLEMENTED:
                 cause = "agent_protocol"
-                message = f"{who} does not offer {where.split()[0]}: {details}"
+                message = f"{subject} does not offer {where.split()[0]}: {details}"
             case _:
                 # Printed text arrives later than the answer, so the answer has the traceback too.
                 message, _, traceback = details.partition("\n")
                 log = self._host.tail()
                 return AgentError(
-                    f"{who} failed in {where}: {message or code.name}",
+                    f"{subject} failed in {where}: {message or code.name}",
                     log=log if traceback.strip() in log else f"{log}\n{traceback}",
                 )
         self._host.end()

@@ -55,7 +55,7 @@ class AgentServicer(object):
     """Missing associated documentation comment in .proto file."""
 
     def Describe(self, request, context):
-        """Tells who answers. Drivora asks it to find out whether the ADS is ready.
+        """Names the ADS. Drivora calls it to find out whether the ADS is ready.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

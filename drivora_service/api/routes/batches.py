@@ -1,4 +1,4 @@
-"""Batches: post many scenarios at once, follow them, give them up."""
+"""Batches: post many scenarios at once, follow and cancel them."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ def post_batch(
     context: Context,
     body: bodies.RawBody,
     overrides: RunOverrides,
-    name: Annotated[str, Query(max_length=200, description="Name for people.")] = "",
-    priority: Annotated[Priority, Query(description="Whose runs go first.")] = Priority.CI,
+    name: Annotated[str, Query(max_length=200, description="Display name.")] = "",
+    priority: Annotated[Priority, Query(description="Priority of its runs.")] = Priority.CI,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
@@ -121,7 +121,7 @@ def list_batches(
     dependencies=[Depends(reader)],
 )
 def get_batch(request: Request, context: Context, batch_id: str) -> Response:
-    """Tells how far a batch is."""
+    """Returns a batch with its progress."""
     with context.database.read() as transaction:
         batch = batch_of(transaction.batches.get(batch_id), PREFIX)
     response = json_answer(request, Batch, batch)
@@ -153,7 +153,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
     dependencies=[Depends(submitter)],
 )
 def pause_batch(context: Context, batch_id: str) -> Batch:
-    """Starts no further run of a batch; those that run go on."""
+    """Pauses a batch: no further run is started, running ones continue."""
     with context.database.write() as transaction:
         return batch_of(transaction.batches.pause(batch_id), PREFIX)
 
@@ -166,7 +166,7 @@ def pause_batch(context: Context, batch_id: str) -> Batch:
     dependencies=[Depends(submitter)],
 )
 def resume_batch(context: Context, batch_id: str) -> Batch:
-    """Starts the runs of a paused batch again."""
+    """Resumes a paused batch."""
     with context.database.write() as transaction:
         batch = transaction.batches.resume(batch_id)
     context.wake()
@@ -178,9 +178,9 @@ class _Checked:
     """The scenarios of a batch.
 
     Attributes:
-        runs: Of the scenarios that can be run.
-        notes: On those, by place in the batch.
-        problems: Of the other scenarios, by place in the batch.
+        runs: Runs of the valid scenarios.
+        notes: Remarks on those, by place in the batch.
+        problems: Problems of the other scenarios, by place in the batch.
     """
 
     runs: list[NewRun] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Campaigns: post them, follow them, pause them, give them up."""
+"""Campaigns: post, follow, pause, resume and cancel them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def post_campaign(
     body: bodies.RawBody,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
-    """Has the service run the campaign in the body; `Location` is where to follow it."""
+    """Queues the campaign in the body; `Location` is its address."""
     form = bodies.document_format(request)
 
     def prepare() -> Work:
@@ -129,7 +129,7 @@ def list_campaigns(
     dependencies=[Depends(reader)],
 )
 def get_campaign(request: Request, context: Context, campaign_id: str) -> Response:
-    """Tells how far a campaign is and what it has found."""
+    """Returns a campaign with its progress and findings."""
     with context.database.read() as transaction:
         campaign = _campaign(context, transaction, campaign_id)
     response = json_answer(request, Campaign, campaign)
@@ -158,7 +158,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     dependencies=[Depends(submitter)],
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
-    """Cancels a campaign for good; what it has found stays."""
+    """Cancels a campaign permanently; what it has found stays."""
     return _asked(context, campaign_id, CampaignRequest.CANCEL)
 
 
@@ -170,7 +170,7 @@ def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
     dependencies=[Depends(submitter)],
 )
 def resume_campaign(context: Context, campaign_id: str) -> Campaign:
-    """Goes on with a campaign that was paused or has failed, as if nothing had happened."""
+    """Resumes a campaign that was paused or has failed, as if it had not been interrupted."""
     context.campaigns.resume(campaign_id)
     with context.database.read() as transaction:
         return _campaign(context, transaction, campaign_id)
@@ -213,7 +213,7 @@ def _campaign(
 
 
 def _as_seen(context: ApiContext, campaign: C) -> C:
-    """Tells a campaign that runs from one whose command was killed."""
+    """Returns a campaign, ``interrupted`` if it is stored as running and its command was killed."""
     deserted = (
         campaign.state is CampaignState.RUNNING
         and not campaign.batch_id

@@ -1,4 +1,4 @@
-"""What can drive, what can search, and what every run is judged by."""
+"""The catalogues of agents, testers and oracles."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def list_testers(request: Request, context: Context) -> Response:
 
 @router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
 def list_oracles(request: Request, context: Context) -> Response:
-    """Lists the rules that every run is judged by, with their thresholds."""
+    """Lists the oracles that judge every run, with their thresholds."""
     items = tuple(_oracle(context.oracles.entry(name)) for name in context.oracles.names())
     return json_answer(request, OracleList, OracleList(items=items))
 

@@ -36,7 +36,7 @@ def compare_campaigns(
         ),
     ],
     baseline: Annotated[
-        str, Query(max_length=200, description="Whom the others are compared with.")
+        str, Query(max_length=200, description="Baseline method.")
     ] = "random",
     by: Annotated[
         list[str] | None,
@@ -68,7 +68,7 @@ def compare_campaigns(
     responses=answers(examples.FIGURES, 401, 403, 404),
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
-    """Returns what a campaign came to so far, in the figures by which campaigns are compared."""
+    """Returns the figures of a campaign so far, by which campaigns are compared."""
     from drivora_service.studies.campaign_report import read_report
 
     report = read_report(context.database, campaign_id, context.catalogues)

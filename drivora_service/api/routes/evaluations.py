@@ -42,11 +42,11 @@ router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
 
 _MOST_ANCESTORS = 500
 
-Number = Annotated[int, Path(ge=0, le=10**9, description="Of the evaluation, from 0.")]
+Number = Annotated[int, Path(ge=0, le=10**9, description="Number of the evaluation, from 0.")]
 
 
 class Order(StrEnum):
-    """Which evaluations come first."""
+    """The order of evaluations."""
 
     OLDEST_FIRST = "number"
     NEWEST_FIRST = "-number"
@@ -61,16 +61,16 @@ def list_evaluations(
     request: Request,
     context: Context,
     campaign_id: str,
-    status: Annotated[EvaluationStatus | None, Query(description="What became of it.")] = None,
+    status: Annotated[EvaluationStatus | None, Query(description="With this status.")] = None,
     violating: Annotated[bool | None, Query(description="With, or without, any failure.")] = None,
     generation: Annotated[
         int | None, Query(ge=0, le=10**9, description="Of this generation.")
     ] = None,
-    order: Annotated[Order, Query(description="Which come first.")] = Order.OLDEST_FIRST,
+    order: Annotated[Order, Query(description="Order of the evaluations.")] = Order.OLDEST_FIRST,
     limit: Limit = 50,
     page_token: PageToken = "",
 ) -> Response:
-    """Lists what a campaign has evaluated, in the order in which its tester was told."""
+    """Lists the evaluations of a campaign, in the order in which its tester was told."""
     wanted = EvaluationFilter(status=status, violating=violating, generation=generation)
     with context.database.read() as transaction:
         page = transaction.campaign_views.evaluations(
@@ -91,7 +91,7 @@ def list_evaluations(
 def get_evaluation(
     request: Request, context: Context, campaign_id: str, number: Number
 ) -> Response:
-    """Returns a candidate: its genes, what it descends from, and what came of it."""
+    """Returns a candidate with its genes, lineage and result."""
     with context.database.read() as transaction:
         campaign = transaction.campaigns.get(campaign_id)
         record = transaction.evaluations.get(campaign_id, number)
@@ -136,7 +136,7 @@ def get_observations(
     number: Number,
     steps: Steps,
 ) -> Response:
-    """Returns what the second, identical run of a failing candidate recorded."""
+    """Returns the recording of the second, identical run of a failing candidate."""
     with context.database.read() as transaction:
         record = transaction.evaluations.get(campaign_id, number)
     path = context.campaign_folder(campaign_id).traces / trace_name(number)
@@ -157,7 +157,7 @@ def list_failures(
     context: Context,
     campaign_id: str,
     kind: Annotated[str, Query(max_length=400, description="Of this kind.")] = "",
-    oracle: Annotated[str, Query(max_length=60, description="Of this rule.")] = "",
+    oracle: Annotated[str, Query(max_length=60, description="Of this oracle.")] = "",
     at_fault: Annotated[bool | None, Query(description="By the fault of an ego, or not.")] = None,
     accountability: Annotated[
         Accountability | None, Query(description="For which an ego is accountable so far.")

@@ -36,7 +36,7 @@ async def healthz() -> Health:
     },
 )
 async def readyz(context: Context, response: Response) -> Readiness:
-    """Answers 200 if runs can be taken and begun and campaigns started, else 503 and why."""
+    """Answers 200 if runs and campaigns can be queued and started, else 503 with the reasons."""
     checks = tuple(
         Check(name=name, ok=not fault, detail=fault) for name, fault in context.faults().items()
     )

@@ -1,4 +1,4 @@
-"""Jobs: post one scenario, follow it, give it up."""
+"""Jobs: post one scenario, follow and cancel it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def post_job(
     label: Label = "",
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
-    """Queues a run of the scenario in the body; `Location` is where to follow it."""
+    """Queues a run of the scenario in the body; `Location` is its job."""
     form = bodies.document_format(request)
 
     def prepare() -> Work:
@@ -90,7 +90,7 @@ def list_jobs(
     dependencies=[Depends(reader)],
 )
 def get_job(request: Request, context: Context, job_id: str) -> Response:
-    """Tells where a job is. A run that failed is a job with an `error`."""
+    """Returns a job. A run that failed is a job with an `error`."""
     with context.database.read() as transaction:
         job = _job(transaction, job_id)
     response = json_answer(request, Job, job)
@@ -107,7 +107,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
     dependencies=[Depends(submitter)],
 )
 def cancel_job(context: Context, job_id: str) -> Job:
-    """Cancels a job: a waiting one ends at once, a running one as soon as its worker lets go."""
+    """Cancels a job: a queued one at once, a running one as soon as its worker has stopped it."""
     return _cancel(context, job_id)
 
 

@@ -1,4 +1,4 @@
-"""Runs: verdicts, what was recorded, and the scenario that was driven."""
+"""Runs: verdicts, recordings and scenarios."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def list_runs(
 
 @router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
 def get_run(request: Request, context: Context, run_id: str) -> Response:
-    """Returns everything that was found out about a run."""
+    """Returns a run with its results."""
     with context.database.read() as transaction:
         run = transaction.jobs.detail(run_id)
     return json_answer(request, Run, run_of(run, PREFIX))
@@ -71,7 +71,7 @@ def get_observations(
     run_id: str,
     steps: Steps,
 ) -> Response:
-    """Returns what a run recorded: frames in the published shape, or Parquet by `Accept`."""
+    """Returns the recording of a run: frames in the published shape, or Parquet by `Accept`."""
     with context.database.read() as transaction:
         record = transaction.jobs.get(run_id)
     path = context.trace_path(record.id)

@@ -1,4 +1,4 @@
-"""What all shapes of answers share."""
+"""The base of the shapes of answers."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from drivora_service.store import records
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch(records.Batch):
-    """A batch and how far it is.
+    """A batch and its progress.
 
     Attributes:
         jobs_url: Address of its jobs.
@@ -22,7 +22,7 @@ class Batch(records.Batch):
 
 
 class ItemResult(StrEnum):
-    """What became of one scenario of a batch."""
+    """The result of one scenario of a batch."""
 
     ACCEPTED = "accepted"
     REJECTED = "rejected"
@@ -36,7 +36,7 @@ class BatchItem(Shape):
         item: Place in the request, from 0.
         job_id: Empty if rejected.
         problems: Every problem; pointers are into the one scenario.
-        notes: How it was interpreted, where that may surprise.
+        notes: Remarks of validation.
     """
 
     item: int

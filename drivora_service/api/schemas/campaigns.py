@@ -1,4 +1,4 @@
-"""Campaigns: searches for failures, their evaluations, and what they found."""
+"""Campaigns: searches for failures, their evaluations, and their failures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from drivora_service.store.campaign_records import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign(CampaignRecord):
-    """A campaign, what it has found, and how it was made.
+    """A campaign, its findings and its definition.
 
     Attributes:
         kinds: Failures by kind, first found first.
@@ -50,7 +50,7 @@ class CampaignValidation(Schema):
     tester: str
     town: str
     genes: int = Field(description="Numbers that describe a candidate.")
-    notes: tuple[str, ...] = Field(description="What will happen that its author may not expect.")
+    notes: tuple[str, ...] = Field(description="Warnings.")
 
 
 class Gene(Schema):
@@ -79,7 +79,7 @@ class Evaluation(EvaluationSummary):
     Attributes:
         genes: By block; empty if the network or the program has changed since.
         values: All genes, in their order.
-        lineage: What it descends from, in order; the nearest generations if there are many.
+        lineage: Its ancestors in order; the nearest generations if there are many.
         error: Why it has no result.
         failures: Verdicts that count as failures.
         verdicts: All verdicts of its run.
@@ -94,8 +94,8 @@ class Evaluation(EvaluationSummary):
         search_s: Seconds that the tester took for it.
         prepare_s: Seconds that repairing and checking it took.
         scenario_url: Address of its scenario; empty if it is no valid one.
-        observations_url: Address of what its second run recorded; empty unless it failed.
-        run_url: Address of its run, where the service made it and still has it; or empty.
+        observations_url: Address of the recording of its second run; empty unless it failed.
+        run_url: Address of its run; empty unless the service made it and still has it.
     """
 
     genes: tuple[Block, ...]
@@ -129,7 +129,7 @@ class Failure(campaign_records.Failure):
 
     Attributes:
         scenario_url: Address of the scenario.
-        observations_url: Address of what the identical run recorded; empty until then.
+        observations_url: Address of the recording of the identical run; empty until then.
     """
 
     scenario_url: str

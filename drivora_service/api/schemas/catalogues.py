@@ -1,4 +1,4 @@
-"""What documents can name: networks, agents and testers; and the rules that runs are judged by."""
+"""What documents can name: networks, agents and testers; and the oracles that judge runs."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Agent(Schema):
     source: str
     licence: str
     version: str = Field(
-        description="Of the package that brings it, or what its manifest says; else empty."
+        description="Of its package, or of its manifest; else empty."
     )
     parameters: tuple[AgentParameter, ...] | None = Field(
         description="Documents are checked against them; null where it does not declare them."
@@ -116,7 +116,7 @@ class Tester(Schema):
     description: str
     source: str = Field(description="Paper or package that it follows.")
     generational: bool = Field(description="Whether it waits for a whole generation.")
-    feedback: str = Field(description="What its evaluations are measured by.")
+    feedback: str = Field(description="Feedback that measures its evaluations.")
     parameters: tuple[TesterParameter, ...]
     installed: bool
     reason: str = Field(description="Why it cannot be used here; empty if it can.")
@@ -129,17 +129,17 @@ class TesterList(Schema):
 
 
 class Oracle(Schema):
-    """A rule that every run is judged by."""
+    """An oracle that judges every run."""
 
     name: str
     description: str
     thresholds: dict[str, Any] = Field(description="Its parameters; SI units.")
-    package: str = Field(description="That brings it; empty for a built-in rule.")
+    package: str = Field(description="Its package; empty for a built-in oracle.")
     installed: bool
-    reason: str = Field(description="Why it cannot judge, nor any run be judged; empty if it can.")
+    reason: str = Field(description="Why it cannot judge; no run is judged then. Empty if it can.")
 
 
 class OracleList(Schema):
-    """All rules."""
+    """All oracles."""
 
     items: tuple[Oracle, ...]

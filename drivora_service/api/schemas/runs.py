@@ -1,4 +1,4 @@
-"""Runs: what came of a job."""
+"""Runs: the results of jobs."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from drivora_service.store.records import RunRecord
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run(RunRecord):
-    """A run and, once it has ended, everything that was found out about it.
+    """A run and, once it has ended, its results.
 
     Attributes:
-        observations_url: Address of what it recorded; empty where nothing was recorded.
+        observations_url: Address of its recording; empty if nothing was recorded.
         scenario_url: Address of its scenario.
     """
 

@@ -14,7 +14,7 @@ class Validation(Schema):
     town: str
     agents: tuple[str, ...]
     scenario_sha256: str
-    notes: tuple[str, ...] = Field(description="What will happen that its author may not expect.")
+    notes: tuple[str, ...] = Field(description="Warnings.")
 
 
 class Health(Schema):
@@ -25,7 +25,7 @@ class Health(Schema):
 
 
 class Check(Schema):
-    """One thing that must work before requests are sent here."""
+    """A condition of readiness."""
 
     name: str
     ok: bool

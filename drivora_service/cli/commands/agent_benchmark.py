@@ -44,7 +44,7 @@ def benchmark(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Lets agents drive the same fixed scenarios, and tells what each did: its card.
+    """Runs agents in the same fixed scenarios and prints the card of each.
 
     An agent that is not installed is listed with the reason. Runs that an agent fails are part of
     its card; exits with 3 if any failed for another reason.

@@ -19,7 +19,7 @@ from drivora_service.cli.output import (
 )
 from drivora_service.cli.parameters import print_parameters
 
-app = typer.Typer(help="The ADSs that can drive an ego.", no_args_is_help=True)
+app = typer.Typer(help="ADSs that can drive an ego.", no_args_is_help=True)
 app.command()(benchmark)
 
 
@@ -51,7 +51,7 @@ def list_agents(
     for agent in agents:
         if not agent.installed:
             print(f"{agent.name} cannot be used yet: {agent.reason}")
-    print("What an agent does and which parameters it takes: `drivora agents show NAME`")
+    print("Description and parameters of an agent: `drivora agents show NAME`")
 
 
 @app.command()
@@ -86,7 +86,7 @@ def show(
 def install(
     name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
     again: Annotated[
-        bool, typer.Option("--again", help="Install it anew even if it is installed.")
+        bool, typer.Option("--again", help="Install it even if it is installed.")
     ] = False,
     data_dir: DataDirOption = None,
 ) -> None:

@@ -232,7 +232,7 @@ def _refuse_detaching(detach: bool, server: str) -> None:
 
 
 def _say_error(error: DrivoraError) -> None:
-    """Prints the log of a package's code; what went wrong stands in the campaign."""
+    """Prints the log of a package's code; the campaign has the error itself."""
     if isinstance(error, PluginError) and error.log:
         note(error.log)
 
@@ -287,7 +287,7 @@ def _gate_of_document(
 ) -> Gate | None:
     """Reads the gate of a campaign: of the oracles whose violations it counts as failures.
 
-    It is read before the campaign is posted, so that a wrong one costs nothing.
+    It is read before the campaign is posted, so that a wrong one stores nothing.
     """
     if not (wanted or is_wanted):
         return None

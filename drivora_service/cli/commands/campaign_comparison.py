@@ -23,13 +23,13 @@ def compare(
     baseline: Annotated[str, typer.Option(metavar="METHOD", help="Baseline method.")] = "random",
     measures: Annotated[
         list[str] | None,
-        typer.Option("--measure", metavar="NAME", help="By what; may be repeated [default: all]."),
+        typer.Option("--measure", metavar="NAME", help="Measure; may be repeated [default: all]."),
     ] = None,
     equal_time: Annotated[
         bool,
         typer.Option(
             "--equal-time",
-            help="Count what each had done after the time that the shortest one took.",
+            help="Compare the results of each campaign after the time that the shortest one took.",
         ),
     ] = False,
     out: Annotated[

@@ -30,7 +30,7 @@ def demo(
     ] = 200,
     workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 2,
 ) -> None:
-    """Shows the whole way: a service judges generated scenarios, then searches for failures."""
+    """Shows the whole process: a service judges generated scenarios, then searches for failures."""
     import time
 
     from drivora_service.cli.demo_campaign import search_with
@@ -61,7 +61,7 @@ def demo(
 
 
 def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
-    """Makes scenarios with some traffic around the ego, and keeps them as files."""
+    """Generates scenarios with some traffic around the ego, and writes them to files."""
     from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.entities import BackgroundTrafficDocument

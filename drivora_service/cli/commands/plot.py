@@ -16,7 +16,7 @@ from drivora_service.errors import ConfigurationError
 
 
 class ColorBy(StrEnum):
-    """What the colour of the egos' trails says."""
+    """Meaning of the colours of the egos' trails."""
 
     ACTOR = "actor"
     TIME = "time"
@@ -32,7 +32,7 @@ def plot(
         typer.Option(metavar="FILE", help="Picture, .svg or .png [default: RUN.svg]."),
     ] = None,
     color_by: Annotated[
-        ColorBy, typer.Option(help="What the colour of the egos' trails says.")
+        ColorBy, typer.Option(help="Meaning of the colours of the egos' trails.")
     ] = ColorBy.ACTOR,
     oracle: Annotated[
         list[str] | None,
@@ -51,7 +51,7 @@ def plot(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Draws a run from above: roads, trails, signals, and where each verdict fell."""
+    """Draws a run from above: roads, trails, signals, and the place of each violation."""
     from drivora_service.cli.drawing import draw_trace
     from drivora_service.cli.installation import settings_for
 

@@ -21,7 +21,7 @@ def rejudge(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Judges stored traces under today's oracles and prints what changed.
+    """Judges stored traces by the current oracles and prints the changes.
 
     Earlier verdicts are read from the report beside a trace (NAME.report.json). Exits with 1 if
     a verdict changed, and with 3 if a trace could not be judged.

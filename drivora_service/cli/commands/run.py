@@ -40,7 +40,7 @@ def run(
         ),
     ],
     agent: Annotated[
-        str, typer.Option(help="Drives every ego in place of the documented one.")
+        str, typer.Option(help="Agent of every ego, overrides the documented one.")
     ] = "",
     agent_parameter: Annotated[
         list[str] | None,
@@ -51,7 +51,7 @@ def run(
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed in place of the documents'.")
+        int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed, overrides the documents'.")
     ] = None,
     out: Annotated[
         Path | None,

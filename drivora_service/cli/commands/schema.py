@@ -13,14 +13,14 @@ from drivora_service.errors import ConfigurationError
 
 
 class Document(StrEnum):
-    """What there are schemas of."""
+    """Documents with a schema."""
 
     SCENARIO = "scenario"
     CAMPAIGN = "campaign"
 
 
 def schema(
-    document: Annotated[Document, typer.Argument(help="What to print the schema of.")] = (
+    document: Annotated[Document, typer.Argument(help="Document of the schema.")] = (
         Document.SCENARIO
     ),
     check: Annotated[

@@ -11,7 +11,7 @@ from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 
-app = typer.Typer(help="Seed scenarios: made, or taken from other tools.", no_args_is_help=True)
+app = typer.Typer(help="Seed scenarios, generated or imported.", no_args_is_help=True)
 
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder to write to.")]
 
@@ -28,9 +28,9 @@ def generate(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Makes scenarios of one ego on random routes: DIR/TOWN_0001.json and so on.
+    """Generates scenarios of one ego on random routes: DIR/TOWN_0001.json and so on.
 
-    Ends always; if the network does not offer enough routes, says why and exits with 3.
+    Always terminates; if the network does not offer enough routes, exits with 3 and the reason.
     """
     from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.cli.installation import network_catalogue, settings_for

@@ -23,13 +23,13 @@ def serve(
 ) -> None:
     """Starts the service: HTTP API, queue and worker processes; ends on Ctrl-C or SIGTERM.
 
-    Runs that are going on may end then, for DRIVORA_DRAIN_S seconds; a second signal ends at once.
+    Running runs may end then, for DRIVORA_DRAIN_S seconds; a second signal ends it at once.
     """
     from drivora_service.cli.private_files import keep_files_private
     from drivora_service.execution.fork_server import prepare_processes
 
     keep_files_private()
-    # They get ready while this process reads and checks what they are to do.
+    # Processes start while this one reads and checks its settings.
     prepare_processes()
     from drivora_service.serving import serve_until_stopped
     from drivora_service.settings import load_settings

@@ -101,19 +101,19 @@ def prune(
         ),
     ] = None,
     keep_violated: Annotated[
-        bool, typer.Option("--keep-violated", help="Keep runs that broke a rule.")
+        bool, typer.Option("--keep-violated", help="Keep runs with a violation.")
     ] = False,
     only_traces: Annotated[
         bool, typer.Option("--only-traces", help="Keep the runs, remove their traces.")
     ] = False,
     compact: Annotated[
         bool,
-        typer.Option("--compact", help="Then write the database anew without free space."),
+        typer.Option("--compact", help="Then rewrite the database without free space."),
     ] = False,
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Removes runs that ended long ago, with their traces; for good."""
+    """Removes runs that ended long ago, with their traces, permanently."""
     from datetime import UTC, datetime, timedelta
 
     from drivora_service.cli.installation import settings_for
@@ -127,7 +127,7 @@ def prune(
     now = datetime.now(UTC)
     if older_than is None and (keep_violated or only_traces or kept.keeps_everything):
         raise ConfigurationError(
-            "nothing says how old what is removed must be; give --older-than DAYS, or set "
+            "the age of the runs to remove is missing; give --older-than DAYS, or set "
             "DRIVORA_RETAIN_PASSED_RUNS_DAYS or another DRIVORA_RETAIN_… setting"
         )
     with _opened(data_dir) as (database, traces, campaign_traces):

@@ -20,7 +20,7 @@ app = typer.Typer(
 
 
 class ScopeName(StrEnum):
-    """What a token allows; each allows what those before it do."""
+    """The scope of a token; each includes those before it."""
 
     READ = "read"
     SUBMIT = "submit"
@@ -29,8 +29,8 @@ class ScopeName(StrEnum):
 
 @app.command()
 def create(
-    name: Annotated[str, typer.Argument(help="Who will use it.")],
-    scope: Annotated[ScopeName, typer.Option(help="What it allows.")] = ScopeName.SUBMIT,
+    name: Annotated[str, typer.Argument(help="Name of the token, such as its user's.")],
+    scope: Annotated[ScopeName, typer.Option(help="Scope of the token.")] = ScopeName.SUBMIT,
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -166,8 +166,8 @@ def evaluation_observations(
     """Returns what the second, identical run of a failing candidate recorded.
 
     Args:
-        campaign_id: Which campaign.
-        number: Of the evaluation, from 0.
+        campaign_id: Id of the campaign.
+        number: Number of the evaluation, from 0.
         form: As which file.
         first: First step, from 0.
         last: Last step, included; ``None``: the last one of all.

@@ -1,4 +1,4 @@
-"""What documents can name, and the state of the service."""
+"""Catalogues of networks, agents, testers and oracles; the state of the service."""
 
 from __future__ import annotations
 

@@ -38,10 +38,10 @@ def validate_scenario(
 
     Args:
         document: The scenario.
-        language: Of its text.
+        language: Language of its text.
         agent: Drives every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
-        seed: In place of the document's.
+        seed: Overrides the document's.
 
     Raises:
         InvalidDocument: It cannot be run.
@@ -71,11 +71,11 @@ def post_job(
 
     Args:
         document: The scenario.
-        language: Of its text.
+        language: Language of its text.
         label: Display name.
         agent: Drives every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
-        seed: In place of the document's.
+        seed: Overrides the document's.
 
     Raises:
         InvalidDocument: It cannot be run.
@@ -126,10 +126,10 @@ def post_batch(
     Args:
         documents: The scenarios, in JSON.
         name: Display name.
-        priority: Which runs go first; ``None``: as the service has it.
+        priority: Priority of the runs; ``None``: default of the service.
         agent: Drives every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
-        seed: In place of the documents'.
+        seed: Overrides the documents'.
 
     Raises:
         InvalidDocument: None of them can be run; pointers begin with the place of the scenario.

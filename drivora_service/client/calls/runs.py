@@ -1,4 +1,4 @@
-"""Runs: what came of jobs."""
+"""Runs: the results of jobs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def runs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listin
 
 
 def run(run_id: str) -> Call[Run]:
-    """Returns everything that was found out about a run."""
+    """Returns a run with its results."""
     from drivora_service.api.schemas.runs import Run
 
     return get(f"{PREFIX}/runs/{{run_id}}", Run, run_id=run_id)
@@ -41,7 +41,7 @@ def run_observations(
     """Returns what a run recorded.
 
     Args:
-        run_id: Which run.
+        run_id: Id of the run.
         form: As which file.
         first: First step, from 0.
         last: Last step, included; ``None``: the last one of all.

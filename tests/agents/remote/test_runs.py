@@ -295,7 +295,7 @@ def test_an_ads_at_an_address_is_reached_and_left_alone(
     home.close()
 
 
-def test_nobody_at_an_address_is_told_of(agents: Path, perform: Perform, tmp_path: Path) -> None:
+def test_an_address_without_ads_is_reported(agents: Path, perform: Perform, tmp_path: Path) -> None:
     address = f"unix:{tmp_path / 'nobody'}"
     add_agent(agents, "elsewhere", command=[], address=address, start=0.5)
     failure = failure_of(perform(one_ego("elsewhere")))

@@ -67,7 +67,7 @@ def _first_contact(trace: Trace) -> tuple[int, int]:
             ]
             if trace.present[step, other.row] and boxes_overlap(*poses[0], *poses[1]):
                 return step, other.row
-    raise AssertionError("nobody is touched")
+    raise AssertionError("no actor is touched")
 
 
 def view(trace: Trace) -> EgoView:

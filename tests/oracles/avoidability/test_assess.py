@@ -126,7 +126,7 @@ def test_an_ego_that_ran_a_red_light_could_have_stopped_at_it() -> None:
 
 
 def test_an_ego_that_swerved_into_the_oncoming_lane_could_have_kept_its_own() -> None:
-    """It comes over at 4 m/s when the oncoming vehicle is 2 s away: nobody could brake then."""
+    """It comes over at 4 m/s when the oncoming vehicle is 2 s away: no driver could brake then."""
     across = np.clip(4.0 * (TIME - 5.0), 0.0, 7.0)
     ego = on_lane(motion=moving(15.0 * TIME, across, yaw=0.0), lane_lateral=across)
     found = assessed(collision(ego, steady(217.0, 7.0, 15.0, np.pi)))
