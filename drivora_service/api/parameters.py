@@ -67,9 +67,7 @@ async def _job_filter(
     accountability: Annotated[
         Accountability | None, Query(description="The strongest of its violations is this.")
     ] = None,
-    violated: Annotated[
-        bool | None, Query(description="With, or without, any violation.")
-    ] = None,
+    violated: Annotated[bool | None, Query(description="With, or without, any violation.")] = None,
     scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
 ) -> JobFilter:
     return JobFilter(

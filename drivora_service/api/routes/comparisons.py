@@ -35,9 +35,7 @@ def compare_campaigns(
             description="Ids, names, or patterns of names such as `study-*`; may be repeated.",
         ),
     ],
-    baseline: Annotated[
-        str, Query(max_length=200, description="Baseline method.")
-    ] = "random",
+    baseline: Annotated[str, Query(max_length=200, description="Baseline method.")] = "random",
     by: Annotated[
         list[str] | None,
         Query(alias="measure", max_length=50, description="By what; may be repeated."),

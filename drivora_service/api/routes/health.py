@@ -1,4 +1,4 @@
-"""Whether the service lives, can take work, and how it does.
+"""Liveness, readiness and metrics of the service.
 
 The first two are answered in the event loop from what is known, without a thread and without the
 database, so that they come at once however many clients read and whatever the storage does.

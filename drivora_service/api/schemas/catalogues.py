@@ -74,9 +74,7 @@ class Agent(Schema):
     description: str
     source: str
     licence: str
-    version: str = Field(
-        description="Of its package, or of its manifest; else empty."
-    )
+    version: str = Field(description="Of its package, or of its manifest; else empty.")
     parameters: tuple[AgentParameter, ...] | None = Field(
         description="Documents are checked against them; null where it does not declare them."
     )
