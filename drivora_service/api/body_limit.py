@@ -25,7 +25,7 @@ class BodyLimit:
     A declared length is judged before the application sees the request; a chunked body is counted
     as it comes. The answer is sent at once and the connection closed a little later: until then
     what still comes is thrown away, because a client that is writing to a closed connection may
-    lose the answer before it reads it. A client that goes on for longer than ``DRAIN_SECONDS`` or
+    lose the answer before it reads it. A client that continues for longer than ``DRAIN_SECONDS`` or
     ``DRAIN_BYTES`` is cut off. A body that comes too slowly is answered with 408.
     """
 

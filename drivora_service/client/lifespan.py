@@ -52,7 +52,7 @@ class Lifespan:
             raise self._error
 
     async def stop(self) -> None:
-        """Has the application shut down, and waits for it; a startup that goes on is cancelled.
+        """Shuts the application down and waits for it; an unfinished startup is cancelled.
 
         Raises:
             Exception: The application raised it after its startup.

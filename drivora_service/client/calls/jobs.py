@@ -106,7 +106,7 @@ def job(job_id: str) -> Call[Job]:
 
 
 def cancel_job(job_id: str) -> Call[Job]:
-    """Cancels a job; a run that goes on ends as soon as its worker lets go."""
+    """Cancels a job; a running one ends as soon as its worker has stopped it."""
     from drivora_service.api.schemas.jobs import Job
 
     return act(f"{PREFIX}/jobs/{{job_id}}:cancel", Job, job_id=job_id)
