@@ -62,7 +62,7 @@ def benchmark(
     """Lets agents drive the benchmark: one batch an agent.
 
     Args:
-        client: Of what runs them.
+        client: Client of the application or service that runs them.
         agents: Can be used.
         scenarios: The scenarios that each agent drives.
         on_run: Called with the agent of each run that has ended.
@@ -97,10 +97,10 @@ def draw_cards(
     """Draws the shown run of each card.
 
     Args:
-        client: Of what ran them.
+        client: Client of the application or service that ran them.
         cards: The cards.
         out: Existing folder for the pictures.
-        settings: Where networks are looked up.
+        settings: Settings with the folder of imported networks.
 
     Returns:
         The pictures by agent.
