@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
-_LOCAL_SHARE, _LOCAL_SHORTEST_S, _LOCAL_LONGEST_S = 0.05, 0.02, 0.25
+_LOCAL_SHARE, _LOCAL_SHORTEST_S, _LOCAL_LONGEST_S = 0.05, 0.05, 0.25
 """The wait between two looks at an application in this process: a share of the time since the first
 look, within bounds. A look takes a few milliseconds of the processor that the workers use."""
+_LOCAL_STILL_S = 0.5
+"""Seconds between two questions whether workers can begin runs, to such an application."""
 _GROWTH = 1.5
 
 
@@ -28,18 +30,21 @@ class _Pace:
     def __init__(self, *, is_local: bool) -> None:
         self._is_local = is_local
         self._wait_s = _SHORTEST_S
-        self._began_at = self._looked_at = time.monotonic()
+        self._began_at = self._looked_at = self._asked_at = time.monotonic()
         self._seen: object = None
 
     def look(self) -> None:
         """Notes that a look begins."""
         self._looked_at = time.monotonic()
 
-    def has_changed(self, seen: object) -> bool:
-        """Whether a look shows something else than the one before."""
+    def is_still(self, seen: object) -> bool:
+        """Returns whether nothing has changed for a while, so that a fault may be the cause."""
         changed, self._seen = seen != self._seen, seen
         self._wait_s = _SHORTEST_S if changed else _GROWTH * self._wait_s
-        return changed
+        if changed or (self._is_local and self._looked_at < self._asked_at + _LOCAL_STILL_S):
+            return False
+        self._asked_at = self._looked_at
+        return True
 
     def wait(self, retry_after_s: float | None) -> Sleep:
         """Returns the wait before the next look.
@@ -95,7 +100,7 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
         yield from _ended_runs(batch_id, terms, handed_out, most=ended - len(handed_out))
         if batch.done:
             return
-        if not pace.has_changed((batch.counts, batch.state)):
+        if pace.is_still((batch.counts, batch.state)):
             yield from expecting_workers(terms)
         yield pace.wait(answer.retry_after_s)
 
@@ -147,6 +152,6 @@ def followed_campaign(
         on_progress(campaign)
         if campaign.state not in (CampaignState.QUEUED, CampaignState.RUNNING):
             return campaign
-        if not pace.has_changed((campaign.state, campaign.counts, campaign.kinds)):
+        if pace.is_still((campaign.state, campaign.counts, campaign.kinds)):
             yield from expecting_workers(terms)
         yield pace.wait(answer.retry_after_s)

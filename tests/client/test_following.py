@@ -170,7 +170,7 @@ def test_an_application_in_this_process_is_looked_at_more_often() -> None:
     _, slept, _ = performed(batch_runs("b", terms, lambda _: None), answer)
     assert len(slept) == 19
     # Hardly any time passes here between two looks.
-    assert all(0.02 <= seconds < 0.1 for seconds in slept)
+    assert all(0.05 <= seconds < 0.1 for seconds in slept)
 
 
 def test_a_campaign_is_followed_until_it_rests() -> None:
