@@ -54,6 +54,10 @@ def connected(
     from drivora_service.cli.private_files import keep_files_private
 
     keep_files_private()
+    from drivora_service.logs import configure_logs
+
+    # Standard output has the results; what is no fault is of no use beside them.
+    configure_logs(level="error")
     if works:
         from drivora_service.execution.fork_server import prepare_processes
 

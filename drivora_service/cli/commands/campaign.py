@@ -13,7 +13,12 @@ from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
-from drivora_service.errors import ConfigurationError, InvalidDocument, PluginError
+from drivora_service.errors import (
+    ConfigurationError,
+    InvalidDocument,
+    PluginError,
+    WorkersCannotStart,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -232,8 +237,10 @@ def _refuse_detaching(detach: bool, server: str) -> None:
 
 
 def _say_error(error: DrivoraError) -> None:
-    """Prints the log of a package's code; the campaign has the error itself."""
-    if isinstance(error, PluginError) and error.log:
+    """Prints what the campaign does not tell: why it rests, and the log of a package's code."""
+    if isinstance(error, WorkersCannotStart):
+        note(str(error))
+    elif isinstance(error, PluginError) and error.log:
         note(error.log)
 
 
