@@ -11,7 +11,10 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help install install-dev demo test test-slow test-faults fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
+# Tests start many processes. Each would compile the sources anew where this is set, as in images.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: help install install-dev demo test test-slow test-faults checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -37,11 +40,28 @@ $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
 demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failures
 	$(BIN)/drivora demo
 
-test: $(DEV_STAMP) lint types contracts ## Lint, types, import contracts, generated files, tests
-	$(BIN)/drivora schema --check
-	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults"
+# The tests wait now and then: the checks fill that time, and are printed once they are done.
+test: $(DEV_STAMP) ## Lint, types, import contracts, generated files, tests
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going checks fast-tests
 
-test-slow: $(DEV_STAMP) ## The slow tests, which CI runs, too
+checks: $(DEV_STAMP)
+	@failed=""; \
+	printed=$$(mktemp); \
+	for check in "ruff check ." "ruff format --check ." mypy lint-imports "drivora schema --check"; do \
+	  echo "$$check" >> "$$printed"; \
+	  $(BIN)/$$check >> "$$printed" 2>&1 || failed="$$failed, $$check"; \
+	done; \
+	cat "$$printed"; rm "$$printed"; \
+	[ -z "$$failed" ] || { echo "failed: $${failed#, }"; exit 1; }
+
+fast-tests: $(DEV_STAMP) kernels
+	@$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults"
+
+# Once, and not at the same time in each process of the tests.
+kernels: $(DEV_STAMP)
+	@$(BIN)/python -m drivora_service.worker.preloaded
+
+test-slow: $(DEV_STAMP) kernels ## The slow tests, which CI runs, too
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
 
 INPUTS ?= 1000000

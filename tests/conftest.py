@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator
+from multiprocessing import forkserver
 from pathlib import Path
 
 import hypothesis
@@ -12,6 +13,7 @@ import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.cli.service_process import running_service
+from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.worker.integrity import judging_code
 
@@ -26,11 +28,36 @@ hypothesis.settings.load_profile("drivora")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# As every process of Drivora has it (execution/fork_server.py). Without it, scikit-learn asks how
-# many processors there are, and warns where /sys is absent, as in some containers.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+# As every process of Drivora has it. Without it, scikit-learn asks how many processors there are,
+# and warns where /sys is absent, as in some containers.
+os.environ.update(ENVIRONMENT)
 
 ROOT = Path(__file__).resolve().parents[1]
+
+
+_PRELOADED = (
+    "__main__",
+    "drivora_service.worker.preloaded",
+    "drivora_service.app",
+    "drivora_service.command_app",
+    "drivora_service.client",
+    "drivora_service.cli.main",
+    "drivora_service.cli.running",
+    "drivora_service.cli.campaign_reports",
+    "drivora_service.plotting.run_picture",
+)
+"""Imports of workers and of commands."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _fork_server() -> None:
+    """Starts the fork server of this process, without waiting for it.
+
+    A process has one, and the first to need it chooses its imports. After a test of workers without
+    any, every later worker and command would spend seconds on its own.
+    """
+    forkserver.set_forkserver_preload(list(_PRELOADED))
+    forkserver.ensure_running()
 
 
 @pytest.fixture(autouse=True)

@@ -1,7 +1,8 @@
 """The command line, run as users run it: a process of its own.
 
-The processes come from a fork server, which has imported the package: a suite of commands would
-else spend its time on imports. The pages of the documentation test commands as a shell starts them.
+The processes come from the fork server of the tests, which has imported the package: a suite of
+commands would else spend its time on imports. The pages of the documentation test commands as a
+shell starts them.
 """
 
 from __future__ import annotations
@@ -21,15 +22,6 @@ from drivora_service.api.examples import SCENARIO
 from tests.cli.command_process import run_command
 
 _TIME_LIMIT_S = 120.0
-_PRELOADED = (
-    "drivora_service.worker.preloaded",
-    "drivora_service.app",
-    "drivora_service.command_app",
-    "drivora_service.client",
-    "drivora_service.cli.running",
-    "drivora_service.cli.campaign_reports",
-    "drivora_service.plotting.run_picture",
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +44,6 @@ Drivora = Callable[..., Ended]
 def drivora(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Drivora:
     """Runs ``drivora`` with a data folder of the test's own."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(_PRELOADED))
     numbers = itertools.count()
     printed = tmp_path_factory.mktemp("printed")
 
