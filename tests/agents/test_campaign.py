@@ -42,7 +42,7 @@ def seeds(town: str, agent: str, count: int = 10) -> list[Scenario]:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=4)
 @pytest.mark.parametrize("agent", ["idm", "idm-mobil", "pdm-closed"])
 @pytest.mark.parametrize("town", TOWNS)
 def test_it_arrives_without_being_at_fault(town: str, agent: str) -> None:

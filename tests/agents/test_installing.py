@@ -269,7 +269,7 @@ LONG = (("harbour_0_0", 120.0), ("harbour_1_0", 60.0), ("ferry_1_0", 60.0))
 SHORT = (("harbour_1_0", 40.0), ("ferry_1_0", 15.0))
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=15)
 @pytest.mark.parametrize(
     ("name", "places"),
     [("fiss-plus", LONG), ("fop", LONG), ("frenetix", SHORT)],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -104,7 +105,7 @@ MakeOffline = Callable[..., Offline]
 
 
 @pytest.fixture
-def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
+def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
     """Builds applications with limits and tokens of the test's choice."""
     opened: list[Database] = []
 
@@ -117,8 +118,8 @@ def make_offline(tmp_path: Path) -> Iterator[MakeOffline]:
         patience_s: float = 30.0,
         storage_fault: Callable[[], str] = lambda: "",
     ) -> Offline:
-        url = f"sqlite:///{tmp_path / f'{len(opened)}.sqlite3'}"
-        database = open_database(url, patience_s=patience_s)
+        file = shutil.copy(empty_database, tmp_path / f"{len(opened)}.sqlite3")
+        database = open_database(f"sqlite:///{file}", patience_s=patience_s)
         woken: list[int] = []
         catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
 

@@ -95,7 +95,7 @@ def shape(value: Any) -> Any:
     return type(value).__name__
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=40)
 def test_a_service_answers_today_as_it_did_when_it_was_recorded() -> None:
     recorded = record_examples()
     assert set(recorded) == {path.name for path in FOLDER.iterdir()}

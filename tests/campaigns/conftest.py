@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,8 @@ def content() -> dict[str, Any]:
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> Iterator[Database]:
-    opened = open_database(f"sqlite:///{tmp_path / 'drivora.sqlite3'}")
+def database(tmp_path: Path, empty_database: Path) -> Iterator[Database]:
+    file = shutil.copy(empty_database, tmp_path / "drivora.sqlite3")
+    opened = open_database(f"sqlite:///{file}")
     yield opened
     opened.close()

@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from tests.cli.command_process import run_command
+from tests.cli.command_process import fork_server_address, run_command
 
 _TIME_LIMIT_S = 120.0
 
@@ -52,7 +52,8 @@ def drivora(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Drivora
         out, err = printed / f"{number}.out", printed / f"{number}.err"
         variables = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment}
         process = context.Process(
-            target=run_command, args=([*map(str, arguments)], tmp_path, variables, out, err)
+            target=run_command,
+            args=([*map(str, arguments)], tmp_path, variables, out, err, fork_server_address()),
         )
         process.start()
         process.join(_TIME_LIMIT_S)

@@ -159,7 +159,7 @@ def test_a_campaign_from_its_file_to_its_failures(
     assert drivora("campaign", "resume", result["id"]).code == 3
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=40)
 def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:

@@ -16,8 +16,8 @@ from tests.fuzzing.mutation import Mutator
 from tests.fuzzing.running import run_session
 
 CORPUS = Path(__file__).parent / "corpus"
-SECONDS = 10
-"""Of each parser in CI."""
+SECONDS = 5
+"""Of each parser in CI; ``make fuzz`` takes longer."""
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -36,7 +36,7 @@ def test_what_once_failed_is_read_or_refused(path: Path) -> None:
     harness_named(path.parent.name).parse(path.read_bytes())
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=5)
 @pytest.mark.skipif(
     importlib.util.find_spec("atheris") is None, reason="Atheris has no wheel for this platform"
 )

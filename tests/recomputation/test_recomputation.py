@@ -176,7 +176,7 @@ def test_a_wrong_metric_is_found(
         assert len({d.ego for d in found}) == len(run.egos)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=40)
 def test_a_hundred_runs_agree(tmp_path: Path) -> None:
     documents = mixed_documents()
     assert len(documents) == 100

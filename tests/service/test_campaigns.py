@@ -34,7 +34,7 @@ from drivora_service.store.database import open_database
 from drivora_service.worker.setup import WorkerSetup
 from tests.campaigns.analytic import sequence
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow(seconds=10)
 
 TESTERS = ("random", "avfuzzer")
 KILLS = 3

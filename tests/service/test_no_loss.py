@@ -32,7 +32,7 @@ def batch_lines() -> str:
     return "\n".join(json.dumps(documents[n % 40] | {"seed": n}) for n in range(RUNS))
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=40)
 def test_every_run_is_judged_exactly_once(tmp_path: Path) -> None:
     lines, luck = batch_lines(), random.Random(11)
     batch = ""

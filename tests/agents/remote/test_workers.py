@@ -102,7 +102,7 @@ def test_the_example_drives_the_same_twice_and_on_two_workers(agents: Path) -> N
     wait_until(lambda: left_behind(agents) == [])
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=60)
 def test_two_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
     causes = {
         "dies": "agent_died",
