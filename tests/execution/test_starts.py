@@ -234,7 +234,7 @@ def test_a_campaign_without_the_simulator_stops_and_can_be_resumed(
     assert ended.returncode == 3, ended.stderr
     assert_says_what_is_missing(ended.stderr)
     listed = json.loads(drivora(environment, "campaign", "list", "--json").stdout)
-    assert [(one["state"], one["evaluations"]) for one in listed] == [("paused", 0)]
+    assert [(one["state"], one["counts"]["evaluations"]) for one in listed] == [("paused", 0)]
     (tmp_path / "broken" / "libX11.so.6").unlink()
     ended = drivora(environment, "campaign", "resume", listed[0]["id"])
     assert ended.returncode == 0, ended.stderr
