@@ -161,6 +161,22 @@ def test_where_both_are_off_the_road_nothing_can_be_told() -> None:
     assert verdict.evidence["nuplan_at_fault"]
 
 
+@pytest.mark.parametrize(
+    ("ego_y", "other_y", "at_fault"), [(-1.2, -4.6, False), (-4.6, -1.2, True)]
+)
+def test_at_the_edge_of_the_road_the_party_beside_it_is_responsible(
+    ego_y: float, other_y: float, at_fault: bool
+) -> None:
+    ego, other = steady(0.0, ego_y, 10.0), steady(0.5, other_y, 10.0)
+    coming = ego if ego_y < other_y else other
+    coming.states[:, Col.Y] += 0.02 * np.arange(STEPS)
+    on_road = {"lane_lateral": ego_y} if ego_y > other_y else {"lane": -1, "lane_lateral": np.nan}
+    (verdict,) = collide(on_lane(motion=ego, **on_road), SyntheticActor(motion=other))
+    assert verdict.evidence["rule"] == "off_the_road"
+    assert verdict.evidence["reason"].endswith("was beside the road")
+    assert verdict.at_fault is at_fault
+
+
 def test_a_vehicle_from_the_side_into_the_egos_door_is_not_the_egos_fault() -> None:
     # After a whole step the other would be deep inside the ego: the first touch decides.
     ego = on_lane(motion=steady(0.0, 0.0, 5.0))
