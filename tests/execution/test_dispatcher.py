@@ -157,9 +157,20 @@ def test_a_server_that_stops_gives_its_runs_back(database: Database, tmp_path: P
 
 
 def test_draining_lets_runs_end(database: Database, tmp_path: Path) -> None:
-    with serving(database, tmp_path, drain_s=30.0):
+    executors: list[LocalExecutor] = []
+
+    def kept(executor: LocalExecutor) -> LocalExecutor:
+        executors.append(executor)
+        return executor
+
+    def begun() -> int:
+        return sum(slot.phase == "simulating" for slot in executors[0].slots())
+
+    with serving(database, tmp_path, drain_s=30.0, wrap=kept):
         submit(database, *["sleep 0.3"] * 6)
         wait_until_running(database, 4)
+        # Claimed runs have begun once they have reached a worker, whose start takes a while.
+        wait_for(lambda: statuses(database)[RunStatus.FINISHED] + begun() >= 2)
     counts = statuses(database)
     assert counts[RunStatus.FINISHED] >= 2
     assert counts[RunStatus.RUNNING] == 0
