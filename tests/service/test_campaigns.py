@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,22 @@ def embedded(content: dict[str, Any], folder: Path) -> list[EvaluationRecord]:
     return list(journal.evaluations())
 
 
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A service and its data folder."""
+
+    url: str
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A service with two workers, which each test leaves with nothing to do."""
+    folder = tmp_path_factory.mktemp("served")
+    with running_service(folder, workers=2) as url:
+        yield Served(url, folder)
+
+
 @pytest.fixture(scope="module")
 def references(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[EvaluationRecord]]:
     return {
@@ -128,19 +145,19 @@ def follow_simulations(client: httpx.Client, campaign_id: str, count: int) -> di
 
 
 def test_campaigns_of_a_server_are_those_of_a_command(
-    tmp_path: Path, references: dict[str, list[EvaluationRecord]]
+    served: Served, references: dict[str, list[EvaluationRecord]]
 ) -> None:
-    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+    with client_of(served.url) as client:
         ids = {tester: post(client, document(tester)) for tester in TESTERS}
         seen = {tester: follow(client, ids[tester], until="finished") for tester in TESTERS}
-        engine_log = (tmp_path / "campaigns" / ids["random"] / "engine.log").read_text()
+        engine_log = (served.folder / "campaigns" / ids["random"] / "engine.log").read_text()
         failures = {
             tester: client.get(f"/campaigns/{ids[tester]}/failures", params={"limit": 500}).json()
             for tester in TESTERS
         }
     assert "is finished" in engine_log
     for tester in TESTERS:
-        assert sequence(evaluations(tmp_path, ids[tester])) == sequence(references[tester])
+        assert sequence(evaluations(served.folder, ids[tester])) == sequence(references[tester])
         found = failures[tester]["items"]
         assert found
         assert {failure["confirmation"] for failure in found} == {"confirmed"}
@@ -153,9 +170,9 @@ def test_campaigns_of_a_server_are_those_of_a_command(
 
 
 def test_a_campaign_is_paused_and_resumed(
-    tmp_path: Path, references: dict[str, list[EvaluationRecord]]
+    served: Served, references: dict[str, list[EvaluationRecord]]
 ) -> None:
-    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+    with client_of(served.url) as client:
         campaign_id = post(client, document("avfuzzer"))
         follow_simulations(client, campaign_id, 5)
         asked = client.post(f"/campaigns/{campaign_id}:pause")
@@ -171,11 +188,11 @@ def test_a_campaign_is_paused_and_resumed(
         assert state(client, campaign_id)["simulations"] == paused["simulations"]
         assert client.post(f"/campaigns/{campaign_id}:resume").json()["state"] == "queued"
         follow(client, campaign_id, until="finished")
-    assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references["avfuzzer"])
+    assert sequence(evaluations(served.folder, campaign_id)) == sequence(references["avfuzzer"])
 
 
-def test_cancelling_leaves_what_was_found_and_no_run(tmp_path: Path) -> None:
-    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+def test_cancelling_leaves_what_was_found_and_no_run(served: Served) -> None:
+    with client_of(served.url) as client:
         campaign_id = post(client, document("random", simulations=500))
         follow_simulations(client, campaign_id, 5)
         assert client.post(f"/campaigns/{campaign_id}:cancel").status_code == 202
@@ -190,8 +207,8 @@ def test_cancelling_leaves_what_was_found_and_no_run(tmp_path: Path) -> None:
     assert len(listed["items"]) == cancelled["counts"]["evaluations"] >= 5
 
 
-def test_a_batch_overtakes_a_campaign(tmp_path: Path) -> None:
-    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+def test_a_batch_overtakes_a_campaign(served: Served) -> None:
+    with client_of(served.url) as client:
         campaign_id = post(client, document("random", simulations=500))
         campaign = follow_simulations(client, campaign_id, 10)
         scenarios = [{**SCENARIO, "seed": seed} for seed in range(60)]
