@@ -29,7 +29,7 @@ from drivora_service.errors import DrivoraError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ownership import Ownership
+from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
@@ -62,7 +62,10 @@ class CommandDatabase:
         with self._opening:
             if self._database is None:
                 self._settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
-                self._database = open_database(self._settings.resolved_database_url)
+                database = open_database(self._settings.resolved_database_url)
+                commands = CommandLocks(self._settings.data_dir)
+                cancel_runs_of_dead_commands(database, RetryPolicy(), commands)
+                self._database = database
             return self._database
 
     def close(self) -> None:
@@ -80,6 +83,8 @@ class CommandRuns:
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
         self._dispatcher: Dispatcher | None = None
+        self._executor: LocalExecutor | None = None
+        self._reserved = 0
         self._owner_id = ""
 
     @property
@@ -94,8 +99,12 @@ class CommandRuns:
             StoreError: The database cannot be used.
         """
         with self._starting:
-            if self._dispatcher is None:
-                self._dispatcher = self._started(min(self._settings.workers, max(1, runs)))
+            self._reserved += runs
+            slots = min(self._settings.workers, max(1, self._reserved))
+            if self._executor is None:
+                self._dispatcher = self._started(slots)
+            else:
+                self._executor.grow(slots)
         return self._owner_id
 
     def wake(self) -> None:
@@ -116,7 +125,7 @@ class CommandRuns:
             {"database": database.probe, "traces": folder_probe(self._traces.root)},
             on_fatal=lambda _message: None,
         )
-        executor = self._stack.enter_context(
+        self._executor = executor = self._stack.enter_context(
             LocalExecutor(
                 slots=slots,
                 setup=worker_setup(settings),

@@ -47,16 +47,19 @@ class LocalExecutor:
         prepare_processes(preloaded=bool(warm_up))
         folder.mkdir(parents=True, exist_ok=True)
         self._changed = threading.Condition()
+        self._growing = threading.Lock()
         self._waiting: deque[RunSpec] = deque()
         self._taken: set[str] = set()
         self._cancelled: set[str] = set()
         self._ended: deque[AttemptEnd] = deque()
         self._woken = False
         self._closed = False
-        names = [f"slot-{number}" for number in range(slots)]
-        self._starts = WorkerStarts(names, on_fault=self.wake)
-        self._slots = tuple(
-            Slot(
+        self._starts = WorkerStarts(on_fault=self.wake)
+        self._slots: tuple[Slot, ...] = ()
+
+        def start(name: str) -> Slot:
+            self._starts.add(name)
+            return Slot(
                 name,
                 perform=perform,
                 warm_up=warm_up,
@@ -67,8 +70,19 @@ class LocalExecutor:
                 source=self,
                 sink=self._put_end,
             )
-            for name in names
-        )
+
+        self._start_slot = start
+        self.grow(slots)
+
+    def grow(self, slots: int) -> None:
+        """Starts more slots, until there are so many; does not wait until their workers are ready.
+
+        Args:
+            slots: Number of slots in all; fewer than there are change nothing.
+        """
+        with self._growing:
+            for number in range(len(self._slots), slots):
+                self._slots = (*self._slots, self._start_slot(f"slot-{number}"))
 
     @property
     def capacity(self) -> int:

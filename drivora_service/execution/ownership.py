@@ -111,18 +111,12 @@ class Ownership:
         with self._database.read() as transaction:
             heartbeats = transaction.workers.heartbeats(me=self.owner_id)
         for owner_id in self._dead(heartbeats):
-            with self._database.write() as transaction:
-                runs = transaction.queue.reclaim(owner_id, self._policy)
-                transaction.batches.cancel_reserved(owner_id)
-                transaction.workers.leave(owner_id)
+            _take_over_from(owner_id, self._database, self._policy, self._commands)
             self._seen.pop(owner_id, None)
-            self._commands.forget(owner_id)
-            _log.warning("took_over_from_dead_process", owner=owner_id, runs=runs)
 
     def _dead(self, heartbeats: dict[str, datetime]) -> list[str]:
-        commands = [owner for owner in heartbeats if self._commands.is_command(owner)]
-        dead = [owner for owner in commands if not self._commands.lives(owner)]
-        servers = [owner for owner in heartbeats if owner not in commands]
+        dead = self._commands.dead(heartbeats)
+        servers = [owner for owner in heartbeats if not self._commands.is_command(owner)]
         if self._is_command:
             return dead
         if self._exclusive:
@@ -133,3 +127,28 @@ class Ownership:
             if seen is None or seen.heartbeat != heartbeat:
                 self._seen[owner_id] = _Heartbeat(heartbeat=heartbeat, at=now)
         return dead + [one for one in servers if now - self._seen[one].at >= HEARTBEAT_TIMEOUT_S]
+
+
+def cancel_runs_of_dead_commands(
+    database: Database, policy: RetryPolicy, commands: CommandLocks
+) -> None:
+    """Cancels the runs of commands that were killed; for processes that are no owners themselves.
+
+    Raises:
+        StoreError: The database cannot be used.
+    """
+    with database.read() as transaction:
+        heartbeats = transaction.workers.heartbeats(me="")
+    for owner_id in commands.dead(heartbeats):
+        _take_over_from(owner_id, database, policy, commands)
+
+
+def _take_over_from(
+    owner_id: str, database: Database, policy: RetryPolicy, commands: CommandLocks
+) -> None:
+    with database.write() as transaction:
+        runs = transaction.queue.reclaim(owner_id, policy)
+        transaction.batches.cancel_reserved(owner_id)
+        transaction.workers.leave(owner_id)
+    commands.forget(owner_id)
+    _log.warning("took_over_from_dead_process", owner=owner_id, runs=runs)

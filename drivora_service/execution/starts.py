@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 _MAX_LOST_STARTS = 3
 """Consecutive starts lost to a signal or a lack of memory before they count as a fault."""
@@ -28,18 +28,22 @@ class WorkerStarts:
     Workers cannot start if the last starts of every slot have failed.
     """
 
-    def __init__(self, slots: Iterable[str], *, on_fault: Callable[[], None]) -> None:
-        """Begins with no fault.
+    def __init__(self, *, on_fault: Callable[[], None]) -> None:
+        """Begins without slots and with no fault.
 
         Args:
-            slots: Their names.
             on_fault: Called, from the thread of a slot, when workers cannot start.
         """
-        self._reasons = dict.fromkeys(slots, "")
-        self._failures = dict.fromkeys(self._reasons, 0)
+        self._reasons: dict[str, str] = {}
+        self._failures: dict[str, int] = {}
         self._on_fault = on_fault
         self._fault = ""
         self._lock = threading.Lock()
+
+    def add(self, slot: str) -> None:
+        """Adds a slot by its name."""
+        with self._lock:
+            self._reasons[slot], self._failures[slot] = "", 0
 
     @property
     def fault(self) -> str:

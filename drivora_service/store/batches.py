@@ -20,7 +20,16 @@ from drivora_service.store.records import Batch, BatchState, Page, Priority
 from drivora_service.store.tables import BatchRow, RunRow
 
 SINGLE_JOBS = "jobs"
-"""Id of the batch of all jobs that were posted singly; it is never shown."""
+"""Beginning of the ids of the batches of jobs that were posted singly; they are never shown."""
+
+
+def single_jobs(owner_id: str) -> str:
+    """Returns the id of the batch of jobs that were posted singly.
+
+    Args:
+        owner_id: Process for which they are reserved; "": any server.
+    """
+    return f"{SINGLE_JOBS}-{owner_id}" if owner_id else SINGLE_JOBS
 
 
 class BatchRepository:
@@ -66,7 +75,11 @@ class BatchRepository:
         Raises:
             InvalidDocument: The token is not one of this list.
         """
-        query = select(BatchRow).where(BatchRow.id != SINGLE_JOBS).order_by(BatchRow.seq.desc())
+        query = (
+            select(BatchRow)
+            .where(~BatchRow.id.startswith(SINGLE_JOBS))
+            .order_by(BatchRow.seq.desc())
+        )
         if page_token:
             query = query.where(BatchRow.seq < read_token("batches", page_token))
         rows = self._session.scalars(query.limit(limit + 1)).all()
@@ -102,6 +115,20 @@ class BatchRepository:
             UnknownName: There is none of this id.
         """
         row = self._row(batch_id)
+        self._cancel(row)
+        return self._records([row])[0]
+
+    def cancel_reserved(self, owner_id: str) -> None:
+        """Cancels the runs that have not ended of the batches reserved for a process."""
+        query = select(BatchRow).where(
+            BatchRow.owner_id == owner_id, BatchRow.state != BatchState.CANCELLED
+        )
+        rows = self._session.scalars(query).all()
+        for row, batch in zip(rows, self._records(rows), strict=True):
+            if not batch.done:
+                self._cancel(row)
+
+    def _cancel(self, row: BatchRow) -> None:
         row.state = BatchState.CANCELLED
         self._session.flush()
         unfinished = (
@@ -116,16 +143,6 @@ class BatchRepository:
             select(RunRow).where(RunRow.batch_seq == row.seq, RunRow.facet.in_(unfinished))
         ).all()
         cancel_runs(self._session, rows)
-        return self.get(batch_id)
-
-    def cancel_reserved(self, owner_id: str) -> None:
-        """Cancels the runs that have not ended of the batches reserved for a process."""
-        query = select(BatchRow.id).where(
-            BatchRow.owner_id == owner_id, BatchRow.state != BatchState.CANCELLED
-        )
-        for batch_id in self._session.scalars(query).all():
-            if not self.get(batch_id).done:
-                self.cancel(batch_id)
 
     def _set_state(self, batch_id: str, state: BatchState) -> Batch:
         row = self._row(batch_id)
@@ -137,7 +154,7 @@ class BatchRepository:
 
     def _row(self, batch_id: str) -> BatchRow:
         row = self._session.scalar(
-            select(BatchRow).where(BatchRow.id == batch_id, BatchRow.id != SINGLE_JOBS)
+            select(BatchRow).where(BatchRow.id == batch_id, ~BatchRow.id.startswith(SINGLE_JOBS))
         )
         if row is None:
             raise UnknownName("batch", batch_id, ())

@@ -60,7 +60,7 @@ class CampaignRunRepository:
         """
         row = self._session.scalar(select(RunRow).where(RunRow.id == run.run_id))
         if row is None:
-            submit_runs(self._session, [run], batch_id=batch_id, queue_limit=None)
+            submit_runs(self._session, [run], batch_id=batch_id, owner_id="", queue_limit=None)
             return
         feedback = None if run.feedback is None else choice_to_json(run.feedback)
         if (row.document_sha256, row.feedback) != (run.scenario_sha256, feedback):

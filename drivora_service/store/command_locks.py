@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterable
 from pathlib import Path
 
 from drivora_service.store.file_lock import FileLock, is_locked
@@ -28,8 +29,16 @@ class CommandLocks:
         """Whether an owner is a command, living or dead."""
         return self._path(owner_id).is_file()
 
-    def lives(self, owner_id: str) -> bool:
-        """Whether an owner is a command whose process lives."""
+    def dead(self, owners: Iterable[str]) -> list[str]:
+        """Returns the commands among owners whose process has died.
+
+        Args:
+            owners: Owners that the database has. A command locks its file before it becomes one, so
+                that a file without a lock belongs to a dead process.
+        """
+        return [one for one in owners if self.is_command(one) and not self._lives(one)]
+
+    def _lives(self, owner_id: str) -> bool:
         with contextlib.suppress(FileNotFoundError):
             return is_locked(self._path(owner_id))
         return False

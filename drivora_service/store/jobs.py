@@ -30,7 +30,12 @@ class JobRepository:
         self._session = session
 
     def submit(
-        self, runs: Sequence[NewRun], *, batch_id: str = "", queue_limit: int | None = None
+        self,
+        runs: Sequence[NewRun],
+        *,
+        batch_id: str = "",
+        owner_id: str = "",
+        queue_limit: int | None = None,
     ) -> tuple[str, ...]:
         """Queues runs; returns their ids, in order.
 
@@ -39,6 +44,7 @@ class JobRepository:
         Args:
             runs: The runs.
             batch_id: Their batch; "": posted singly, at interactive priority.
+            owner_id: Process for which runs that are posted singly are reserved; "": any server.
             queue_limit: Greatest number of queued runs; ``None``: any number.
 
         Raises:
@@ -46,7 +52,9 @@ class JobRepository:
             Conflict: The batch was cancelled.
             QueueFull: The queue would grow beyond its limit; nothing was queued.
         """
-        return submit_runs(self._session, runs, batch_id=batch_id, queue_limit=queue_limit)
+        return submit_runs(
+            self._session, runs, batch_id=batch_id, owner_id=owner_id, queue_limit=queue_limit
+        )
 
     def get(self, job_id: str) -> RunSummary:
         """Returns a job.

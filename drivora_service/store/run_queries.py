@@ -16,7 +16,7 @@ from drivora_service.store.tables import BatchRow, RunRow
 def run_query() -> Select[*tuple[Any, ...]]:
     """Returns a query of the columns of a summary, labelled by the names of its fields."""
     elsewhere = {
-        "batch_id": case((BatchRow.id == SINGLE_JOBS, ""), else_=BatchRow.id),
+        "batch_id": case((BatchRow.id.startswith(SINGLE_JOBS), ""), else_=BatchRow.id),
         "seed": RunRow.seed_override,
         "scenario_sha256": RunRow.document_sha256,
     }

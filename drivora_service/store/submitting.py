@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import Conflict, QueueFull, UnknownName
 from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunReport, RunStatus
-from drivora_service.store.batches import SINGLE_JOBS
+from drivora_service.store.batches import single_jobs
 from drivora_service.store.endings import write_report
 from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.facets import Facet, add_counts, facet_key
@@ -33,10 +33,15 @@ _RUNS_A_SECOND = 5
 
 
 def submit_runs(
-    session: Session, runs: Sequence[NewRun], *, batch_id: str, queue_limit: int | None
+    session: Session,
+    runs: Sequence[NewRun],
+    *,
+    batch_id: str,
+    owner_id: str,
+    queue_limit: int | None,
 ) -> tuple[str, ...]:
     """Implements :meth:`JobRepository.submit`."""
-    batch = _batch(session, batch_id or SINGLE_JOBS)
+    batch = _batch(session, batch_id) if batch_id else _single_jobs(session, owner_id)
     if batch.state == BatchState.CANCELLED:
         raise Conflict(f"batch {batch.id} was cancelled; post its scenarios to a new one")
     ids = tuple(run.run_id or new_id() for run in runs)
@@ -58,12 +63,18 @@ def submit_runs(
 
 def _batch(session: Session, batch_id: str) -> BatchRow:
     row = session.scalar(select(BatchRow).where(BatchRow.id == batch_id))
+    if row is None:
+        raise UnknownName("batch", batch_id, ())
+    return row
+
+
+def _single_jobs(session: Session, owner_id: str) -> BatchRow:
+    batch_id = single_jobs(owner_id)
+    row = session.scalar(select(BatchRow).where(BatchRow.id == batch_id))
     if row is not None:
         return row
-    if batch_id != SINGLE_JOBS:
-        raise UnknownName("batch", batch_id, ())
     row = BatchRow(
-        id=SINGLE_JOBS,
+        id=batch_id,
         name="jobs posted alone",
         priority=Priority.INTERACTIVE.rank,
         state=BatchState.OPEN,
@@ -71,6 +82,7 @@ def _batch(session: Session, batch_id: str) -> BatchRow:
         size=0,
         queued=0,
         served=0,
+        owner_id=owner_id,
     )
     session.add(row)
     session.flush()

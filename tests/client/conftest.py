@@ -12,13 +12,13 @@ import pytest
 from fastapi import FastAPI
 
 from drivora_service.api.examples import SCENARIO
-from drivora_service.app import create_app
 from drivora_service.client import (
     ApplicationTransport,
     AsyncApplicationTransport,
     AsyncClient,
     Client,
 )
+from drivora_service.command_app import create_command_app
 from drivora_service.settings import load_settings
 from tests.client.ways import blocking
 
@@ -84,4 +84,4 @@ def client(
 
 
 def _application(folder: Path) -> FastAPI:
-    return create_app(load_settings(data_dir=folder, workers=1))
+    return create_command_app(load_settings(data_dir=folder, workers=1))

@@ -115,7 +115,9 @@ def test_closing_does_not_wait_for_the_next_try(tmp_path: Path) -> None:
 
 def test_one_slot_that_can_start_is_enough() -> None:
     told: list[None] = []
-    starts = WorkerStarts(["a", "b"], on_fault=lambda: told.append(None))
+    starts = WorkerStarts(on_fault=lambda: told.append(None))
+    starts.add("a")
+    starts.add("b")
     starts.failed("a", "no library", certain=True)
     starts.succeeded("b")
     assert (starts.fault, told) == ("", [])

@@ -49,10 +49,11 @@ def post_job(
         check_overrides(context, overrides)
         valid = Checker(context, overrides).validated(body, form)
         run = new_run(valid, overrides, item=0, label=label)
+        owner_id = context.reserve(1)
 
         def commit(transaction: Transaction) -> Answer:
             limit = context.limits.queued_runs
-            (job_id,) = transaction.jobs.submit([run], queue_limit=limit)
+            (job_id,) = transaction.jobs.submit([run], owner_id=owner_id, queue_limit=limit)
             job = _job(transaction, job_id)
             headers = {"Location": f"{PREFIX}/jobs/{job_id}", "Retry-After": _POLL_AFTER_S}
             return Answer(status=202, headers=headers, body=to_json(Job, job).decode())
