@@ -77,9 +77,12 @@ class CommandDatabase:
 class CommandRuns:
     """The dispatcher of a command and its workers; they start with the first runs."""
 
-    def __init__(self, settings: Settings, database: CommandDatabase, traces: TraceFolder) -> None:
-        """Starts no worker yet."""
+    def __init__(
+        self, settings: Settings, database: CommandDatabase, traces: TraceFolder, most: int
+    ) -> None:
+        """Starts no worker yet; ``most`` is the number of worker processes at once."""
         self._settings, self._database, self._traces = settings, database, traces
+        self._most = most
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
         self._dispatcher: Dispatcher | None = None
@@ -100,7 +103,7 @@ class CommandRuns:
         """
         with self._starting:
             self._reserved += runs
-            slots = min(self._settings.workers, max(1, self._reserved))
+            slots = min(self._most, max(1, self._reserved))
             if self._executor is None:
                 self._dispatcher = self._started(slots)
             else:
@@ -125,7 +128,7 @@ class CommandRuns:
             {"database": database.probe, "traces": folder_probe(self._traces.root)},
             on_fatal=lambda _message: None,
         )
-        self._executor = executor = self._stack.enter_context(
+        executor = self._stack.enter_context(
             LocalExecutor(
                 slots=slots,
                 setup=worker_setup(settings),
@@ -140,7 +143,7 @@ class CommandRuns:
         infrastructure.start(on_change=dispatcher.wake)
         self._stack.callback(infrastructure.stop)
         dispatcher.start()
-        self._owner_id = ownership.owner_id
+        self._executor, self._owner_id = executor, ownership.owner_id
         return dispatcher
 
 
@@ -155,7 +158,8 @@ def create_command_app(
 
     Args:
         settings: Settings of the installation.
-        workers: For campaigns, in place of their own number.
+        workers: Worker processes at once; ``None``: as the settings have it, and for a campaign as
+            its file has it.
         evaluator: Name of the evaluator of campaigns.
         on_error: Called with the error that stopped a campaign.
 
@@ -165,7 +169,7 @@ def create_command_app(
     plugin = evaluator_plugins().plugin(evaluator)
     database = CommandDatabase(settings)
     traces = TraceFolder(settings.traces_dir)
-    runs = CommandRuns(settings, database, traces)
+    runs = CommandRuns(settings, database, traces, workers or settings.workers)
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
