@@ -127,15 +127,24 @@ def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
     """Clears the traces that are not kept; returns the names of those that are."""
     with database.read() as transaction:
         failures = transaction.session.execute(
-            select(FailureRow.number, FailureRow.kind, FailureRow.group, FailureRow.trace)
+            select(
+                FailureRow.number,
+                FailureRow.oracle,
+                FailureRow.kind,
+                FailureRow.group,
+                FailureRow.trace,
+            )
             .where(FailureRow.campaign_seq == campaign_seq, FailureRow.trace != "")
             .order_by(FailureRow.number, FailureRow.place)
         ).all()
-    first: dict[tuple[str, object], int] = {}
+    first_of_kind: dict[str, int] = {}
+    # Groups are numbered from 0 within each oracle.
+    first_of_group: dict[tuple[str, int], int] = {}
     for row in failures:
-        first.setdefault(("kind", row.kind), row.number)
-        first.setdefault(("group", row.kind if row.group is None else row.group), row.number)
-    kept = set(first.values())
+        first_of_kind.setdefault(row.kind, row.number)
+        if row.group is not None:
+            first_of_group.setdefault((row.oracle, row.group), row.number)
+    kept = {*first_of_kind.values(), *first_of_group.values()}
     for numbers in batched(sorted({row.number for row in failures} - kept), 200):
         with database.write() as transaction:
             transaction.session.execute(

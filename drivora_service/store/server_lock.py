@@ -10,7 +10,9 @@ from drivora_service.store.file_lock import FileLock
 class ServerLock:
     """A lock on a data folder, held by this process.
 
-    A server that holds it knows that every other owner of leases in its database is dead.
+    A server that holds it knows that every other server on its database is dead. Commands do not
+    take it: they may hold leases at the same time, and each has a lock of its own
+    (``CommandLocks``).
     """
 
     def __init__(self, data_dir: Path) -> None:

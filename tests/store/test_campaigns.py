@@ -52,11 +52,12 @@ def evaluation(
     violated: tuple[bool | None, ...] = (),
     avoidable: Answer | None = None,
     undetermined: bool = False,
+    oracle: str = "collision",
 ) -> EvaluationRecord:
     """An evaluation with its number as its scenario; ``violated`` has the faults."""
     verdicts = tuple(
         Verdict(
-            oracle="collision",
+            oracle=oracle,
             ego="ego_0",
             outcome=Outcome.VIOLATED,
             message="",
@@ -89,7 +90,7 @@ def evaluation(
         document_sha256=hashlib.sha256(str(number).encode()).hexdigest() if valid else "",
         report=report,
         violations=verdicts,
-        failure_kinds=tuple("collision|road a" for _ in verdicts),
+        failure_kinds=tuple(f"{oracle}|road a" for _ in verdicts),
         search_s=0.01,
         prepare_s=0.02,
     )

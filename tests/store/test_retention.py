@@ -129,18 +129,38 @@ def test_runs_of_a_campaign_that_is_not_over_stay(
     assert left(database, traces) == (set(), set())
 
 
-def test_of_the_failures_of_a_campaign_the_first_of_each_kind_keeps_its_trace(
-    database: Database, traces: TraceFolder, campaign_traces: CampaignTraces
+@pytest.mark.parametrize(
+    ("oracles", "groups", "kept"),
+    [
+        (("collision",) * 4, (0, 0, 1, 1), (0, 2)),
+        # Groups are numbered from 0 within each oracle.
+        (
+            ("collision", "collision", "off_road", "off_road", "off_road"),
+            (0, 1, 0, 1, 1),
+            (0, 1, 2, 3),
+        ),
+        (("collision", "off_road", "off_road"), (None, None, None), (0, 1)),
+    ],
+)
+def test_of_the_failures_of_a_campaign_the_first_of_each_kind_and_group_keeps_its_trace(
+    database: Database,
+    traces: TraceFolder,
+    campaign_traces: CampaignTraces,
+    oracles: tuple[str, ...],
+    groups: tuple[int | None, ...],
+    kept: tuple[int, ...],
 ) -> None:
     campaign_id = create(database)
-    append(database, campaign_id, *(evaluation(n, violated=(True,)) for n in range(4)))
+    records = [evaluation(n, violated=(True,), oracle=name) for n, name in enumerate(oracles)]
+    append(database, campaign_id, *records)
     campaign_traces.folder(campaign_id).mkdir(parents=True)
-    names = [f"{number:06d}.trace.parquet" for number in range(4)]
+    names = [f"{number:06d}.trace.parquet" for number in range(len(oracles))]
     with database.write() as transaction:
         for number, name in enumerate(names):
             campaign_traces.path(campaign_id, name).write_text("trace")
             transaction.evaluations.confirm(campaign_id, number, Confirmation.CONFIRMED, trace=name)
-        transaction.evaluations.group(campaign_id, {(0, 0): 0, (1, 0): 0, (2, 0): 1, (3, 0): 1})
+        numbered = {(number, 0): group for number, group in enumerate(groups) if group is not None}
+        transaction.evaluations.group(campaign_id, numbered)
         transaction.campaigns.end(campaign_id, CampaignState.FINISHED)
     campaign_traces.path(campaign_id, "left-by-a-kill.parquet").write_text("trace")
     retain(
@@ -150,8 +170,8 @@ def test_of_the_failures_of_a_campaign_the_first_of_each_kind_keeps_its_trace(
         Retention(campaign_traces=timedelta(days=7)),
         now=NOW,
     )
-    kept = {path.name for path in campaign_traces.folder(campaign_id).iterdir()}
-    assert kept == {names[0], names[2]}
+    files = {path.name for path in campaign_traces.folder(campaign_id).iterdir()}
+    assert files == {names[number] for number in kept}
     assert list(verify(database, traces, campaign_traces=campaign_traces)) == []
 
 
