@@ -14,6 +14,7 @@ import httpx
 
 from drivora_service.client.call import Call, Listing
 from drivora_service.client.connecting import (
+    CLOSED,
     RETRY_S,
     TIMEOUT_S,
     OnRetry,
@@ -37,6 +38,7 @@ from drivora_service.client.following import batch_runs, expecting_workers, foll
 from drivora_service.client.operations import AwaitedOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import AsyncApplicationTransport
+from drivora_service.errors import ServiceError
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
@@ -147,7 +149,7 @@ class AsyncClient(AwaitedOperations):
     async def follow_campaign(
         self, campaign_id: str, *, on_progress: Callable[[Campaign], None] = ignore_progress
     ) -> Campaign:
-        """Waits until a campaign has ended or rests, and returns it.
+        """Waits until a campaign has ended or is paused, and returns it.
 
         Args:
             campaign_id: Which campaign.
@@ -194,6 +196,8 @@ class AsyncClient(AwaitedOperations):
                     return error
 
     async def _reply(self, request: Request) -> Reply:
+        if self._http.is_closed:
+            raise ServiceError(CLOSED)
         call = request.call
         async with self._http.stream(
             call.method,

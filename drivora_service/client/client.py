@@ -13,6 +13,7 @@ import httpx
 
 from drivora_service.client.call import Call, Listing
 from drivora_service.client.connecting import (
+    CLOSED,
     RETRY_S,
     TIMEOUT_S,
     OnRetry,
@@ -36,6 +37,7 @@ from drivora_service.client.following import batch_runs, expecting_workers, foll
 from drivora_service.client.operations import BlockingOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import ApplicationTransport
+from drivora_service.errors import ServiceError
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
@@ -148,7 +150,7 @@ class Client(BlockingOperations):
     def follow_campaign(
         self, campaign_id: str, *, on_progress: Callable[[Campaign], None] = ignore_progress
     ) -> Campaign:
-        """Waits until a campaign has ended or rests, and returns it.
+        """Waits until a campaign has ended or is paused, and returns it.
 
         Args:
             campaign_id: Which campaign.
@@ -195,6 +197,8 @@ class Client(BlockingOperations):
                     return error
 
     def _reply(self, request: Request) -> Reply:
+        if self._http.is_closed:
+            raise ServiceError(CLOSED)
         call = request.call
         with self._http.stream(
             call.method,

@@ -18,6 +18,7 @@ from drivora_service.errors import ConfigurationError, ServiceError, StoreError
 
 TOKEN_VARIABLE = "DRIVORA_TOKEN"
 LOCAL_URL = "http://127.0.0.1"
+CLOSED = "the client is closed and asks nothing more; make another one"
 RETRY_S = 60.0
 TIMEOUT_S = 60.0
 

@@ -125,13 +125,15 @@ def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[A
             except ServiceError as error:
                 fault, may_pass = error, _may_pass(outcome)
                 retry_after_s = outcome.retry_after_s
+                is_harmless = is_repeatable or _was_not_done(outcome, terms.service)
         elif outcome is not None:
             fault, retry_after_s = no_answer(outcome, terms.service), None
+            is_harmless = is_repeatable
             # What an application in this process does not answer, it would not the next time.
             may_pass = isinstance(outcome, _PASSING) and not terms.service.is_local
         else:
             raise TypeError("a request has an outcome")
-        wait = patience.wait_s(retry_after_s) if is_repeatable and may_pass else None
+        wait = patience.wait_s(retry_after_s) if is_harmless and may_pass else None
         if wait is None:
             raise fault
         terms.on_retry(fault, wait)
@@ -160,3 +162,9 @@ def _may_pass(reply: Reply) -> bool:
         return True
     # The same request, whose answer was lost, is still being done.
     return reply.status == HTTPStatus.CONFLICT and reply.retry_after_s is not None
+
+
+def _was_not_done(reply: Reply, service: Service) -> bool:
+    """Returns whether a service refused a request for now, without having done any of it."""
+    refusals = (HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.SERVICE_UNAVAILABLE)
+    return not service.is_local and reply.status in refusals and reply.retry_after_s is not None

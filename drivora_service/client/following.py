@@ -74,7 +74,9 @@ def expecting_workers(terms: Terms) -> Flow[None]:
         if check.name == "workers" and not check.ok:
             message = f"{terms.service.name} cannot begin runs: {check.detail}"
             if not terms.service.is_local:
-                message += "\nWhat is queued there stays queued, and begins once that is mended"
+                message += (
+                    "\nWhat is queued there stays queued, and begins once the fault is corrected"
+                )
             raise ServiceUnavailable(message, status=503)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import threading
 import time
@@ -14,7 +15,7 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.client import ApplicationTransport, Client
+from drivora_service.client import ApplicationTransport, AsyncClient, Client
 from drivora_service.client.replies import Reply
 from drivora_service.errors import (
     ConfigurationError,
@@ -101,6 +102,33 @@ def test_what_changes_something_is_never_sent_twice(
                 act("1")
         assert len(server.asked) == len(acts)
         assert all("idempotency-key" not in asked.headers for asked in server.asked)
+
+
+@pytest.mark.parametrize("status", [429, 503])
+def test_a_change_that_a_service_refused_for_now_is_tried_again_when_it_says(
+    client_at: MakeClient, status: int
+) -> None:
+    refusal = problem(status, "not now", **{"Retry-After": "1"})
+    with scripted(refusal, ok({**JOB, "run_url": ""})) as server:
+        assert client_at(server.url).cancel_job("1").id == "1"
+        first, second = server.asked
+    assert second.at - first.at >= 1.0
+
+
+def test_a_closed_client_is_refused() -> None:
+    async def ask_awaited(url: str) -> None:
+        async with AsyncClient(url) as client:
+            await client.health()
+        await client.health()
+
+    with scripted(HEALTH) as server:
+        with Client(server.url) as client:
+            client.health()
+        with pytest.raises(ServiceError, match="the client is closed"):
+            client.health()
+        with pytest.raises(ServiceError, match="the client is closed"):
+            asyncio.run(ask_awaited(server.url))
+        assert len(server.asked) == 2
 
 
 def test_a_closed_connection_is_tried_again_where_that_does_no_harm(
@@ -270,7 +298,7 @@ def test_a_service_that_is_not_ready_is_an_answer(client_at: MakeClient) -> None
             client.expect_workers()
     assert str(raised.value) == (
         f"the service at {server.url} cannot begin runs: libsumo is missing\n"
-        "What is queued there stays queued, and begins once that is mended"
+        "What is queued there stays queued, and begins once the fault is corrected"
     )
 
 
