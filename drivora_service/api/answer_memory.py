@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from drivora_service.api.context import PREFIX
 from drivora_service.api.load_guard import HEALTH_PATHS
 from drivora_service.api.tokens import TokenFile
+from drivora_service.api_paths import PREFIX
 from drivora_service.errors import ConfigurationError
 
 MOST_BYTES = 64 << 10

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse
 
 from drivora_service.api.answer_memory import AnswerMemory
 from drivora_service.api.body_limit import BodyLimit
-from drivora_service.api.context import PREFIX, ApiContext
+from drivora_service.api.context import ApiContext
 from drivora_service.api.docs_page import docs_page
 from drivora_service.api.documentation import install_openapi, problem_answer
 from drivora_service.api.load_guard import LoadGuard
@@ -33,6 +33,7 @@ from drivora_service.api.routes import (
     scenarios,
 )
 from drivora_service.api.write_gate import WriteGate
+from drivora_service.api_paths import PREFIX
 
 _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Content security policy of the page of the API."""

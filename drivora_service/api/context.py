@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.store.database import Database
 
-PREFIX = "/api/v1"
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drivora_service.api.context import PREFIX
+from drivora_service.api_paths import PREFIX
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

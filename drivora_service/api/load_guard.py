@@ -6,8 +6,8 @@ from http import HTTPStatus
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from drivora_service.api.context import PREFIX
 from drivora_service.api.problems import problem_response
+from drivora_service.api_paths import PREFIX
 
 MOST_REQUESTS = 256
 """More would not be answered sooner: they would only wait here instead of at the client."""

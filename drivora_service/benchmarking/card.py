@@ -196,7 +196,7 @@ class AgentCard:
 
     @property
     def failed_otherwise(self) -> int:
-        """Returns the number of runs that failed without the agent's fault."""
+        """The number of runs that failed without the agent's fault."""
         return sum(not run.finished and run.record.status not in _AGENTS_OWN for run in self.runs)
 
 

@@ -69,7 +69,7 @@ class BenchmarkScenario:
 
 
 def benchmark_scenarios(networks: NetworkCatalogue, runs: int) -> Iterator[BenchmarkScenario]:
-    """Returns the scenarios of all courses; fewer are the first of more.
+    """Yields the scenarios of all courses; fewer are the first of more.
 
     Args:
         networks: Catalogue with the shipped networks.

@@ -13,7 +13,7 @@ from drivora_service.store.campaign_records import EvaluationRecord
 
 
 def status_of(report: RunReport) -> EvaluationStatus:
-    """Returns whether a simulated run was judged."""
+    """Returns the status of the evaluation of a simulated run."""
     if report.status is RunStatus.FINISHED:
         return EvaluationStatus.JUDGED
     return EvaluationStatus.FAILED

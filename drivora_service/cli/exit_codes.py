@@ -10,7 +10,7 @@ class ExitCode(IntEnum):
 
     DONE = 0
     GATE_FAILED = 1
-    WRONG_USE = 2
+    USAGE_ERROR = 2
     NOT_DONE = 3
 
 

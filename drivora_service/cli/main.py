@@ -47,7 +47,7 @@ class Commands(typer.Typer):
             return super().__call__(*args, **kwargs)
         except (ConfigurationError, UnknownName, NotFound) as error:
             fail(str(error))
-            raise SystemExit(ExitCode.WRONG_USE) from error
+            raise SystemExit(ExitCode.USAGE_ERROR) from error
         except DrivoraError as error:
             fail(str(error))
             if isinstance(error, PluginError) and error.log:

@@ -24,7 +24,7 @@ _POLL_S = 0.05
 
 @contextmanager
 def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
-    """Starts a service on a free port of loopback and gives its address; ends it afterwards.
+    """Starts a service on a free port of loopback and yields its address; ends it afterwards.
 
     Its log is ``service.log`` in the data folder.
 

@@ -18,7 +18,6 @@ Language = Literal["json", "yaml"]
 Query = Mapping[str, object]
 """Parameters by name. ``None``, "" and an empty sequence are left out; a sequence is repeated."""
 
-PREFIX = "/api/v1"
 _MOST_ITEMS = 500
 """Of a page."""
 

@@ -35,7 +35,7 @@ UNAVAILABLE = frozenset(
         HTTPStatus.GATEWAY_TIMEOUT,
     }
 )
-"""Statuses that may be others a little later."""
+"""Statuses of temporary failures."""
 
 _KINDS: dict[int, type[ServiceError]] = {
     HTTPStatus.UNAUTHORIZED: NotAuthorised,

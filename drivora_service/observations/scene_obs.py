@@ -36,14 +36,14 @@ _BLOCK = 256
 
 
 def ndjson(trace: Trace, first: int, last: int) -> Iterator[bytes]:
-    """Returns the frames of rows ``first`` to ``last`` (exclusive), each as a line of JSON."""
+    """Yields the frames of rows ``first`` to ``last`` (exclusive), each as a line of JSON."""
     encode = json.JSONEncoder(separators=(",", ":"), allow_nan=False, check_circular=False).encode
     for frame in scene_frames(trace, first, last):
         yield encode(frame).encode() + b"\n"
 
 
 def scene_frames(trace: Trace, first: int, last: int) -> Iterator[dict[str, Any]]:
-    """Returns the frames of rows ``first`` to ``last`` (exclusive), as far as the trace has them.
+    """Yields the frames of rows ``first`` to ``last`` (exclusive), as far as the trace has them.
 
     Egos are listed at every step, other actors while they are present.
     """

@@ -95,7 +95,7 @@ def _check_ego(
 def _check_team(
     egos: Sequence[EgoDocument | EgoVehicle], agents: AgentDirectory, driven_by: str
 ) -> Iterator[Problem]:
-    """Returns problems for egos whose drivers exclude each other in one run."""
+    """Yields problems for egos whose drivers exclude each other in one run."""
     first: tuple[int, str] | None = None
     for index, ego in enumerate(egos):
         named = _agent_name(ego)

@@ -198,7 +198,7 @@ def _repaired(content: Any, place: Place, rest: Place) -> Any:
 
 
 def _upwards(place: str) -> Iterable[str]:
-    """Returns a pointer and those of all parts around it, without the document."""
+    """Yields a pointer and those of all parts around it, without the document."""
     while place:
         yield place
         place = place.rpartition("/")[0]

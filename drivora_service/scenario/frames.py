@@ -29,11 +29,6 @@ class FrameTransform:
         """Returns the place in the network's plane, metres."""
         return x + self.offset_x, (-y if self.mirrored else y) + self.offset_y
 
-    def from_network(self, x: float, y: float) -> tuple[float, float]:
-        """Returns the place in the document's frame, metres."""
-        north = y - self.offset_y
-        return x - self.offset_x, (0.0 - north if self.mirrored else north)
-
     def yaw_to_network(self, degrees: float) -> float:
         """Returns radians counter-clockwise from east in [-pi, pi).
 

@@ -124,37 +124,6 @@ class EvaluationRepository:
         row = evaluation_row(self._session, campaign, number)
         return self._records(campaign.seq, [row])[0]
 
-    def lineage(self, campaign_id: str, number: int) -> tuple[EvaluationRecord, ...]:
-        """Returns an evaluation and its ancestors, in the order of their numbers.
-
-        Raises:
-            UnknownName: There is no such campaign, or it has no evaluation of this number.
-        """
-        campaign = campaign_row(self._session, campaign_id)
-        self.get(campaign_id, number)
-        family: set[int] = set()
-        ahead = [number]
-        while ahead:
-            family.update(ahead)
-            found: set[int] = set()
-            for chunk in batched(ahead):
-                parents = self._session.scalars(
-                    select(EvaluationRow.parents).where(
-                        EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number.in_(chunk)
-                    )
-                )
-                for text in parents:
-                    found.update(json.loads(text))
-            ahead = sorted(found - family)
-        rows: list[EvaluationRow] = []
-        for chunk in batched(sorted(family)):
-            rows += self._session.scalars(
-                select(EvaluationRow)
-                .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number.in_(chunk))
-                .order_by(EvaluationRow.number)
-            )
-        return self._records(campaign.seq, rows)
-
     def document(self, campaign_id: str, number: int) -> str:
         """Returns the scenario of an evaluation as canonical JSON text.
 

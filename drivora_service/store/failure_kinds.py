@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from sqlalchemy import Select, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
@@ -22,10 +22,6 @@ def failure_kinds(session: Session, campaign_seq: int) -> tuple[FailureKind, ...
         combine(FailureKind, row, groups=row.groups or None)
         for row in sorted(rows, key=lambda row: (row.first, row.kind))
     )
-
-
-def _of_campaign(campaign_seq: int) -> Select[FailureKindRow]:
-    return select(FailureKindRow).where(FailureKindRow.campaign_seq == campaign_seq)
 
 
 def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:

@@ -46,7 +46,7 @@ COURSES = (
 def plans(
     networks: NetworkCatalogue, *, runs: int, seed: int, crowding: int, leaders: bool = False
 ) -> Iterator[EpisodePlan]:
-    """Returns the runs of all courses.
+    """Yields the runs of all courses.
 
     Args:
         networks: Catalogue with the shipped networks.

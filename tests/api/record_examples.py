@@ -22,7 +22,7 @@ import httpx
 import yaml
 
 from drivora_service.api import examples
-from drivora_service.api.context import PREFIX
+from drivora_service.api_paths import PREFIX
 from drivora_service.cli.service_process import running_service
 
 FOLDER = Path(examples.__file__).with_name("recorded")

@@ -14,11 +14,13 @@ metres = st.floats(-1e5, 1e5)
 
 
 @given(metres, metres, metres, metres, st.booleans())
-def test_there_and_back_is_the_same_place(
+def test_places_are_moved_and_mirrored(
     x: float, y: float, offset_x: float, offset_y: float, mirrored: bool
 ) -> None:
     frame = FrameTransform(offset_x=offset_x, offset_y=offset_y, mirrored=mirrored)
-    assert frame.from_network(*frame.to_network(x, y)) == pytest.approx((x, y), abs=1e-9)
+    north = -y if mirrored else y
+    east, up = frame.to_network(x, y)
+    assert (east - offset_x, up - offset_y) == pytest.approx((x, north), abs=1e-9)
 
 
 @given(st.floats(-180, 179.999), st.booleans())

@@ -204,10 +204,12 @@ def test_a_lineage_holds_every_ancestor_once(database: Database) -> None:
     family = {0: (), 1: (), 2: (0,), 3: (1,), 4: (2, 0), 5: (3,), 6: (4, 2)}
     append(database, campaign_id, *(evaluation(n, parents=p) for n, p in family.items()))
     with database.read() as transaction:
-        lineage = transaction.evaluations.lineage(campaign_id, 6)
-        alone = transaction.evaluations.lineage(campaign_id, 1)
-    assert [record.number for record in lineage] == [0, 2, 4, 6]
-    assert [record.number for record in alone] == [1]
+        lineage = transaction.campaign_views.ancestors(campaign_id, 6, most=10)
+        nearest = transaction.campaign_views.ancestors(campaign_id, 6, most=2)
+        none = transaction.campaign_views.ancestors(campaign_id, 1, most=10)
+    assert [summary.number for summary in lineage] == [0, 2, 4]
+    assert [summary.number for summary in nearest] == [2, 4]
+    assert none == ()
 
 
 def test_campaigns_do_not_see_each_others_evaluations(database: Database) -> None:

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
-from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, batch_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken, RunOverrides
@@ -25,6 +25,7 @@ from drivora_service.api.schemas.batches import (
 )
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
+from drivora_service.api_paths import PREFIX
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.shapes import to_json
 from drivora_service.store.records import NewRun, Page, Priority
@@ -208,8 +209,8 @@ def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides
         except InvalidDocument as error:
             rejected[item] = error.problems
             found += len(error.problems)
-        hopeless = not runs and len(rejected) >= MOST_REJECTED
-        if (hopeless or found >= MOST_PROBLEMS) and item + 1 < len(documents):
+        all_rejected = not runs and len(rejected) >= MOST_REJECTED
+        if (all_rejected or found >= MOST_PROBLEMS) and item + 1 < len(documents):
             raise _all_rejected(rejected, unchecked=len(documents) - item - 1, found=found)
     if not runs:
         raise _all_rejected(rejected, found=found)
@@ -241,7 +242,7 @@ def _all_rejected(
         return InvalidDocument(tuple(islice(every, MOST_PROBLEMS)))
     message = (
         f"{found} problems in {len(rejected)} scenarios; the last {unchecked} were not looked at. "
-        "Mend these first: the batch is refused as a whole"
+        "Correct these first: the batch is refused as a whole"
     )
     stopped = Problem(pointer="", code="batch_not_checked", message=message)
     return InvalidDocument((stopped, *islice(every, MOST_PROBLEMS)))

@@ -9,12 +9,13 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
-from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, campaign_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken
 from drivora_service.api.schemas.campaigns import Campaign, CampaignValidation, campaign_of
 from drivora_service.api.security import reader, submitter
+from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.folder import ask_for
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json

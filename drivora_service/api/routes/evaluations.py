@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Path, Query, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
-from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Limit, PageToken, Steps
@@ -20,6 +20,7 @@ from drivora_service.api.schemas.campaigns import (
     failure_of,
 )
 from drivora_service.api.security import reader
+from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.errors import UnknownName
 from drivora_service.oracles.accountability import Accountability

@@ -8,13 +8,14 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
-from drivora_service.api.context import PREFIX, ApiContext, Context
+from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunOverrides
 from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides, new_run
+from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
 from drivora_service.store.records import Page, RunSummary
 

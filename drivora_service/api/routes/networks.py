@@ -6,7 +6,7 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, cache_headers, is_known, json_answer
-from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
 from drivora_service.api.schemas.catalogues import (
     LaneGeometry,
@@ -16,6 +16,7 @@ from drivora_service.api.schemas.catalogues import (
     NetworkSummary,
 )
 from drivora_service.api.security import reader
+from drivora_service.api_paths import PREFIX
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 

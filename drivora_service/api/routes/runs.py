@@ -6,12 +6,13 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
-from drivora_service.api.context import PREFIX, Context
+from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Limit, PageToken, Steps
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
+from drivora_service.api_paths import PREFIX
 from drivora_service.errors import UnknownName
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text

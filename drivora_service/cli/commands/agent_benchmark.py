@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,11 +11,7 @@ from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, ServerOption, WorkersOption
 from drivora_service.cli.output import JsonOption, fail, note, print_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from drivora_service.agents.entry import AgentEntry
+from drivora_service.cli.progress import run_progress
 
 _MOST_RUNS = 100
 
@@ -61,8 +55,10 @@ def benchmark(
         scenarios = (
             [*benchmark_scenarios(network_catalogue(settings), number)] if entered.present else []
         )
-        with _progress(entered.present, runs=len(scenarios)) as step:
-            cards = agent_benchmark.benchmark(client, entered.present, scenarios, on_run=step)
+        with run_progress([one.name for one in entered.present], total=len(scenarios)) as count:
+            cards = agent_benchmark.benchmark(
+                client, entered.present, scenarios, on_run=lambda agent: count(agent.name)
+            )
         pictures = {}
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
@@ -79,20 +75,3 @@ def benchmark(
     if not_done:
         fail(f"{not_done} run(s) could not be done, for reasons that are not the agents'")
         raise typer.Exit(ExitCode.NOT_DONE)
-
-
-@contextmanager
-def _progress(agents: Sequence[AgentEntry], *, runs: int) -> Iterator[Callable[[AgentEntry], None]]:
-    """Shows on standard error how many of its runs each agent has done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        tasks = {agent.name: progress.add_task(agent.name, total=runs) for agent in agents}
-        yield lambda agent: progress.advance(tasks[agent.name])

@@ -225,7 +225,7 @@ def _problems_of(file: Path) -> Iterator[None]:
         fail(f"{file}: {len(error.problems)} problem(s)")
         for problem in error.problems:
             typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
-        raise typer.Exit(ExitCode.WRONG_USE) from error
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
 
 
 def _refuse_detaching(detach: bool, server: str) -> None:
@@ -309,7 +309,7 @@ def _gate_of_document(
         return read_gate(wanted, [str(one) for one in counted], counted_by="the campaign")
     except ConfigurationError as error:
         fail(str(error))
-        raise typer.Exit(ExitCode.WRONG_USE) from error
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
 
 
 def _show(client: Client, campaign: Campaign, *, as_json: bool) -> None:

@@ -10,6 +10,7 @@ import typer
 
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.output import note, number, print_table
+from drivora_service.cli.progress import run_progress
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
@@ -84,17 +85,12 @@ def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
 
 def _judged(client: Client, documents: Sequence[str]) -> list[Run]:
     """Has the service run scenarios, shows how far they are, and returns their runs in order."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     posted = client.post_batch(documents, name="demo")
     runs = []
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("runs", total=posted.accepted)
+    with run_progress(["runs"], total=posted.accepted) as count:
         for run in client.wait_for_batch(posted.batch.id):
             runs.append(run)
-            progress.advance(task)
+            count("runs")
     return sorted(runs, key=lambda run: run.item)
 
 

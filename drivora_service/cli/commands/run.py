@@ -127,7 +127,7 @@ def _gate(wanted: Sequence[str]) -> Gate:
         return read_gate(wanted, OracleCatalogue().names(), counted_by="Drivora")
     except ConfigurationError as error:
         fail(str(error))
-        raise typer.Exit(ExitCode.WRONG_USE) from error
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
 
 
 def _check_parameters(texts: Sequence[str]) -> None:

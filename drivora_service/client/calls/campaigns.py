@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
+from drivora_service.api_paths import PREFIX
 from drivora_service.client.call import (
-    PREFIX,
     Call,
     Document,
     Language,

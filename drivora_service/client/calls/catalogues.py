@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from drivora_service.client.call import PREFIX, Call, get
+from drivora_service.api_paths import PREFIX
+from drivora_service.client.call import Call, get
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.catalogues import (

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from drivora_service.api_paths import PREFIX
 from drivora_service.client.call import (
-    PREFIX,
     Call,
     Document,
     Language,
@@ -164,7 +164,7 @@ def cancel_batch(batch_id: str) -> Call[Batch]:
 
 
 def pause_batch(batch_id: str) -> Call[Batch]:
-    """Starts no further run of a batch; those that run go on."""
+    """Starts no further run of a batch; its running runs continue."""
     return _batch_act("pause", batch_id)
 
 

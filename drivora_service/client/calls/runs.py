@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from drivora_service.client.call import PREFIX, Call, Listing, ObservationForm, get, listing
+from drivora_service.api_paths import PREFIX
+from drivora_service.client.call import Call, Listing, ObservationForm, get, listing
 from drivora_service.client.calls.jobs import job_query
 
 if TYPE_CHECKING:

@@ -98,7 +98,7 @@ def _roots(
     surroundings: Sequence[RouteSurroundings],
     reach: float,
 ) -> Iterator[tuple[int, float]]:
-    """Returns the lanes near the routes, with the starts of walks on them."""
+    """Yields the lanes near the routes, with the starts of walks on them."""
     for lane in network.lanes:
         if not lane.drivable or lane.is_internal:
             continue

@@ -152,7 +152,7 @@ class DiluAdapter:
         return around.beside(offset)
 
     def _return_in_time(self, around: Surroundings) -> None:
-        """Returns to the route's lane if the present lane will soon be unusable."""
+        """Changes to the route's lane if the present lane will soon be unusable."""
         if self._lane == 0:
             return
         needed = max(_RETURN_S * around.speed, _LEAST_RETURN)

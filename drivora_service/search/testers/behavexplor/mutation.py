@@ -50,7 +50,7 @@ class WaypointNoise:
         return shifted(values, space, random, moves & movable, sigma * strength)
 
     def plan(self, space: GeneSpace) -> tuple[FloatArray, IntArray]:
-        """Returns how the genes move.
+        """Returns how far each gene moves, and with which others.
 
         Returns:
             (d,) standard deviations in the genes' units, 0 for fixed genes; and (d,) for each gene
