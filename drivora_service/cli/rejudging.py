@@ -16,7 +16,7 @@ from drivora_service.oracles.accountability import IN_WORDS, accountable
 from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.verdict import Answer, Verdict
-from drivora_service.oracles.verdict_json import verdict_to_json
+from drivora_service.oracles.verdict_json import verdict_content
 
 _TRACE = ".trace.parquet"
 
@@ -90,7 +90,7 @@ def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) ->
     before = _reported(path)
     if before is None:
         return Rejudged(trace=path, verdicts=verdicts)
-    after = [json.loads(verdict_to_json(verdict)) for verdict in verdicts]
+    after = [verdict_content(verdict) for verdict in verdicts]
     return Rejudged(
         trace=path,
         compared=True,

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic_core import from_json
 
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.shapes import adapter
 
 
 def verdict_to_json(verdict: Verdict) -> str:
     """Writes a verdict as JSON; NaN and infinities become ``null``."""
-    return _adapter().dump_json(verdict, fallback=plain_value).decode()
+    return adapter(Verdict).dump_json(verdict, fallback=plain_value).decode()
+
+
+def verdict_content(verdict: Verdict) -> dict[str, Any]:
+    """Returns a verdict as the values of its JSON."""
+    content: dict[str, Any] = from_json(verdict_to_json(verdict))
+    return content
 
 
 def verdict_from_json(text: str | bytes) -> Verdict:
     """Reads what :func:`verdict_to_json` wrote."""
-    return _adapter().validate_json(text)
+    verdict: Verdict = adapter(Verdict).validate_json(text)
+    return verdict
 
 
 def plain_verdict(verdict: Verdict) -> Verdict:
@@ -28,7 +35,7 @@ def plain_verdict(verdict: Verdict) -> Verdict:
         ValueError: A field is of a wrong type, or the evidence cannot be written as JSON.
     """
     # Types are checked on reading, where NumPy's numbers count as numbers.
-    text = _adapter().dump_json(verdict, fallback=plain_value, warnings=False)
+    text = adapter(Verdict).dump_json(verdict, fallback=plain_value, warnings=False)
     return verdict_from_json(text)
 
 
@@ -41,8 +48,3 @@ def plain_value(value: Any) -> Any:
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     raise TypeError(f"a report cannot hold a {type(value).__name__}")
-
-
-@cache
-def _adapter() -> TypeAdapter[Verdict]:
-    return TypeAdapter(Verdict)

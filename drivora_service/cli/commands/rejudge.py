@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -29,7 +28,7 @@ def rejudge(
     from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.cli.rejudging import find_traces, rejudge
     from drivora_service.oracles.catalogue import OracleCatalogue
-    from drivora_service.oracles.verdict_json import verdict_to_json
+    from drivora_service.oracles.verdict_json import verdict_content
 
     networks = network_catalogue(settings_for(data_dir))
     oracles = OracleCatalogue()
@@ -45,7 +44,7 @@ def rejudge(
                     {"oracle": c.oracle, "ego": c.ego, "before": c.before, "after": c.after}
                     for c in one.changes
                 ],
-                "verdicts": [json.loads(verdict_to_json(verdict)) for verdict in one.verdicts],
+                "verdicts": [verdict_content(verdict) for verdict in one.verdicts],
             }
             for one in done
         ]

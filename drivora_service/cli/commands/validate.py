@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -74,9 +75,7 @@ def _result(
         "file": path,
         "scenario": name,
         "valid": not problems,
-        "problems": [
-            {"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems
-        ],
+        "problems": [asdict(problem) for problem in problems],
         "notes": list(notes),
     }
 
