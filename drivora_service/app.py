@@ -29,7 +29,7 @@ from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_locks import CommandLocks
-from drivora_service.store.database import open_database
+from drivora_service.store.database import make_data_folder, open_database
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
@@ -76,7 +76,7 @@ def create_service(
         StoreError: The database cannot be used.
     """
     tokens = _tokens(settings)
-    settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_data_folder(settings.data_dir)
     exclusive = settings.resolved_database_url.startswith("sqlite")
     lock = ServerLock(settings.data_dir)
     database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)

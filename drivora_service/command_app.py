@@ -2,8 +2,8 @@
 
 It holds no ``ServerLock``, so that commands work beside a service on the same data folder. The runs
 that a command asks for are handed to its own workers alone, and are cancelled when it ends or dies;
-its campaigns run in its process. The database is opened, and made, by the first request that needs
-it.
+its campaigns run in its process. The database is opened by the first request that needs it, and
+made if the command stores data.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from drivora_service.errors import DrivoraError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
+from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
+from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.command_locks import CommandLocks
-from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
@@ -42,36 +42,6 @@ _NO_LIMIT = 1 << 60
 """A command is bounded by its own memory."""
 
 LOCAL_EVALUATOR = "local"
-
-
-class CommandDatabase:
-    """The database of a command, opened when it is needed."""
-
-    def __init__(self, settings: Settings) -> None:
-        """Prepares; nothing is opened or created."""
-        self._settings = settings
-        self._opening = threading.Lock()
-        self._database: Database | None = None
-
-    def __call__(self) -> Database:
-        """Returns the database.
-
-        Raises:
-            StoreError: It cannot be used.
-        """
-        with self._opening:
-            if self._database is None:
-                self._settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
-                database = open_database(self._settings.resolved_database_url)
-                commands = CommandLocks(self._settings.data_dir)
-                cancel_runs_of_dead_commands(database, RetryPolicy(), commands)
-                self._database = database
-            return self._database
-
-    def close(self) -> None:
-        """Closes every connection."""
-        if self._database is not None:
-            self._database.close()
 
 
 class CommandRuns:
@@ -152,6 +122,7 @@ def create_command_app(
     *,
     workers: int | None = None,
     evaluator: str = LOCAL_EVALUATOR,
+    makes_data: bool = True,
     on_error: Callable[[DrivoraError], None] = lambda _error: None,
 ) -> FastAPI:
     """Builds the application of a command.
@@ -161,13 +132,16 @@ def create_command_app(
         workers: Worker processes at once; ``None``: as the settings have it, and for a campaign as
             its file has it.
         evaluator: Name of the evaluator of campaigns.
+        makes_data: Whether data folder and database are made if they do not exist.
         on_error: Called with the error that stopped a campaign.
 
     Raises:
         UnknownName: There is no such evaluator.
     """
     plugin = evaluator_plugins().plugin(evaluator)
-    database = CommandDatabase(settings)
+    database = CommandDatabase(
+        settings.data_dir, settings.resolved_database_url, makes_data=makes_data
+    )
     traces = TraceFolder(settings.traces_dir)
     runs = CommandRuns(settings, database, traces, workers or settings.workers)
     catalogues = Catalogues(
@@ -223,5 +197,6 @@ def create_command_app(
         faults=faults,
         storage_fault=lambda: "",
         stopping=stopping.is_set,
+        is_service=False,
     )
     return create_api(context, lifespan)

@@ -17,6 +17,7 @@ The tree::
     ├── StoreError             the database or a trace file cannot be used
     │   ├── StoreUnavailable   the database cannot be used at the moment
     │   ├── Conflict           the request conflicts with the stored state
+    │   ├── NothingStored      there is no database where one is to be read
     │   └── QueueFull          the queue has reached its limit
     ├── ServiceBroken          this process can no longer serve and must be restarted
     ├── ServiceError           a service refused an HTTP request, or did not answer
@@ -155,6 +156,10 @@ class StoreUnavailable(StoreError):
 
 class Conflict(StoreError):
     """The request conflicts with the stored state."""
+
+
+class NothingStored(StoreError):
+    """There is no database where one is to be read."""
 
 
 class QueueFull(StoreError):

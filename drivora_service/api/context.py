@@ -57,6 +57,7 @@ class ApiContext:
             "", without waiting.
         storage_fault: Returns why nothing can be stored and what to do, or "", without waiting.
         stopping: Whether the service takes no more work because it is being stopped.
+        is_service: Whether others ask than the process itself: they are not told the inside.
     """
 
     opened: Callable[[], Database]
@@ -73,6 +74,7 @@ class ApiContext:
     faults: Callable[[], Mapping[str, str]]
     storage_fault: Callable[[], str]
     stopping: Callable[[], bool]
+    is_service: bool = True
 
     @property
     def database(self) -> Database:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from http import HTTPStatus
 from typing import Any
 
@@ -12,6 +13,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 
+from drivora_service.api.context import context_of
 from drivora_service.api.methods import MethodTable
 from drivora_service.errors import (
     CampaignError,
@@ -19,8 +21,10 @@ from drivora_service.errors import (
     DrivoraError,
     InvalidDocument,
     NetworkError,
+    NothingStored,
     Problem,
     QueueFull,
+    StoreError,
     StoreUnavailable,
     UnknownName,
 )
@@ -70,11 +74,22 @@ class ApiError(Exception):
 
 
 def problem_items(problems: tuple[Problem, ...]) -> list[ProblemItem]:
-    """Returns problems in the shape of the answer; too many problems are cut short."""
-    return [
-        ProblemItem(pointer=p.pointer, code=p.code, message=p.message)
-        for p in problems[:_MAX_PROBLEMS]
-    ]
+    """Returns problems in the shape of the answer; too many problems are cut short.
+
+    Each document of a batch keeps its first problems, and at least one.
+    """
+    documents = Counter(_place_in_batch(problem) for problem in problems)
+    most = max(1, _MAX_PROBLEMS // max(1, len(documents)))
+    taken: Counter[str] = Counter()
+    items = []
+    for problem in problems:
+        place = _place_in_batch(problem)
+        taken[place] += 1
+        if taken[place] <= most:
+            items.append(
+                ProblemItem(pointer=problem.pointer, code=problem.code, message=problem.message)
+            )
+    return items
 
 
 def problem_response(
@@ -130,7 +145,7 @@ def _answer(request: Request, error: Exception) -> Response:
             return problem_response(
                 HTTPStatus.UNPROCESSABLE_ENTITY, detail, instance=path, problems=problems
             )
-        case UnknownName():
+        case UnknownName() | NothingStored():
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
         case Conflict():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)
@@ -154,13 +169,29 @@ def _answer(request: Request, error: Exception) -> Response:
                 instance=path,
                 problems=problems,
             )
+        case StoreError() if not context_of(request).is_service:
+            return problem_response(HTTPStatus.INTERNAL_SERVER_ERROR, str(error), instance=path)
         case _:
             _log.error("request_failed", path=path, exc_info=error)
             return problem_response(
-                HTTPStatus.INTERNAL_SERVER_ERROR,
-                "the service failed to answer; its log says why",
-                instance=path,
+                HTTPStatus.INTERNAL_SERVER_ERROR, _internal(request, error), instance=path
             )
+
+
+def _internal(request: Request, error: Exception) -> str:
+    """Returns the text for an error that no request should cause."""
+    if context_of(request).is_service:
+        return "the service failed to answer; its log says why"
+    return (
+        f"internal error: {type(error).__name__}: {error}; the log on standard error shows where "
+        "it was raised"
+    )
+
+
+def _place_in_batch(problem: Problem) -> str:
+    """Returns the place of a problem's document in its batch; "" if the body is one document."""
+    place = problem.pointer.removeprefix("/").partition("/")[0]
+    return place if place.isdecimal() else ""
 
 
 def _parameter_problem(item: dict[str, Any]) -> Problem:

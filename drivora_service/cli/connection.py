@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,6 +24,7 @@ def connected(
     data_dir: Path | None,
     *,
     works: bool = False,
+    makes_data: bool = False,
     workers: int | None = None,
     evaluator: str = "",
     on_error: Callable[[DrivoraError], None] = lambda _error: None,
@@ -33,6 +35,7 @@ def connected(
         server: Address of a service; "": this process does the work.
         data_dir: Data folder in that case; ``None``: the one of the environment.
         works: Whether runs will be made, so that worker processes may get ready meanwhile.
+        makes_data: Whether data folder and database are made if they do not exist.
         workers: Worker processes in this process.
         evaluator: Evaluator of campaigns in this process.
         on_error: Called with the error that stopped a campaign in this process.
@@ -40,12 +43,16 @@ def connected(
     Raises:
         ConfigurationError: Options for work in this process were given for a service.
     """
-    # Standard output is the command's result alone.
+    if server:
+        _refuse_local_options(data_dir, workers, evaluator)
+    from drivora_service.cli.installation import settings_for
     from drivora_service.logs import configure_logs
 
-    configure_logs(level="error")
+    settings = settings_for(data_dir, workers=workers)
+    # What is no fault is of no use beside the results, unless it is asked for.
+    is_asked = "log_level" in settings.model_fields_set
+    configure_logs(form=settings.log_format, level=settings.log_level if is_asked else "error")
     if server:
-        _refuse_local_options(workers, evaluator)
         from drivora_service.client import Client
 
         with Client(server, retry_s=_RETRY_S, on_retry=_say_retry) as client:
@@ -54,35 +61,43 @@ def connected(
     from drivora_service.cli.private_files import keep_files_private
 
     keep_files_private()
-    from drivora_service.logs import configure_logs
-
-    # Standard output has the results; what is no fault is of no use beside them.
-    configure_logs(level="error")
     if works:
         from drivora_service.execution.fork_server import prepare_processes
 
         # Processes start while this one reads and checks the documents.
         prepare_processes()
-    from drivora_service.cli.installation import settings_for
     from drivora_service.client import ApplicationTransport, Client
     from drivora_service.command_app import LOCAL_EVALUATOR, create_command_app
 
     app = create_command_app(
-        settings_for(data_dir, workers=workers),
+        settings,
         workers=workers,
         evaluator=evaluator or LOCAL_EVALUATOR,
+        makes_data=makes_data,
         on_error=on_error,
     )
     with Client(transport=ApplicationTransport(app)) as client:
         yield client
 
 
-def _refuse_local_options(workers: int | None, evaluator: str) -> None:
+def _refuse_local_options(data_dir: Path | None, workers: int | None, evaluator: str) -> None:
+    if data_dir is not None:
+        raise ConfigurationError(
+            f"--data-dir is for work in this process, and {_server_source()}: the service at that "
+            "address has a data folder of its own. Leave out --data-dir, or give --server '' to "
+            "work here"
+        )
     if workers is not None or evaluator:
         raise ConfigurationError(
-            "--workers and --evaluator are for work in this process; a service has its own "
-            "workers, and a campaign may want fewer of them (`workers` in its file)"
+            f"--workers and --evaluator are for work in this process, and {_server_source()}; a "
+            "service has its own workers, and a campaign may want fewer of them (`workers` in its "
+            "file). Leave them out, or give --server '' to work here"
         )
+
+
+def _server_source() -> str:
+    """Says where the address of the service comes from."""
+    return "DRIVORA_SERVER is set" if os.environ.get("DRIVORA_SERVER") else "--server is given"
 
 
 def _say_retry(error: ServiceError, seconds: float) -> None:

@@ -33,6 +33,7 @@ from drivora_service.errors import (
     ConfigurationError,
     DrivoraError,
     NotFound,
+    NothingStored,
     PluginError,
     UnknownName,
 )
@@ -45,7 +46,7 @@ class Commands(typer.Typer):
         """Runs the command that the command line names."""
         try:
             return super().__call__(*args, **kwargs)
-        except (ConfigurationError, UnknownName, NotFound) as error:
+        except (ConfigurationError, UnknownName, NotFound, NothingStored) as error:
             fail(str(error))
             raise SystemExit(ExitCode.USAGE_ERROR) from error
         except DrivoraError as error:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from sqlalchemy import Connection, Engine, create_engine, event, text
-from sqlalchemy.engine import make_url
+from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session, sessionmaker
@@ -205,36 +205,74 @@ class Database:
         self.engine.dispose()
 
 
-def open_database(url: str, *, patience_s: float = PATIENCE_S) -> Database:
+def database_file(url: str) -> Path | None:
+    """Returns the file of a database; ``None`` if it is none of SQLite.
+
+    Raises:
+        StoreError: The address cannot be used.
+    """
+    parsed = _parsed(url)
+    return Path(parsed.database or "") if parsed.get_backend_name() == "sqlite" else None
+
+
+def open_database(
+    url: str,
+    *,
+    patience_s: float = PATIENCE_S,
+    before_migration: Callable[[], None] = lambda: None,
+) -> Database:
     """Opens a database, makes it if it does not exist, and migrates it to this version.
 
     Args:
         url: SQLAlchemy address, such as ``sqlite:////var/lib/drivora/drivora.sqlite3``.
         patience_s: Seconds to wait for other writing threads, and as long again for other
             processes.
+        before_migration: Called before a database of an older version is migrated; raises to
+            prevent that.
 
     Raises:
         StoreError: It cannot be opened, or was written by a newer version.
     """
-    try:
-        parsed = make_url(url)
-    except ArgumentError as error:
-        raise StoreError(f"{url!r} is no database address: {error}") from error
-    if parsed.get_backend_name() == "sqlite":
-        if not parsed.database or parsed.database == ":memory:":
-            raise StoreError("a database in memory cannot be shared by threads; give a file")
-        Path(parsed.database).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    parsed = _parsed(url)
+    file = database_file(url)
+    if file is not None:
+        make_data_folder(file.parent)
     with _store_errors():
         engine = create_engine(parsed, pool_size=16, max_overflow=48)
         if engine.dialect.name == "sqlite":
             event.listen(engine, "connect", partial(_configure_sqlite, patience_s))
             event.listen(engine, "begin", _begin_sqlite)
         try:
-            migrate(engine)
+            migrate(engine, before_migration=before_migration)
         except BaseException:
             engine.dispose()
             raise
     return Database(engine, patience_s=patience_s)
+
+
+def make_data_folder(folder: Path) -> None:
+    """Makes a folder for data, for its owner only; an existing one stays as it is.
+
+    Raises:
+        StoreError: It cannot be made.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(
+            f"the data folder {folder} cannot be made: {error.strerror}; choose another with "
+            "--data-dir or DRIVORA_DATA_DIR"
+        ) from error
+
+
+def _parsed(url: str) -> URL:
+    try:
+        parsed = make_url(url)
+    except ArgumentError as error:
+        raise StoreError(f"{url!r} is no database address: {error}") from error
+    if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
+        raise StoreError("a database in memory cannot be shared by threads; give a file")
+    return parsed
 
 
 def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record: object) -> None:

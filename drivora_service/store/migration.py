@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,13 @@ if TYPE_CHECKING:
 _VERSIONS = Path(__file__).parent / "migrations" / "versions"
 
 
-def migrate(engine: Engine) -> None:
+def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: None) -> None:
     """Migrates to the newest schema; does nothing to a database that has it.
+
+    Args:
+        engine: Of the database.
+        before_migration: Called before a database of an older version is changed; raises to
+            prevent that.
 
     Raises:
         StoreError: The database was written by a newer version.
@@ -35,6 +41,8 @@ def migrate(engine: Engine) -> None:
             f"the database has schema {current!r}, which this version does not know; "
             "use the version that wrote it, or a newer one"
         )
+    if current:
+        before_migration()
     with engine.execution_options(drivora_writes=True).begin() as connection:
         command.upgrade(_config(connection), "head")
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivora_service.store.file_lock import FileLock
+from drivora_service.errors import Conflict
+from drivora_service.store.file_lock import FileLock, is_locked
+
+_NAME = "server.lock"
 
 
 class ServerLock:
@@ -22,7 +25,7 @@ class ServerLock:
             Conflict: Another process has it.
         """
         self._lock = FileLock(
-            data_dir / "server.lock",
+            data_dir / _NAME,
             refusal=lambda holder: (
                 f"process {holder} already serves {data_dir}; stop it, talk to it with --server, "
                 "or choose another folder with DRIVORA_DATA_DIR"
@@ -32,3 +35,21 @@ class ServerLock:
     def release(self) -> None:
         """Releases the lock."""
         self._lock.release()
+
+
+def refuse_while_served(data_dir: Path) -> None:
+    """Refuses to migrate a database that a server uses.
+
+    A server keeps its database at its own schema: one that uses an older schema is of an older
+    version, and cannot work with the newer one.
+
+    Raises:
+        Conflict: A server has the data folder.
+    """
+    path = data_dir / _NAME
+    if path.is_file() and is_locked(path):
+        holder = path.read_text(errors="replace").strip() or "(unknown)"
+        raise Conflict(
+            f"process {holder} serves {data_dir} with an older version of Drivora, and this "
+            "version would migrate its database; stop it first, or ask it with --server"
+        )

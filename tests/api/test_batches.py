@@ -97,6 +97,20 @@ def test_a_batch_with_too_many_mistakes_is_refused_as_a_whole(
     assert offline.client.get("/api/v1/jobs").json()["items"] == []
 
 
+def test_every_scenario_of_a_refused_batch_keeps_its_first_problem(
+    make_offline: MakeOffline, scenario: dict[str, Any]
+) -> None:
+    offline = make_offline(batch_items=250)
+    lost = {**scenario, "map_region": {"town": "Town99"}, "sed": 1}
+    refused = offline.client.post("/api/v1/batches", json=[lost] * 250)
+    named = is_problem(refused, 422)["problems"]
+    assert [problem["pointer"].split("/")[1] for problem in named] == [str(n) for n in range(250)]
+    odd = {**scenario, **{f"key{number}": 1 for number in range(300)}}
+    refused = offline.client.post("/api/v1/batches", json=[odd, lost])
+    places = [p["pointer"].split("/")[1] for p in is_problem(refused, 422)["problems"]]
+    assert (places.count("0"), places.count("1")) == (100, 2)
+
+
 @pytest.mark.slow
 def test_ten_thousand_scenarios_are_checked_in_seconds(
     make_offline: MakeOffline, scenario: dict[str, Any]

@@ -92,6 +92,7 @@ def wait_until_told(tmp_path: Path, process: subprocess.Popen[bytes], more_than:
 def test_a_bad_file_is_refused_with_every_place(drivora: Drivora, campaign_file: Path) -> None:
     wrong = CAMPAIGN.replace("name: random", "name: randon").replace("seed: 3", "sed: 3")
     campaign_file.write_text(wrong)
+    drivora("store", "migrate")
     ended = drivora("campaign", "run", campaign_file)
     assert ended.code == 2
     assert "/tester/name: " in ended.err
@@ -118,6 +119,7 @@ def test_a_bad_scenario_is_named(
 
 
 def test_what_is_not_there_is_wrong_use(drivora: Drivora, tmp_path: Path) -> None:
+    drivora("store", "migrate")
     assert drivora("campaign", "run", tmp_path / "none.yaml").code == 2
     for command in ("show", "resume", "pause", "cancel"):
         ended = drivora("campaign", command, "0123")

@@ -148,6 +148,7 @@ def test_real_campaigns_are_compared_and_reported(
 
 
 def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:
+    drivora("store", "migrate")
     unknown = drivora("campaign", "compare", "nothing")
     assert unknown.code == 2
     assert "unknown campaign 'nothing'" in unknown.err

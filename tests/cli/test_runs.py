@@ -92,6 +92,7 @@ def test_a_run_of_a_command_is_a_stored_run(
 
 
 def test_what_cannot_be_shown(drivora: Drivora) -> None:
+    drivora("store", "migrate")
     unknown = drivora("runs", "show", "no-such-run")
     assert (unknown.code, unknown.out) == (2, "")
     assert unknown.err.strip().endswith("unknown job 'no-such-run'")

@@ -43,7 +43,7 @@ def benchmark(
     An agent that is not installed is listed with the reason. Runs that an agent fails are part of
     its card; exits with 3 if any failed for another reason.
     """
-    with connected(server, data_dir, works=True, workers=workers) as client:
+    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.benchmarking.card_files import cards_content, write_cards
         from drivora_service.benchmarking.courses import RUNS, benchmark_scenarios
         from drivora_service.cli import agent_benchmark

@@ -81,6 +81,7 @@ def run(
         server,
         data_dir,
         works=True,
+        makes_data=True,
         workers=workers,
         evaluator=evaluator,
         on_error=_say_error,

@@ -79,7 +79,8 @@ def report(
     Pictures show road networks that are here too.
     """
     folder = None if out is None else out.with_name(f"{out.stem}-pictures")
-    with connected(server, data_dir) as client:
+    # With --server the data folder is for the road networks of pictures.
+    with connected(server, None if server else data_dir) as client:
         from drivora_service.cli.campaign_reports import drawn_report
 
         told = drawn_report(client, campaign_id, data_dir, folder)

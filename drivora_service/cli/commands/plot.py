@@ -74,7 +74,8 @@ def plot(
         draw(trace)
     else:
         with (
-            connected(server, data_dir) as client,
+            # With --server the data folder is for imported networks.
+            connected(server, None if server else data_dir) as client,
             tempfile.TemporaryDirectory(prefix="drivora-") as scratch,
         ):
             trace = Path(scratch) / "run.trace.parquet"

@@ -77,7 +77,7 @@ def run(
     `trace` and `notes`; several print {"runs": […]}.
     """
     chosen = _gate(gate_oracle or ()) if gate or gate_oracle else None
-    with connected(server, data_dir, works=True, workers=workers) as client:
+    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli import run_results
         from drivora_service.cli.running import run_files
         from drivora_service.cli.scenario_files import read_files

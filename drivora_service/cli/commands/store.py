@@ -25,7 +25,7 @@ def migrate(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None
     """Makes the database, or brings it to the schema of this version."""
     from drivora_service.store.migration import schema_version
 
-    with _opened(data_dir) as (database, *_):
+    with _opened(data_dir, makes_data=True) as (database, *_):
         version = schema_version(database.engine)
     if as_json:
         print_json({"schema": version})
@@ -153,16 +153,20 @@ def prune(
 
 
 @contextmanager
-def _opened(data_dir: Path | None) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
+def _opened(
+    data_dir: Path | None, *, makes_data: bool = False
+) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
     from drivora_service.cli.installation import settings_for
     from drivora_service.cli.private_files import keep_files_private
-    from drivora_service.store.database import open_database
+    from drivora_service.store.command_database import CommandDatabase
     from drivora_service.store.traces import CampaignTraces, TraceFolder
 
     keep_files_private()
     settings = settings_for(data_dir)
-    database = open_database(settings.resolved_database_url)
+    database = CommandDatabase(
+        settings.data_dir, settings.resolved_database_url, makes_data=makes_data
+    )
     try:
-        yield database, TraceFolder(settings.traces_dir), CampaignTraces(settings.campaigns_dir)
+        yield database(), TraceFolder(settings.traces_dir), CampaignTraces(settings.campaigns_dir)
     finally:
         database.close()

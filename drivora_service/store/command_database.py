@@ -1,0 +1,64 @@
+"""The database of a command."""
+
+from __future__ import annotations
+
+import threading
+from functools import partial
+from pathlib import Path
+
+from drivora_service.errors import NothingStored
+from drivora_service.store.database import (
+    Database,
+    database_file,
+    make_data_folder,
+    open_database,
+)
+from drivora_service.store.server_lock import refuse_while_served
+
+
+class CommandDatabase:
+    """The database of a command, opened when it is needed."""
+
+    def __init__(self, data_dir: Path, url: str, *, makes_data: bool) -> None:
+        """Prepares; nothing is opened or created.
+
+        Args:
+            data_dir: Data folder.
+            url: SQLAlchemy address of the database.
+            makes_data: Whether data folder and database are made if they do not exist.
+        """
+        self._data_dir, self._url, self._makes_data = data_dir, url, makes_data
+        self._opening = threading.Lock()
+        self._database: Database | None = None
+
+    def __call__(self) -> Database:
+        """Returns the database.
+
+        Raises:
+            NothingStored: It does not exist, and is not to be made.
+            Conflict: It is to be migrated, and a server uses it.
+            StoreError: It cannot be used.
+        """
+        with self._opening:
+            if self._database is None:
+                self._database = self._opened()
+            return self._database
+
+    def close(self) -> None:
+        """Closes every connection."""
+        if self._database is not None:
+            self._database.close()
+
+    def _opened(self) -> Database:
+        if self._makes_data:
+            make_data_folder(self._data_dir)
+        else:
+            file = database_file(self._url)
+            if file is not None and not file.is_file():
+                raise NothingStored(
+                    f"no data is stored in {file.parent}: there is no {file.name}; choose a data "
+                    "folder with --data-dir or DRIVORA_DATA_DIR, or store runs with `drivora run`"
+                )
+        return open_database(
+            self._url, before_migration=partial(refuse_while_served, self._data_dir)
+        )
