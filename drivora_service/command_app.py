@@ -25,7 +25,6 @@ from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.errors import DrivoraError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
@@ -40,6 +39,9 @@ from drivora_service.worker_settings import run_limits, worker_setup
 
 _NO_LIMIT = 1 << 60
 """A command is bounded by its own memory."""
+
+_STORAGE_PATIENCE_S = 5.0
+"""Seconds after which a command ends if nothing can be stored."""
 
 LOCAL_EVALUATOR = "local"
 
@@ -58,12 +60,15 @@ class CommandRuns:
         self._dispatcher: Dispatcher | None = None
         self._executor: LocalExecutor | None = None
         self._reserved = 0
+        self._infrastructure: Infrastructure | None = None
         self._owner_id = ""
 
     @property
     def fault(self) -> str:
-        """Why no run can be started, "" while they can."""
-        return "" if self._dispatcher is None else self._dispatcher.fault
+        """Why no run can be started, "" while they can, or while a storage fault may pass."""
+        if self._dispatcher is None or self._infrastructure is None:
+            return ""
+        return self._infrastructure.fault_for(_STORAGE_PATIENCE_S) or self._dispatcher.fault
 
     def reserve(self, runs: int) -> str:
         """Prepares for a number of runs, and returns the id of the process that owns them.
@@ -96,7 +101,6 @@ class CommandRuns:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="drivora-")))
         infrastructure = Infrastructure(
             {"database": database.probe, "traces": folder_probe(self._traces.root)},
-            on_fatal=lambda _message: None,
         )
         executor = self._stack.enter_context(
             LocalExecutor(
@@ -114,6 +118,7 @@ class CommandRuns:
         self._stack.callback(infrastructure.stop)
         dispatcher.start()
         self._executor, self._owner_id = executor, ownership.owner_id
+        self._infrastructure = infrastructure
         return dispatcher
 
 
@@ -123,7 +128,7 @@ def create_command_app(
     workers: int | None = None,
     evaluator: str = LOCAL_EVALUATOR,
     makes_data: bool = True,
-    on_error: Callable[[DrivoraError], None] = lambda _error: None,
+    on_error: Callable[[BaseException], None] = lambda _error: None,
 ) -> FastAPI:
     """Builds the application of a command.
 

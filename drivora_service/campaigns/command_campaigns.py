@@ -12,8 +12,14 @@ from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.stored import run_stored
-from drivora_service.errors import DrivoraError, WorkersCannotStart
-from drivora_service.store.campaign_records import CampaignRequest
+from drivora_service.errors import (
+    Conflict,
+    StoreError,
+    StoreUnavailable,
+    UnknownName,
+    WorkersCannotStart,
+)
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
 
 
@@ -31,7 +37,7 @@ class CommandCampaigns:
         catalogues: Catalogues,
         evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
         *,
-        on_error: Callable[[DrivoraError], None],
+        on_error: Callable[[BaseException], None],
     ) -> None:
         """Begins with none.
 
@@ -41,7 +47,7 @@ class CommandCampaigns:
             catalogues: Catalogues for the names in campaigns.
             evaluator: Returns the evaluator, for the number of workers of a campaign.
             on_error: Called from the thread of a campaign with the error that stopped it, which is
-                stored, too.
+                stored, too, unless the database cannot be used.
         """
         self._database, self._folder, self._catalogues = database, folder, catalogues
         self._evaluator, self._on_error = evaluator, on_error
@@ -60,11 +66,16 @@ class CommandCampaigns:
         Raises:
             UnknownName: There is no such campaign.
             Conflict: It is over, or a process works on it.
+            StoreUnavailable: The database cannot be used now.
         """
         self._begin(campaign_id)
 
     def wake(self) -> None:
-        """Starts the accepted campaigns."""
+        """Starts the accepted campaigns.
+
+        Raises:
+            StoreUnavailable: The database cannot be used now.
+        """
         while self._taken:
             self._begin(self._taken.pop())
 
@@ -75,7 +86,7 @@ class CommandCampaigns:
             thread.join()
 
     def _begin(self, campaign_id: str) -> None:
-        """Starts the thread of a campaign; returns once the campaign runs or has failed to."""
+        """Starts the thread of a campaign; returns once it runs, or is stored as failed."""
         begun: Future[None] = Future()
         thread = threading.Thread(
             target=self._run, args=(campaign_id, begun), name=f"campaign {campaign_id}"
@@ -95,13 +106,41 @@ class CommandCampaigns:
                 evaluator=self._evaluator,
                 watcher=watcher,
             )
-        except DrivoraError as error:
-            if not begun.done():
-                begun.set_exception(error)
+        except BaseException as error:
+            # Whatever it is: without an end of the thread's work, the command would wait for ever.
+            if begun.done():
+                if isinstance(error, WorkersCannotStart):
+                    self.fault = str(error)
+                self._on_error(error)
                 return
-            if isinstance(error, WorkersCannotStart):
-                self.fault = str(error)
-            self._on_error(error)
+            try:
+                self._store_failure(campaign_id, error)
+            except BaseException as kept:
+                begun.set_exception(kept)
+            else:
+                begun.set_result(None)
+                self._on_error(error)
+
+    def _store_failure(self, campaign_id: str, error: BaseException) -> None:
+        """Stores why a campaign has not begun: no other process would begin it, or tell why.
+
+        Raises:
+            BaseException: The error, if it is not one of this campaign, or cannot be stored.
+        """
+        if isinstance(error, Conflict | UnknownName):
+            raise error
+        message = str(error) or type(error).__name__
+        try:
+            with self._database().write() as transaction:
+                is_over = transaction.campaigns.get(campaign_id).state.is_over
+                if not is_over:
+                    transaction.campaigns.end(campaign_id, CampaignState.FAILED, message=message)
+        except StoreError as unstored:
+            raise StoreUnavailable(
+                f"campaign {campaign_id} is stored, but has not begun, and can be resumed: {error}"
+            ) from unstored
+        if is_over:
+            raise error
 
     def _requested(self) -> CampaignRequest:
         return CampaignRequest.PAUSE if self._closing.is_set() else CampaignRequest.NONE

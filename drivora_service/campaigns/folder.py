@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from drivora_service.errors import StoreError
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 from drivora_service.store.file_lock import FileLock, is_locked
@@ -39,11 +40,18 @@ class CampaignFolder:
 
         Raises:
             Conflict: Another process runs it.
+            StoreError: Its folder cannot be made or written to.
         """
-        return FileLock(
-            self._lock_path,
-            refusal=lambda holder: f"process {holder} is running campaign {self._id} already",
-        )
+        try:
+            return FileLock(
+                self._lock_path,
+                refusal=lambda holder: f"process {holder} is running campaign {self._id} already",
+            )
+        except OSError as error:
+            raise StoreError(
+                f"the folder of campaign {self._id} cannot be used: {error}; make "
+                f"{self.path.parent} a folder that can be written to, and resume the campaign"
+            ) from error
 
     @property
     def _lock_path(self) -> Path:

@@ -47,11 +47,13 @@ class CampaignDisplay:
 def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     """Shows a campaign on standard error while it runs."""
     display, console = CampaignDisplay(budget), Console(stderr=True)
-    with Live(display, console=console, refresh_per_second=4):
-        yield display
-    if not console.is_terminal:
-        # The next output would otherwise stand in the same line.
-        console.line()
+    try:
+        with Live(display, console=console, refresh_per_second=4):
+            yield display
+    finally:
+        if not console.is_terminal:
+            # The next output would otherwise stand in the same line.
+            console.line()
 
 
 def _found(campaign: Campaign) -> str:

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import json
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING
 
 from drivora_service.cli.campaign_display import campaign_display
@@ -22,11 +18,11 @@ def follow(client: Client, campaign_id: str) -> Campaign:
     """Shows the progress of a campaign until it has ended or is paused.
 
     Raises:
-        KeyboardInterrupt: The command was interrupted or is to terminate; the campaign continues.
+        KeyboardInterrupt: The command was interrupted; the campaign continues.
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     budget = client.campaign(campaign_id).budget
-    with _terminated_by_interrupt(), campaign_display(budget) as display:
+    with campaign_display(budget) as display:
         return client.follow_campaign(campaign_id, on_progress=display.show)
 
 
@@ -49,17 +45,3 @@ def export_campaign(client: Client, campaign: Campaign, target: Path) -> None:
             client.save_evaluation_observations(
                 target / f"{name}.trace.parquet", campaign.id, number
             )
-
-
-@contextmanager
-def _terminated_by_interrupt() -> Iterator[None]:
-    """Handles a request to terminate as an interrupt."""
-
-    def interrupt(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

@@ -3,19 +3,42 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING
 
 from drivora_service.cli.output import note
-from drivora_service.errors import ConfigurationError, DrivoraError, ServiceError
+from drivora_service.errors import ConfigurationError, ServiceError
 
 if TYPE_CHECKING:
     from drivora_service.client import Client
 
 _RETRY_S = 20.0
 """Seconds for which a command asks a service again that does not answer."""
+
+
+@contextmanager
+def terminated_by_interrupt() -> Iterator[None]:
+    """Handles the first request to terminate (SIGTERM) as an interrupt, and ignores later ones.
+
+    A supervisor may send several at once, and what the interrupt ends must be ended in order.
+    """
+    requested = False
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        nonlocal requested
+        if not requested:
+            requested = True
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
@@ -27,9 +50,11 @@ def connected(
     makes_data: bool = False,
     workers: int | None = None,
     evaluator: str = "",
-    on_error: Callable[[DrivoraError], None] = lambda _error: None,
+    on_error: Callable[[BaseException], None] = lambda _error: None,
 ) -> Iterator[Client]:
     """Opens a client, and closes it at the end; runs in this process end with it.
+
+    A request to terminate (SIGTERM) is an interrupt meanwhile.
 
     Args:
         server: Address of a service; "": this process does the work.
@@ -55,7 +80,10 @@ def connected(
     if server:
         from drivora_service.client import Client
 
-        with Client(server, retry_s=_RETRY_S, on_retry=_say_retry) as client:
+        with (
+            terminated_by_interrupt(),
+            Client(server, retry_s=_RETRY_S, on_retry=_say_retry) as client,
+        ):
             yield client
         return
     from drivora_service.cli.private_files import keep_files_private
@@ -76,7 +104,7 @@ def connected(
         makes_data=makes_data,
         on_error=on_error,
     )
-    with Client(transport=ApplicationTransport(app)) as client:
+    with terminated_by_interrupt(), Client(transport=ApplicationTransport(app)) as client:
         yield client
 
 

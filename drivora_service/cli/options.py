@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -37,3 +38,13 @@ WorkersOption = Annotated[
     int | None,
     typer.Option(min=1, help="Worker processes [default: one a core]; not with --server."),
 ]
+
+
+def location(server: str, data_dir: Path | None) -> str:
+    """Returns the options with which another command asks the same service or data folder.
+
+    A data folder of the environment needs none.
+    """
+    if server:
+        return f"--server {shlex.quote(server)}"
+    return "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"

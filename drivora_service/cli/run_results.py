@@ -86,8 +86,13 @@ def print_results(results: Sequence[ScenarioResult]) -> None:
         _print_remarks(result)
 
 
-def print_result(result: ScenarioResult) -> None:
-    """Prints one run at length."""
+def print_result(result: ScenarioResult, *, where: str = "") -> None:
+    """Prints one run at length.
+
+    Args:
+        result: The run.
+        where: Options with which other commands find it.
+    """
     print_results([result])
     run = result.run
     if run is None:
@@ -115,7 +120,7 @@ def print_result(result: ScenarioResult) -> None:
     if result.trace:
         print(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
     elif run.trace_sha256:
-        print(f"Draw it: drivora plot {run.id}")
+        print(f"Draw it: drivora plot {run.id} {where}".rstrip())
 
 
 def print_runs(runs: Sequence[RunSummary]) -> None:

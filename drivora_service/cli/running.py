@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from drivora_service.api.schemas.batches import BatchItem, ItemResult
+from drivora_service.cli.output import note
 from drivora_service.cli.run_results import ScenarioResult
 from drivora_service.cli.scenario_files import ScenarioFile
 from drivora_service.client import Client
@@ -23,6 +26,7 @@ def run_files(
     agent_parameters: Sequence[str],
     seed: int | None,
     out: Path | None,
+    where: str,
     on_result: Callable[[ScenarioResult], None],
 ) -> list[ScenarioResult]:
     """Runs scenarios as one batch and returns their results in the order of the files.
@@ -33,7 +37,9 @@ def run_files(
         agent: Agent of every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
         seed: Overrides the documents'.
-        out: Folder for the traces; ``None``: they are not fetched.
+        out: Folder for the traces and reports, each written when its run has ended; ``None``: they
+            are not written.
+        where: Options with which other commands find the runs.
         on_result: Called with each result, in any order.
 
     Raises:
@@ -42,6 +48,12 @@ def run_files(
     """
     if not files:
         return []
+
+    def tell(result: ScenarioResult) -> None:
+        if out is not None:
+            write_report(out, result)
+        on_result(result)
+
     try:
         posted = client.post_batch(
             [document_text(file.document) for file in files],
@@ -55,25 +67,47 @@ def run_files(
         if all(not problem.pointer for problem in error.problems):
             # The request itself is wrong, such as the name of the agent.
             raise ConfigurationError(str(error.problems[0].message)) from error
-        return [
+        refused = [
             ScenarioResult(
                 scenario=file.name, problems=_of_item(error.problems, item), notes=file.notes
             )
             for item, file in enumerate(files)
         ]
+        for result in refused:
+            tell(result)
+        return refused
     results = {item.item: _posted(item, files[item.item]) for item in posted.items}
     for item in posted.items:
         if item.result is ItemResult.REJECTED:
-            on_result(results[item.item])
-    for run in client.wait_for_batch(posted.batch.id):
-        trace = ""
-        if out is not None and run.observations_url:
-            path = out / f"{files[run.item].name}.trace.parquet"
-            client.save_run_observations(path, run.id)
-            trace = str(path)
-        results[run.item] = replace(results[run.item], run=run, trace=trace)
-        on_result(results[run.item])
+            tell(results[item.item])
+    with _named_when_stopped(posted.batch.id, where):
+        for run in client.wait_for_batch(posted.batch.id):
+            trace = ""
+            if out is not None and run.observations_url:
+                path = out / f"{files[run.item].name}.trace.parquet"
+                client.save_run_observations(path, run.id)
+                trace = str(path)
+            results[run.item] = replace(results[run.item], run=run, trace=trace)
+            tell(results[run.item])
     return [results[item] for item in range(len(files))]
+
+
+def write_report(folder: Path, result: ScenarioResult) -> None:
+    """Writes the report of a scenario into a folder, which is made if it is missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    name = Path(result.scenario).stem
+    text = json.dumps(result.content(), indent=2, ensure_ascii=False)
+    (folder / f"{name}.report.json").write_text(text + "\n")
+
+
+@contextmanager
+def _named_when_stopped(batch_id: str, where: str) -> Iterator[None]:
+    """Prints how to find the runs of a batch if the command does not wait for all of them."""
+    try:
+        yield
+    except BaseException:
+        note(f"its runs: drivora runs list --batch {batch_id} {where}".rstrip())
+        raise
 
 
 def _posted(item: BatchItem, file: ScenarioFile) -> ScenarioResult:

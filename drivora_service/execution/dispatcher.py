@@ -112,7 +112,7 @@ class Dispatcher:
     def fault(self) -> str:
         """The reason that no run can be started and what to do, "" while they can."""
         if not self.is_alive:
-            return "no runs are handed out: the thread that does it has ended; restart the service"
+            return "no runs are handed out: the thread that does it has ended; start anew"
         fault = self._executor.fault
         return f"no worker can be started: {fault}" if fault else ""
 

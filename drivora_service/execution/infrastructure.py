@@ -69,6 +69,7 @@ class Infrastructure:
         self._probing = threading.Lock()
         self._begun_at: float | None = None
         self._failures = 0
+        self._fault_since: float | None = None
         self._again = threading.Event()
         self._thread = SupervisedThread("infrastructure", self._turn, on_fatal=on_fatal)
 
@@ -76,6 +77,17 @@ class Infrastructure:
     def fault(self) -> str:
         """What is wrong and what to do, "" without a fault; from the last results."""
         return "; ".join(f"{c.name}: {c.fault}" for c in self.conditions() if c.fault)
+
+    def fault_for(self, seconds: float) -> str:
+        """Returns the fault if there has been one without a break for some seconds, else ""."""
+        since = self._fault_since
+        begun = self._begun_at
+        if since is None and begun is not None:
+            # A probe that hangs.
+            since = begun
+        if since is None or time.monotonic() - since < seconds:
+            return ""
+        return self.fault
 
     def conditions(self) -> tuple[Condition, ...]:
         """Returns the last result of each probe."""
@@ -124,6 +136,10 @@ class Infrastructure:
                 self._begun_at = None
             found = any(self._found.values())
             self._failures = self._failures + 1 if found else 0
+            if not found:
+                self._fault_since = None
+            elif self._fault_since is None:
+                self._fault_since = time.monotonic()
         if found != before:
             self._on_change()
         return found != before

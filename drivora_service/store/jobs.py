@@ -64,7 +64,7 @@ class JobRepository:
         """
         found = summaries(self._session.execute(run_query().where(RunRow.id == job_id)))
         if not found:
-            raise UnknownName("job", job_id, ())
+            raise UnknownName("run", job_id, ())
         return found[0]
 
     def detail(self, job_id: str) -> RunRecord:
@@ -127,7 +127,7 @@ class JobRepository:
             .where(RunRow.id == job_id)
         )
         if body is None:
-            raise UnknownName("job", job_id, ())
+            raise UnknownName("run", job_id, ())
         return body
 
     def report(self, job_id: str) -> RunReport | None:
@@ -142,7 +142,7 @@ class JobRepository:
             .where(RunRow.id == job_id)
         ).one_or_none()
         if found is None:
-            raise UnknownName("job", job_id, ())
+            raise UnknownName("run", job_id, ())
         body: str | None = found.body
         return None if body is None else report_from_json(body)
 
@@ -176,7 +176,7 @@ class JobRepository:
         """
         row = self._session.scalar(select(RunRow).where(RunRow.id == job_id))
         if row is None:
-            raise UnknownName("job", job_id, ())
+            raise UnknownName("run", job_id, ())
         cancel_runs(self._session, [row])
         return self.get(job_id)
 

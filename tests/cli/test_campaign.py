@@ -127,6 +127,28 @@ def test_what_is_not_there_is_wrong_use(drivora: Drivora, tmp_path: Path) -> Non
         assert "unknown campaign '0123'" in ended.err
 
 
+def test_a_campaign_that_cannot_begin_is_stored_as_failed_and_can_be_resumed(
+    drivora: Drivora, campaign_file: Path, tmp_path: Path
+) -> None:
+    data = tmp_path / "other data"
+    data.mkdir()
+    blocked = data / "campaigns"
+    blocked.write_text("in the way")
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 1"))
+    ended = drivora("campaign", "run", campaign_file, "--data-dir", data, "--json")
+    assert ended.code == 3
+    failed = ended.json()
+    assert failed["state"] == "failed"
+    assert str(blocked) in failed["message"]
+    assert f"drivora campaign resume {failed['id']} --data-dir '{data}'" in ended.err
+    again = drivora("campaign", "resume", failed["id"], "--data-dir", data, "--json")
+    assert (again.code, again.json()["state"]) == (3, "failed")
+    blocked.unlink()
+    done = drivora("campaign", "resume", failed["id"], "--data-dir", data, "--json")
+    assert done.code == 0, done.err
+    assert done.json()["state"] == "finished"
+
+
 @pytest.mark.slow
 def test_a_campaign_from_its_file_to_its_failures(
     drivora: Drivora, campaign_file: Path, tmp_path: Path

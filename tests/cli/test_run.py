@@ -129,10 +129,12 @@ def test_exit_codes(
 
 
 def test_a_table_for_people(drivora: Drivora, scenario_file: Path) -> None:
-    ended = drivora("run", scenario_file)
+    ended = drivora("run", scenario_file, "--data-dir", "elsewhere")
     assert ended.code == 0, ended.err
     assert "crossing" in ended.out
     assert "collision" in ended.out
+    hint = next(line for line in ended.out.splitlines() if line.startswith("Draw it: drivora "))
+    assert drivora(*hint.removeprefix("Draw it: drivora ").split()).code == 0
 
 
 def test_a_service_gives_the_same_run(

@@ -24,16 +24,19 @@ LONG = 40
 """Scenarios of a command that is to be killed in between."""
 
 
-def start_run(tmp_path: Path, folder: Path) -> subprocess.Popen[bytes]:
+def start_run(
+    tmp_path: Path, folder: Path, *options: str, **environment: str
+) -> subprocess.Popen[bytes]:
     """Starts ``drivora run`` on one worker and does not wait for it."""
     command = [sys.executable, "-m", "drivora_service.cli", "run", str(folder), "--workers", "1"]
+    command += options
     with (tmp_path / "run.log").open("ab") as log:
         return subprocess.Popen(
             command,
             stdout=log,
             stderr=log,
             cwd=tmp_path,
-            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")},
+            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment},
         )
 
 
@@ -95,7 +98,15 @@ def test_what_cannot_be_shown(drivora: Drivora) -> None:
     drivora("store", "migrate")
     unknown = drivora("runs", "show", "no-such-run")
     assert (unknown.code, unknown.out) == (2, "")
-    assert unknown.err.strip().endswith("unknown job 'no-such-run'")
+    assert unknown.err.strip().endswith("unknown run 'no-such-run'")
+    for path in ("missing.parquet", "r1/x.report.json"):
+        nothing = drivora("plot", path)
+        assert nothing.code == 2
+        assert f"{path}: neither a trace file (.parquet) nor the id of a run" in nothing.err
+    assert drivora("runs", "list", "--oracle", "collision", "--json").json() == []
+    nameless = drivora("runs", "list", "--oracle", "nope")
+    assert nameless.code == 2
+    assert "unknown oracle 'nope'; known: " in nameless.err
     wrong = drivora("runs", "list", "--status", "done")
     assert wrong.code == 2
     assert "known: queued" in wrong.err
@@ -108,6 +119,20 @@ def test_options_for_one_place_are_refused_at_the_other(
     refused = drivora("run", scenario_file, "--server", nowhere, "--workers", "2")
     assert refused.code == 2
     assert "--workers" in refused.err
+
+
+def test_a_command_that_can_store_nothing_ends_with_the_reason(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    traces = tmp_path / "data" / "traces"
+    traces.parent.mkdir()
+    traces.write_text("in the way")
+    ended = drivora("run", scenario_file, "--workers", "1")
+    assert ended.code == 3
+    assert f"cannot begin runs: traces: nothing can be written to {traces}" in ended.err
+    (run,) = drivora("runs", "list", "--json").json()
+    assert run["status"] == "cancelled"
+    assert f"drivora runs list --batch {run['batch_id']}" in ended.err
 
 
 @pytest.mark.slow
@@ -156,14 +181,21 @@ def test_a_service_leaves_the_runs_of_a_living_command_alone(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("request_to_end", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_cancels_what_has_not_ended(
-    drivora: Drivora, many: Path, tmp_path: Path
+    drivora: Drivora, many: Path, tmp_path: Path, request_to_end: signal.Signals
 ) -> None:
-    process = start_run(tmp_path, many)
+    scratch, out = tmp_path / "scratch", tmp_path / "out"
+    scratch.mkdir()
+    process = start_run(tmp_path, many, "--out", str(out), TMPDIR=str(scratch))
     wait_for_status(tmp_path, process, RunStatus.FINISHED)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(request_to_end)
     assert process.wait(60.0) == 130
-    assert "Traceback" not in (tmp_path / "run.log").read_text()
+    log = (tmp_path / "run.log").read_text()
+    assert "Traceback" not in log
+    assert list(scratch.glob("drivora-*")) == []
+    batch = drivora("runs", "list", "--json").json()[0]["batch_id"]
+    assert f"its runs: drivora runs list --batch {batch}" in log
     statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
     assert set(statuses) == {"finished", "cancelled"}
     assert len(statuses) == LONG

@@ -219,7 +219,7 @@ def test_errors_say_what_the_service_says(client: Client, is_local: bool) -> Non
     with pytest.raises(NotFound) as raised:
         client.run("none")
     refused = "" if is_local else "the service refused: "
-    assert str(raised.value).startswith(f"{refused}unknown job 'none'")
+    assert str(raised.value).startswith(f"{refused}unknown run 'none'")
 
 
 def test_a_parameter_that_the_service_refuses(client: Client, scenario: dict[str, Any]) -> None:

@@ -73,6 +73,18 @@ def test_the_thread_finds_that_a_fault_has_come_and_gone(tmp_path: Path) -> None
         infrastructure.stop()
 
 
+def test_a_fault_lasts_from_its_first_probe_to_the_one_that_finds_none(tmp_path: Path) -> None:
+    folder = tmp_path / "traces"
+    infrastructure = Infrastructure({"traces": folder_probe(folder)})
+    folder.write_text("in the way")
+    fault = infrastructure.confirm_now()
+    assert infrastructure.fault_for(60.0) == ""
+    time.sleep(0.05)
+    assert infrastructure.confirm_now() == infrastructure.fault_for(0.05) == fault != ""
+    folder.unlink()
+    assert infrastructure.confirm_now() == infrastructure.fault_for(0.0) == ""
+
+
 def test_a_probe_that_hangs_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_HANG_S", 0.1)
     hanging, let_go = threading.Event(), threading.Event()

@@ -11,12 +11,15 @@ import typer
 from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption
+from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
 from drivora_service.errors import (
     ConfigurationError,
+    DrivoraError,
     InvalidDocument,
     PluginError,
+    ServiceError,
+    StoreError,
     WorkersCannotStart,
 )
 
@@ -26,7 +29,6 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.cli.gates import Gate
     from drivora_service.client import Client
-    from drivora_service.errors import DrivoraError
 
 app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
 
@@ -97,7 +99,16 @@ def run(
         for remark in campaign.notes:
             note(f"note: {remark}")
         note(f"campaign {campaign.id}")
-        _finish(client, campaign, server, out=out, gate=chosen, detach=detach, as_json=as_json)
+        _finish(
+            client,
+            campaign,
+            server,
+            data_dir,
+            out=out,
+            gate=chosen,
+            detach=detach,
+            as_json=as_json,
+        )
 
 
 @app.command()
@@ -126,7 +137,16 @@ def resume(
         document = client.campaign(campaign_id).document
         chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
         campaign = client.resume_campaign(campaign_id)
-        _finish(client, campaign, server, out=out, gate=chosen, detach=detach, as_json=as_json)
+        _finish(
+            client,
+            campaign,
+            server,
+            data_dir,
+            out=out,
+            gate=chosen,
+            detach=detach,
+            as_json=as_json,
+        )
 
 
 @app.command("list")
@@ -237,18 +257,25 @@ def _refuse_detaching(detach: bool, server: str) -> None:
         )
 
 
-def _say_error(error: DrivoraError) -> None:
-    """Prints what the campaign does not tell: why it rests, and the log of a package's code."""
-    if isinstance(error, WorkersCannotStart):
-        note(str(error))
-    elif isinstance(error, PluginError) and error.log:
-        note(error.log)
+def _say_error(error: BaseException) -> None:
+    """Prints of the error that stopped a campaign what its stored message does not tell."""
+    if isinstance(error, PluginError):
+        if error.log:
+            note(error.log)
+    elif isinstance(error, WorkersCannotStart | StoreError):
+        # What the database refuses is not stored, nor is what happened before it.
+        if isinstance(error.__context__, DrivoraError):
+            note(str(error.__context__))
+        fail(str(error))
+    elif not isinstance(error, DrivoraError):
+        fail(f"the campaign was stopped by an error of Drivora: {type(error).__name__}: {error}")
 
 
 def _finish(
     client: Client,
     campaign: Campaign,
     server: str,
+    data_dir: Path | None,
     *,
     out: Path | None,
     gate: Gate | None,
@@ -263,21 +290,27 @@ def _finish(
         if as_json:
             _show(client, campaign, as_json=True)
         return
+    where = f"{campaign.id} {location(server, data_dir)}".rstrip()
     try:
         campaign = follow(client, campaign.id)
     except KeyboardInterrupt as error:
         if server:
-            note(
-                "the service continues it; stop it with: "
-                f"drivora campaign pause {campaign.id} --server {server}"
-            )
+            note(f"the service continues it; stop it with: drivora campaign pause {where}")
             raise typer.Exit(ExitCode.NOT_DONE) from error
         campaign = pause_and_wait(client, campaign.id)
+    except ServiceError:
+        # It has been stored, whatever has become of it.
+        note(f"campaign {campaign.id}: drivora campaign show {where}")
+        raise
     if out is not None:
         export_campaign(client, campaign, out)
     _show(client, campaign, as_json=as_json)
-    if campaign.state is CampaignState.PAUSED:
-        note(f"paused; resume it with: drivora campaign resume {campaign.id}")
+    if campaign.state in (
+        CampaignState.PAUSED,
+        CampaignState.FAILED,
+        CampaignState.INTERRUPTED,
+    ):
+        note(f"{campaign.state}; resume it with: drivora campaign resume {where}")
     if campaign.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate is not None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from drivora_service.cli.connection import connected
-from drivora_service.cli.options import DataDirOption, ServerOption
+from drivora_service.cli.options import DataDirOption, ServerOption, location
 from drivora_service.cli.output import JsonOption, note, print_shape, write_text
 
 
@@ -86,9 +85,6 @@ def report(
         told = drawn_report(client, campaign_id, data_dir, folder)
     from drivora_service.studies.report_text import report_markdown
 
-    if server:
-        options = f"--server {shlex.quote(server)}"
-    else:
-        options = "" if data_dir is None else f"--data-dir {shlex.quote(str(data_dir))}"
     addresses = {n: f"{path.parent.name}/{path.name}" for n, path in told.pictures.items()}
+    options = location(server, data_dir)
     write_text(report_markdown(told.report, pictures=addresses, options=options), out)

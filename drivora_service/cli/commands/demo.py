@@ -34,6 +34,7 @@ def demo(
     """Shows the whole process: a service judges generated scenarios, then searches for failures."""
     import time
 
+    from drivora_service.cli.connection import terminated_by_interrupt
     from drivora_service.cli.demo_campaign import search_with
     from drivora_service.cli.service_process import running_service
     from drivora_service.client import Client
@@ -43,7 +44,11 @@ def demo(
     begun = time.monotonic()
     documents = _seeds(data_dir, town, num)
     note(f"{len(documents)} scenarios on {town} in {data_dir / 'seeds'}")
-    with running_service(data_dir, workers=workers) as url, Client(url) as client:
+    with (
+        terminated_by_interrupt(),
+        running_service(data_dir, workers=workers) as url,
+        Client(url) as client,
+    ):
         note(f"the service runs at {url} with {workers} workers")
         runs = _judged(client, documents)
         _print_verdicts(town, runs)

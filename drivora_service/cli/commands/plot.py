@@ -72,6 +72,12 @@ def plot(
     trace = Path(run)
     if trace.suffix == ".parquet" and trace.is_file():
         draw(trace)
+    elif "/" in run or "." in run:
+        # No id has such characters.
+        raise ConfigurationError(
+            f"{run}: neither a trace file (.parquet) nor the id of a run; `drivora runs list` "
+            "shows the ids"
+        )
     else:
         with (
             # With --server the data folder is for imported networks.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from drivora_service.cli.options import (
     GateOracleOption,
     ServerOption,
     WorkersOption,
+    location,
 )
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 from drivora_service.errors import ConfigurationError
@@ -77,9 +77,10 @@ def run(
     `trace` and `notes`; several print {"runs": […]}.
     """
     chosen = _gate(gate_oracle or ()) if gate or gate_oracle else None
+    where = location(server, data_dir)
     with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli import run_results
-        from drivora_service.cli.running import run_files
+        from drivora_service.cli.running import run_files, write_report
         from drivora_service.cli.scenario_files import read_files
         from drivora_service.runs.report import RunStatus
 
@@ -89,6 +90,9 @@ def run(
             run_results.ScenarioResult(scenario=str(file.path), problems=file.problems)
             for file in unreadable
         ]
+        if out is not None:
+            for result in done:
+                write_report(out, result)
         with _progress(len(files), shown=len(files) > 1) as step:
             done += run_files(
                 client,
@@ -97,15 +101,14 @@ def run(
                 agent_parameters=agent_parameter or (),
                 seed=seed,
                 out=out,
+                where=where,
                 on_result=step,
             )
-    if out is not None:
-        _write_reports(out, done)
     if as_json:
         told = [result.content() for result in done]
         print_json(told[0] if len(told) == 1 else {"runs": told})
     elif len(done) == 1:
-        run_results.print_result(done[0])
+        run_results.print_result(done[0], where=where)
     else:
         run_results.print_results(done)
     if any(result.status is not RunStatus.FINISHED for result in done):
@@ -156,11 +159,3 @@ def _progress(total: int, *, shown: bool) -> Iterator[Callable[[ScenarioResult],
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task("runs", total=total)
         yield lambda _result: progress.advance(task)
-
-
-def _write_reports(folder: Path, results: Sequence[ScenarioResult]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for result in results:
-        name = Path(result.scenario).stem
-        text = json.dumps(result.content(), indent=2, ensure_ascii=False)
-        (folder / f"{name}.report.json").write_text(text + "\n")

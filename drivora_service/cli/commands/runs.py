@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.connection import connected
-from drivora_service.cli.options import DataDirOption, ServerOption
-from drivora_service.cli.output import JsonOption, print_shape, write_text
+from drivora_service.cli.options import DataDirOption, ServerOption, location
+from drivora_service.cli.output import JsonOption, named, print_shape, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,6 +54,9 @@ def list_runs(
             violated=violated,
         )
         runs = tuple(client.runs(wanted, limit=limit))
+        if oracle and not runs:
+            # Runs may have verdicts of an oracle that is not installed any more.
+            named("oracle", oracle, client.oracles().items)
     if as_json:
         print_shape(tuple[RunSummary, ...], runs)
     else:
@@ -75,7 +78,8 @@ def show(
     else:
         from drivora_service.cli.run_results import ScenarioResult, print_result
 
-        print_result(ScenarioResult(scenario=run.label or run.id, run=run))
+        result = ScenarioResult(scenario=run.label or run.id, run=run)
+        print_result(result, where=location(server, data_dir))
 
 
 @app.command()
