@@ -127,6 +127,7 @@ def test_what_is_not_there_is_wrong_use(drivora: Drivora, tmp_path: Path) -> Non
         assert "unknown campaign '0123'" in ended.err
 
 
+@pytest.mark.slow
 def test_a_campaign_that_cannot_begin_is_stored_as_failed_and_can_be_resumed(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
