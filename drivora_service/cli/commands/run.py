@@ -19,6 +19,7 @@ from drivora_service.cli.options import (
     location,
 )
 from drivora_service.cli.output import JsonOption, fail, note, print_json
+from drivora_service.cli.progress import run_progress
 from drivora_service.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -152,10 +153,5 @@ def _progress(total: int, *, shown: bool) -> Iterator[Callable[[ScenarioResult],
     if not shown:
         yield lambda _result: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("runs", total=total)
-        yield lambda _result: progress.advance(task)
+    with run_progress(["runs"], total=total) as count:
+        yield lambda _result: count("runs")
