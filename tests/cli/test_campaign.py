@@ -6,9 +6,11 @@ import json
 import os
 import random
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -237,3 +239,19 @@ def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
     ended = drivora("campaign", "resume", campaign_id)
     assert ended.code == 3
     assert "cancelled" in ended.err
+
+
+@pytest.mark.slow(seconds=60)
+def test_a_campaign_that_the_database_stops_says_so_and_can_be_resumed(
+    campaign_file: Path, tmp_path: Path
+) -> None:
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 2000"))
+    process = start(tmp_path, "run", campaign_file)
+    campaign_id = wait_until_told(tmp_path, process, 0)
+    file = tmp_path / "data" / "drivora.sqlite3"
+    with closing(sqlite3.connect(file, timeout=30.0, isolation_level=None)) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        assert process.wait(100.0) == 3
+    log = (tmp_path / "campaign.log").read_text()
+    assert "the database cannot be used now: database is locked" in log
+    assert f"interrupted; resume it with: drivora campaign resume {campaign_id}" in log
