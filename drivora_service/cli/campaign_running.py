@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from drivora_service.cli.campaign_display import campaign_display
 from drivora_service.cli.campaign_results import campaign_content
+from drivora_service.cli.out_option import write_result
+from drivora_service.cli.private_files import give_to_user
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
@@ -35,13 +37,12 @@ def pause_and_wait(client: Client, campaign_id: str) -> Campaign:
 def export_campaign(client: Client, campaign: Campaign, target: Path) -> None:
     """Writes a campaign, and the scenario and trace of each failing evaluation."""
     failures = list(client.failures(campaign.id))
-    target.mkdir(parents=True, exist_ok=True)
     text = json.dumps(campaign_content(campaign, failures), indent=2, ensure_ascii=False)
-    (target / "campaign.json").write_text(text + "\n")
+    write_result(target / "campaign.json", text + "\n")
     for failure in {failure.evaluation: failure for failure in failures}.values():
         name, number = f"{failure.evaluation:06d}", failure.evaluation
-        (target / f"{name}.json").write_text(client.evaluation_scenario(campaign.id, number))
+        write_result(target / f"{name}.json", client.evaluation_scenario(campaign.id, number))
         if failure.observations_url:
-            client.save_evaluation_observations(
-                target / f"{name}.trace.parquet", campaign.id, number
-            )
+            trace = target / f"{name}.trace.parquet"
+            client.save_evaluation_observations(trace, campaign.id, number)
+            give_to_user(trace)

@@ -15,6 +15,7 @@ from drivora_service.errors import ConfigurationError, ServiceError
 
 if TYPE_CHECKING:
     from drivora_service.client import Client
+    from drivora_service.settings import Settings
 
 _RETRY_S = 20.0
 """Seconds for which a command asks a service again that does not answer."""
@@ -86,9 +87,28 @@ def connected(
         ):
             yield client
         return
-    from drivora_service.cli.private_files import keep_files_private
+    from drivora_service.cli.private_files import private_files
 
-    keep_files_private()
+    with private_files():
+        yield from _in_process(
+            settings,
+            works=works,
+            makes_data=makes_data,
+            workers=workers,
+            evaluator=evaluator,
+            on_error=on_error,
+        )
+
+
+def _in_process(
+    settings: Settings,
+    *,
+    works: bool,
+    makes_data: bool,
+    workers: int | None,
+    evaluator: str,
+    on_error: Callable[[BaseException], None],
+) -> Iterator[Client]:
     if works:
         from drivora_service.execution.fork_server import prepare_processes
 

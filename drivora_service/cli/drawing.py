@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Literal
 
 from drivora_service.cli.installation import network_catalogue
+from drivora_service.cli.out_option import writing
 from drivora_service.cli.output import note
+from drivora_service.cli.private_files import give_to_user
 from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.built_in import judge_all
@@ -39,6 +41,7 @@ def draw_trace(
     Raises:
         StoreError: The file is no trace.
         UnknownName: Its network is not in the catalogue, or there is no such oracle.
+        ConfigurationError: The picture cannot be written.
         OracleError: An oracle of a package cannot judge.
     """
     catalogue = OracleCatalogue()
@@ -53,8 +56,10 @@ def draw_trace(
     if network.sha256 != trace.network_sha256:
         note(f"network {network.name} has changed since this run; the picture may not fit")
     verdicts = judge_all(trace, network, chosen)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    if moments is None:
-        draw_run(trace, network, verdicts, target, color_by=color_by)
-    else:
-        draw_strip(trace, network, verdicts, target, count=moments)
+    with writing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if moments is None:
+            draw_run(trace, network, verdicts, target, color_by=color_by)
+        else:
+            draw_strip(trace, network, verdicts, target, count=moments)
+        give_to_user(target)

@@ -9,7 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from drivora_service.api.schemas.batches import BatchItem, ItemResult
+from drivora_service.cli.out_option import write_result
 from drivora_service.cli.output import note
+from drivora_service.cli.private_files import give_to_user
 from drivora_service.cli.run_results import ScenarioResult
 from drivora_service.cli.scenario_files import ScenarioFile
 from drivora_service.client import Client
@@ -86,6 +88,7 @@ def run_files(
             if out is not None and run.observations_url:
                 path = out / f"{files[run.item].name}.trace.parquet"
                 client.save_run_observations(path, run.id)
+                give_to_user(path)
                 trace = str(path)
             results[run.item] = replace(results[run.item], run=run, trace=trace)
             tell(results[run.item])
@@ -94,10 +97,9 @@ def run_files(
 
 def write_report(folder: Path, result: ScenarioResult) -> None:
     """Writes the report of a scenario into a folder, which is made if it is missing."""
-    folder.mkdir(parents=True, exist_ok=True)
     name = Path(result.scenario).stem
     text = json.dumps(result.content(), indent=2, ensure_ascii=False)
-    (folder / f"{name}.report.json").write_text(text + "\n")
+    write_result(folder / f"{name}.report.json", text + "\n")
 
 
 @contextmanager

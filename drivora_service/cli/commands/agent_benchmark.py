@@ -10,6 +10,7 @@ import typer
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, ServerOption, WorkersOption
+from drivora_service.cli.out_option import check_folder, writing
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 from drivora_service.cli.progress import run_progress
 
@@ -43,6 +44,7 @@ def benchmark(
     An agent that is not installed is listed with the reason. Runs that an agent fails are part of
     its card; exits with 3 if any failed for another reason.
     """
+    check_folder(out)
     with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.benchmarking.card_files import cards_content, write_cards
         from drivora_service.benchmarking.courses import RUNS, benchmark_scenarios
@@ -61,14 +63,14 @@ def benchmark(
             )
         pictures = {}
         if out is not None:
-            out.mkdir(parents=True, exist_ok=True)
             pictures = agent_benchmark.draw_cards(client, cards, out, settings)
     if as_json:
         print_json(cards_content(cards, entered.absent, runs=number))
     else:
         agent_benchmark.print_cards(cards, entered.absent)
     if out is not None:
-        written = write_cards(cards, entered.absent, out, runs=number, pictures=pictures)
+        with writing(out):
+            written = write_cards(cards, entered.absent, out, runs=number, pictures=pictures)
         for path in (*written, *pictures.values()):
             note(str(path))
     not_done = sum(card.failed_otherwise for card in cards)

@@ -12,6 +12,7 @@ from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
+from drivora_service.cli.out_option import check_file, check_folder
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
 from drivora_service.errors import (
     ConfigurationError,
@@ -79,6 +80,7 @@ def run(
     With --server the service runs it; an interrupt then only ends the watching.
     """
     _refuse_detaching(detach, server)
+    check_folder(out)
     with connected(
         server,
         data_dir,
@@ -126,6 +128,7 @@ def resume(
 ) -> None:
     """Resumes a campaign that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
+    check_folder(out)
     with connected(
         server,
         data_dir,
@@ -204,6 +207,7 @@ def scenario(
     data_dir: DataDirOption = None,
 ) -> None:
     """Prints the scenario of an evaluation, for `drivora run`."""
+    check_file(out)
     with connected(server, data_dir) as client:
         text = client.evaluation_scenario(campaign_id, number)
     write_text(text, out)

@@ -9,6 +9,7 @@ import typer
 
 from drivora_service.cli.connection import connected
 from drivora_service.cli.options import DataDirOption, ServerOption, location
+from drivora_service.cli.out_option import check_file, check_folder, writing
 from drivora_service.cli.output import JsonOption, note, print_shape, write_text
 
 
@@ -40,6 +41,7 @@ def compare(
     as_json: JsonOption = False,
 ) -> None:
     """Compares methods by finished campaigns: effect sizes, p-values, tables, charts."""
+    check_folder(out)
     with connected(server, data_dir) as client:
         comparison = client.compare_campaigns(
             wanted,
@@ -56,7 +58,9 @@ def compare(
     if out is not None:
         from drivora_service.studies.comparison_files import write_comparison
 
-        for path in write_comparison(comparison, out):
+        with writing(out):
+            written = write_comparison(comparison, out)
+        for path in written:
             note(str(path))
 
 
@@ -78,11 +82,19 @@ def report(
     Pictures show road networks that are here too.
     """
     folder = None if out is None else out.with_name(f"{out.stem}-pictures")
+    check_file(out)
     # With --server the data folder is for the road networks of pictures.
     with connected(server, None if server else data_dir) as client:
         from drivora_service.cli.campaign_reports import drawn_report
+        from drivora_service.cli.private_files import give_to_user
 
-        told = drawn_report(client, campaign_id, data_dir, folder)
+        is_new = folder is not None and not folder.exists()
+        with writing(folder):
+            told = drawn_report(client, campaign_id, data_dir, folder)
+            for picture in told.pictures.values():
+                give_to_user(picture)
+                if is_new:
+                    give_to_user(picture.parent)
     from drivora_service.studies.report_text import report_markdown
 
     addresses = {n: f"{path.parent.name}/{path.name}" for n, path in told.pictures.items()}

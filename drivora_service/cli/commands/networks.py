@@ -57,11 +57,13 @@ def import_network(
 ) -> None:
     """Imports a network for scenarios that are run here."""
     from drivora_service.cli.installation import settings_for
+    from drivora_service.cli.private_files import private_files
     from drivora_service.networks import importing
 
     chosen = name or file.name.partition(".")[0]
     folder = settings_for(data_dir).imported_networks_dir
-    importing.import_network(file, chosen, folder, replace=replace)
+    with private_files():
+        importing.import_network(file, chosen, folder, replace=replace)
     with connected("", data_dir) as client:
         network = client.network(chosen)
     if as_json:

@@ -54,6 +54,7 @@ def plot(
     """Draws a run from above: roads, trails, signals, and the place of each violation."""
     from drivora_service.cli.drawing import draw_trace
     from drivora_service.cli.installation import settings_for
+    from drivora_service.cli.out_option import check_file
 
     settings = settings_for(data_dir)
     target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
@@ -63,6 +64,8 @@ def plot(
         raise ConfigurationError(
             "--color-by time colours the trails of a whole run: leave it out with --moments"
         )
+
+    check_file(target)
 
     def draw(trace: Path) -> None:
         draw_trace(

@@ -18,6 +18,7 @@ from drivora_service.cli.options import (
     WorkersOption,
     location,
 )
+from drivora_service.cli.out_option import check_folder
 from drivora_service.cli.output import JsonOption, fail, note, print_json
 from drivora_service.cli.progress import run_progress
 from drivora_service.errors import ConfigurationError
@@ -78,6 +79,7 @@ def run(
     `trace` and `notes`; several print {"runs": […]}.
     """
     chosen = _gate(gate_oracle or ()) if gate or gate_oracle else None
+    check_folder(out)
     where = location(server, data_dir)
     with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli import run_results

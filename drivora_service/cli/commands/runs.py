@@ -9,6 +9,7 @@ import typer
 
 from drivora_service.cli.connection import connected
 from drivora_service.cli.options import DataDirOption, ServerOption, location
+from drivora_service.cli.out_option import check_file
 from drivora_service.cli.output import JsonOption, named, print_shape, write_text
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ def scenario(
     data_dir: DataDirOption = None,
 ) -> None:
     """Prints the scenario of a run, for `drivora run`."""
+    check_file(out)
     with connected(server, data_dir) as client:
         text = client.run_scenario(run_id)
     write_text(text, out)
