@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import tempfile
 import threading
 import time
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from typing import Any
 
 import structlog
 
+from drivora_service.errors import ConfigurationError
 from drivora_service.worker.processes import ProcessHandle
 
 _PRELOADED = "drivora_service.worker.preloaded"
@@ -29,6 +31,9 @@ ENVIRONMENT = {
     "MKL_NUM_THREADS": "1",
 }
 """Environment variables with which every process must be started."""
+
+_LONGEST_FOLDER = 75
+"""Characters of a path in which a socket of multiprocessing (32 more) fits the 107 of Linux."""
 
 _EXIT_S = 5.0
 """Seconds within which a process that was killed is gone."""
@@ -48,10 +53,20 @@ def prepare_processes(*, preloaded: bool = True) -> None:
 
     Args:
         preloaded: Whether it imports what workers need, which takes a second or two.
+
+    Raises:
+        ConfigurationError: Its socket cannot be made in the folder of temporary files.
     """
     os.environ.update(ENVIRONMENT)
     forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
-    forkserver.ensure_running()
+    try:
+        forkserver.ensure_running()
+    except OSError as error:
+        raise ConfigurationError(
+            f"no worker process can be started from the folder of temporary files, "
+            f"{tempfile.gettempdir()}: {error}. Set TMPDIR to a folder that can be written, with "
+            f"a path of at most {_LONGEST_FOLDER} characters"
+        ) from error
 
 
 def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:

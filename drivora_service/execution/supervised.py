@@ -125,8 +125,9 @@ class SupervisedThread:
 
     def _give_up(self, failures: int, error: Exception) -> None:
         message = (
-            f"the thread {self.name!r} failed {failures} times in a row, the last time of "
-            f"{type(error).__name__}: {error}; the service ends, so that it can be started anew"
+            f"the thread {self.name!r} failed {failures} times in a row, the last time with "
+            f"{type(error).__name__}: {error}. The process ends, so that its supervisor can "
+            "restart it"
         )
         _log.critical("thread_gave_up", thread=self.name, failures=failures, exc_info=error)
         self._on_fatal(message)

@@ -237,7 +237,7 @@ def test_an_endpoint_that_fails_is_told_of(
 
 
 def test_a_slow_endpoint_is_not_waited_for(chat: ChatServer) -> None:
-    chat.failing = lambda: (time.sleep(1.0), (200, "late"))[1]  # type: ignore[func-returns-value]
+    chat.failing = lambda: (time.sleep(1.0), (200, "late"))[1]  # type: ignore[func-returns-value]  # sleep, in a lambda
     with pytest.raises(ModelError, match=r"within 0\.2 s .*DRIVORA_DILU_TIMEOUT_S"):
         model(chat).answer([Message(role="user", content="x")], DECISIONS, 0.2)
 

@@ -14,7 +14,7 @@ def test_a_turn_of_the_loop_begins_a_few_and_all_in_their_order() -> None:
     async def scene() -> list[int]:
         sizes = []
         for number in range(10):
-            turns.begin(lambda number=number: begun.append(number))  # type: ignore[misc]
+            turns.begin(lambda number=number: begun.append(number))  # type: ignore[misc]  # a default binds the number
         while len(begun) < 12:
             sizes.append(len(begun))
             if len(begun) == 4:

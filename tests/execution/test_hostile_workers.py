@@ -168,7 +168,7 @@ def test_a_document_may_be_longer_than_a_report(start: Start) -> None:
 def test_a_fork_server_that_was_stopped_is_replaced(start: Start) -> None:
     executor = start()
     assert worker_of(executor)
-    server = psutil.Process(forkserver._forkserver._forkserver_pid)  # type: ignore[attr-defined]
+    server = psutil.Process(forkserver._forkserver._forkserver_pid)  # type: ignore[attr-defined]  # no other way
     server.suspend()
     assert run(executor, "exit 3").report.status is RunStatus.SIMULATOR_CRASHED
     assert worker_of(executor)

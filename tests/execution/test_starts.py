@@ -249,3 +249,20 @@ def test_the_demo_without_the_simulator_stops(environment: dict[str, str], tmp_p
     log = (tmp_path / "demo" / "service.log").read_text()
     assert log.count("workers_cannot_start") == 1
     assert_says_what_is_missing(log)
+
+
+def test_a_folder_of_temporary_files_that_holds_no_socket_is_named(
+    tmp_path: Path, repository: Path
+) -> None:
+    # Folders of pytest grow long by themselves; of this one, 75 characters would be accepted.
+    folder = tmp_path / ("t" * max(1, 76 - len(str(tmp_path)) - 1))
+    folder.mkdir()
+    environment = os.environ | {"TMPDIR": str(folder), "DRIVORA_DATA_DIR": str(tmp_path / "data")}
+    example = repository / "openscenario_schemas" / "examples" / "walker-behind-van.json"
+    refused = drivora(environment, "run", example)
+    assert refused.returncode == 2
+    assert "AF_UNIX path too long" in refused.stderr
+    assert f"no worker process can be started from the folder of temporary files, {folder}" in (
+        refused.stderr
+    )
+    assert "a path of at most 75 characters" in refused.stderr

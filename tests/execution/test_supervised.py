@@ -47,7 +47,7 @@ def test_it_gives_up_and_says_why_after_too_many_failures_in_a_row() -> None:
     assert flaky.turns == QUICK.failures
     assert ended.is_set()
     (message,) = told
-    assert "'flaky' failed 4 times in a row, the last time of ValueError: odd" in message
+    assert "'flaky' failed 4 times in a row, the last time with ValueError: odd" in message
 
 
 def test_failures_that_a_known_fault_explains_never_end_it() -> None:

@@ -40,7 +40,7 @@ def main(name: str, inputs: int, seconds: int, seed: int, max_length: int, folde
     """Runs the session; does not return."""
     # The packages that are installed stay as they are: looking anew for every input is what a
     # session would spend most of its time on.
-    importlib.metadata.entry_points = cache(importlib.metadata.entry_points)  # type: ignore[assignment]
+    importlib.metadata.entry_points = cache(importlib.metadata.entry_points)  # type: ignore[assignment]  # see above
     with atheris.instrument_imports(
         include=["drivora_service", "sumolib"], exclude=_compiled_modules()
     ):

@@ -135,7 +135,7 @@ def test_a_wrong_verdict_is_found(
         found = {
             d.run
             for run in _compared(changed.values(), folder)
-            for d in getattr(run, rule.__name__)()  # type: ignore[attr-defined]
+            for d in getattr(run, rule.__name__)()  # type: ignore[attr-defined]  # a method by its name
         }
         violated = {
             name
@@ -172,7 +172,7 @@ def test_a_wrong_metric_is_found(
         for report in reports.values()
     ]
     for run in _compared(changed, folder):
-        found = list(getattr(run, rule.__name__)())  # type: ignore[attr-defined]
+        found = list(getattr(run, rule.__name__)())  # type: ignore[attr-defined]  # a method by its name
         assert len({d.ego for d in found}) == len(run.egos)
 
 

@@ -59,7 +59,7 @@ class Damage:
                 item["parameter"] = 77
             elif isinstance(item, Mapping):
                 for key in list(item):
-                    item[key] = 77  # type: ignore[index]
+                    item[key] = 77  # type: ignore[index]  # it tries
             elif isinstance(item, MutableSequence):
                 item.clear()
             else:

@@ -262,7 +262,7 @@ def _refuse_detaching(detach: bool, server: str) -> None:
 
 
 def _say_error(error: BaseException) -> None:
-    """Prints of the error that stopped a campaign what its stored message does not tell."""
+    """Prints what the stored message does not tell of the error that stopped a campaign."""
     if isinstance(error, PluginError):
         if error.log:
             note(error.log)
