@@ -28,7 +28,7 @@ from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ownership import Ownership
+from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
@@ -145,7 +145,12 @@ def create_command_app(
     """
     plugin = evaluator_plugins().plugin(evaluator)
     database = CommandDatabase(
-        settings.data_dir, settings.resolved_database_url, makes_data=makes_data
+        settings.data_dir,
+        settings.resolved_database_url,
+        makes_data=makes_data,
+        on_opened=lambda opened: cancel_runs_of_dead_commands(
+            opened, RetryPolicy(), CommandLocks(settings.data_dir)
+        ),
     )
     traces = TraceFolder(settings.traces_dir)
     runs = CommandRuns(settings, database, traces, workers or settings.workers)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -19,15 +20,24 @@ from drivora_service.store.server_lock import refuse_while_served
 class CommandDatabase:
     """The database of a command, opened when it is needed."""
 
-    def __init__(self, data_dir: Path, url: str, *, makes_data: bool) -> None:
+    def __init__(
+        self,
+        data_dir: Path,
+        url: str,
+        *,
+        makes_data: bool,
+        on_opened: Callable[[Database], None] = lambda _database: None,
+    ) -> None:
         """Prepares; nothing is opened or created.
 
         Args:
             data_dir: Data folder.
             url: SQLAlchemy address of the database.
             makes_data: Whether data folder and database are made if they do not exist.
+            on_opened: Called with the opened database before it is used.
         """
         self._data_dir, self._url, self._makes_data = data_dir, url, makes_data
+        self._on_opened = on_opened
         self._opening = threading.Lock()
         self._database: Database | None = None
 
@@ -59,6 +69,12 @@ class CommandDatabase:
                     f"no data is stored in {file.parent}: there is no {file.name}; choose a data "
                     "folder with --data-dir or DRIVORA_DATA_DIR, or store runs with `drivora run`"
                 )
-        return open_database(
+        database = open_database(
             self._url, before_migration=partial(refuse_while_served, self._data_dir)
         )
+        try:
+            self._on_opened(database)
+        except BaseException:
+            database.close()
+            raise
+        return database
