@@ -42,7 +42,7 @@ def import_agents() -> None:
     import drivora_service.agents.pdm_closed.agent
     import drivora_service.agents.plant_lite.network
     import drivora_service.agents.plant_lite.view
-    import drivora_service.agents.scripted.agent  # noqa: F401
+    import drivora_service.agents.scripted.agent  # noqa: F401 # importing is all that is wanted
 
 
 def _idm(parameters: IdmParameters) -> Agent:

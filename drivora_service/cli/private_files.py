@@ -37,7 +37,7 @@ def private_files() -> Iterator[None]:
 
 
 def give_to_user(path: Path) -> None:
-    """Gives a file or folder that was written for the user the mode that the user's umask asks for.
+    """Sets the mode of a file or folder written for the user to what the user's umask allows.
 
     The umask itself is one for all threads, and others may be writing to the data folder.
     """

@@ -225,13 +225,13 @@ def test_requests_that_wait_are_answered_when_the_one_before_is_not() -> None:
 
 def test_a_token_that_is_revoked_gets_nothing_of_what_is_kept(tmp_path: Path) -> None:
     tokens = TokenFile(tmp_path / "tokens.json")
-    secret = tokens.create("somebody", TokenScope.READ)
+    secret = tokens.create("reader", TokenScope.READ)
 
     async def scene() -> None:
         s = Scene(tokens)
         assert await s.ask(authorization=f"Bearer {secret}") == "1"
         assert await s.ask(authorization=f"Bearer {secret}") == "1"
-        tokens.revoke("somebody")
+        tokens.revoke("reader")
         assert await s.ask(authorization=f"Bearer {secret}") == "2"
         # The application tells the client that the file cannot be read.
         (tmp_path / "tokens.json").write_text("[")

@@ -82,7 +82,7 @@ MOODS: dict[str, Callable[[RunView, tuple[Verdict, ...]], Any]] = {
     "words": lambda run, good: ("fine",),
     "both": lambda run, good: (*good, passed("moody", run.egos[0], "Kept.")),
     "collision": _changed(oracle="collision"),
-    "stranger": _changed(ego="somebody"),
+    "stranger": _changed(ego="ego_9"),
     "silent": _changed(message=""),
     "placeless": _changed(location=None),
     "timeless": _changed(time=float("nan")),

@@ -30,7 +30,7 @@ GARBAGE = {
     "words": "answered with a str; allowed: a tuple of Verdict",
     "both": "answered 2 verdicts for ego 'both'; allowed: several if all are violations",
     "collision": "answered in the name of 'collision'; allowed: its own",
-    "stranger": "answered for ego 'somebody'; known: stranger",
+    "stranger": "answered for ego 'ego_9'; known: stranger",
     "silent": "answered without a message",
     "placeless": "answered a violation without time, step or location",
     "timeless": "answered a violation without time, step or location",

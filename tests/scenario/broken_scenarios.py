@@ -137,7 +137,7 @@ CHANGES: dict[str, Change] = {
     "driven by SUMO nowhere": lambda s: with_parked(s, behavior=model.NpcBehavior.SUMO),
     "a walker in an ego": lambda s: with_walker(s),
     "a walker without a route": lambda s: with_walker(s, route=()),
-    "a walker who is too fast": lambda s: with_walker(s, route=(replace(WIDE, speed=11.0),)),
+    "a walker that is too fast": lambda s: with_walker(s, route=(replace(WIDE, speed=11.0),)),
     "a cone of no size": lambda s: with_cone(s, length=0.0),
     "a cone that moves": lambda s: with_cone(s, location=replace(WIDE, x=0.0, speed=1.0)),
     "a small region": lambda s: with_region(s, 10.0),
