@@ -4,7 +4,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from drivora_service.compilation import compiled, settled
+from drivora_service.geometry.arrays import FloatArray
 
 CALLED = """
 from enum import IntEnum
@@ -45,7 +49,7 @@ def _helped(x):
 
 if __name__ == "__main__":
     import calling
-    print(calling.kernel(1.0), sum(calling.kernel.stats.cache_hits.values()))
+    print(calling.kernel(1.0), sum(calling.kernel.dispatcher.stats.cache_hits.values()))
 """
 
 
@@ -76,3 +80,40 @@ def test_what_is_kept_of_a_kernel_goes_with_what_it_was_compiled_from(modules: P
         file.write_text(file.read_text().replace(old, new))
         assert outcome(modules) == f"{value} 0"
     assert outcome(modules) == "2409.0 1"
+
+
+@compiled
+def _added(values: FloatArray, more: float) -> float:
+    return float(values.sum() + more)
+
+
+def test_the_machine_code_of_a_kernel_is_called_directly_while_it_has_one_version() -> None:
+    assert settled(_added) is _added
+    values = np.array([1.0, 2.0, 3.0, 4.0])
+    assert _added(values, 0.5) == 10.5
+    direct = settled(_added)
+    assert direct is not _added
+    assert direct(values, 4.0) == 14.0
+    assert _added(values[::2], 0.5) == 4.5
+    assert settled(_added) is _added
+    assert direct(values, 4.0) == 14.0
+
+
+LIGHT = """
+import sys
+from called import scaled
+from drivora_service.compilation import kernel, load_compiler, worth_loading
+
+kernel._FEW = 5
+print([worth_loading(scaled, 2) for _ in range(3)], "numba" in sys.modules)
+load_compiler()
+scaled.spared = 0
+print(worth_loading(scaled, 1), "numba" in sys.modules)
+"""
+
+
+def test_a_kernel_is_not_worth_loading_the_compiler_for_a_few_calls(modules: Path) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", LIGHT], cwd=modules, check=True, capture_output=True, text=True
+    )
+    assert ended.stdout.splitlines() == ["[False, False, True] False", "True True"]

@@ -7,20 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.compilation import compiled
+from drivora_service.compilation import compiled, worth_loading
 from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.networks import few_places
+from drivora_service.networks.few_places import HEADING_WEIGHT, HYSTERESIS, OVERSHOOT
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
 from drivora_service.networks.segment_index import CELL, SegmentIndex, segment_index
-
-HEADING_WEIGHT = 3.0
-"""Metres by which a lane at a right angle to the desired heading counts as further away."""
-
-HYSTERESIS = 0.3
-"""Metres by which another lane must be nearer than the lane of the preceding point."""
-
-OVERSHOOT = 1.0
-"""Metres beyond a lane's ends that count as on it: where two lanes meet at an angle, the
-outside of the bend is beyond both."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,7 +74,10 @@ def lane_positions_near(
         drivable: Only lanes that are open to cars; False: lanes of every kind.
     """
     index = segment_index(network, drivable)
-    lanes, places = _near(*_arrays(index), float(x), float(y), float(max_distance))
+    if worth_loading(_near, 1):
+        lanes, places = _near(*_arrays(index), float(x), float(y), float(max_distance))
+    else:
+        lanes, places = few_places.lanes_near(index, float(x), float(y), float(max_distance))
     cost = np.abs(places[:, 1])
     if heading is not None:
         cost = cost + HEADING_WEIGHT * (1.0 - np.cos(places[:, 2] - heading))
@@ -113,13 +108,11 @@ def project_points(
     index = segment_index(network, True)
     points = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
     wanted = np.full(len(points), np.nan) if headings is None else headings
-    lanes, places = _project(
-        *_arrays(index),
-        index.ends,
-        index.half_widths,
-        points,
-        np.ascontiguousarray(wanted, dtype=np.float64),
-    )
+    wanted = np.ascontiguousarray(wanted, dtype=np.float64)
+    if worth_loading(_project, len(points)):
+        lanes, places = _project(*_arrays(index), index.ends, index.half_widths, points, wanted)
+    else:
+        lanes, places = few_places.project(index, points, wanted)
     return LaneProjections(
         lane=lanes, s=places[:, 0].copy(), lateral=places[:, 1].copy(), heading=places[:, 2].copy()
     )

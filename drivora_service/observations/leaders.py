@@ -18,6 +18,8 @@ SAME_WAY = math.radians(45.0)
 """Difference of headings up to which one vehicle follows another, radians."""
 
 _Z = int(Col.Z)
+_ROUNDING = 1e-6
+"""Metres by which the quick check is wider than the exact one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,10 +91,13 @@ def _in_front(
             other = states[t, j]
             dx, dy = other[0] - ego[0], other[1] - ego[1]
             ahead = dx * cos + dy * sin
+            across = abs(-dx * sin + dy * cos)
+            # The second condition only saves the angles of most actors.
+            if ahead <= 0.0 or across >= 0.5 * (width + sizes[j, 0] + sizes[j, 1]) + _ROUNDING:
+                continue
             turn = other[2] - ego[2]
             c, s = abs(math.cos(turn)), abs(math.sin(turn))
-            across = abs(-dx * sin + dy * cos)
-            if ahead <= 0.0 or across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
+            if across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
                 continue
             gap = max(ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s), 0.0)
             if gap < room[t]:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.stop_lines import StopLines, WayThrough, stop_lines
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col
@@ -17,6 +18,25 @@ LINE_WIDTH = 1.2
 
 TAIL_WIDTH = 3.0
 """The same factor for the tail, which follows the front."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Track:
+    """The way of a point of an ego.
+
+    Attributes:
+        x, y: (n,) metres.
+        z: (n,) metres.
+        cos, sin: (n,) of the ego's heading.
+        width: Width of a line for this point relative to its lane.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    cos: FloatArray
+    sin: FloatArray
+    width: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,15 +57,17 @@ class Crossing:
     ways: tuple[WayThrough, ...]
 
 
-def line_crossings(ego: EgoView) -> tuple[Crossing, ...]:
-    """Returns every crossing of a stop line in the order of time."""
+def find_line_crossings(ego: EgoView) -> tuple[Crossing, ...]:
+    """Returns every crossing of a stop line in the order of time; see ``EgoView.crossings``."""
     if ego.count < 2:
         return ()
     lines = stop_lines(ego.network)
+    fronts_way = _track(ego, 0.5 * ego.actor.length, LINE_WIDTH)
+    tails_way = _track(ego, -0.5 * ego.actor.length, TAIL_WIDTH)
     found = []
     for line in _near(ego, lines):
-        fronts = _passages(ego, lines, line, 0.5 * ego.actor.length, LINE_WIDTH)
-        tails = _passages(ego, lines, line, -0.5 * ego.actor.length, TAIL_WIDTH)
+        fronts = _passages(lines, line, fronts_way)
+        tails = _passages(lines, line, tails_way)
         for front, following in itertools.pairwise((*fronts, ego.count)):
             tail = next((row for row in tails if front <= row < following), None)
             found.append(
@@ -68,30 +90,73 @@ def _near(ego: EgoView, lines: StopLines) -> list[int]:
     return near
 
 
-def _passages(ego: EgoView, lines: StopLines, line: int, offset: float, width: float) -> list[int]:
+def _track(ego: EgoView, offset: float, width: float) -> _Track:
+    """Returns the way of the point ``offset`` metres before the ego's centre."""
+    cos, sin = np.cos(ego.states[:, Col.YAW]), np.sin(ego.states[:, Col.YAW])
+    return _Track(
+        x=ego.states[:, Col.X] + offset * cos,
+        y=ego.states[:, Col.Y] + offset * sin,
+        z=np.ascontiguousarray(ego.states[:, Col.Z]),
+        cos=cos,
+        sin=sin,
+        width=width,
+    )
+
+
+def _passages(lines: StopLines, line: int, track: _Track) -> list[int]:
     """Returns the rows in which a point of the ego is beyond a line for the first time.
 
     Args:
-        ego: The ego.
         lines: The stop lines of the network.
         line: Row of ``lines``.
-        offset: Metres of the point before the ego's centre.
-        width: Width of the line relative to its lane.
+        track: Way of the point.
     """
-    yaw = ego.states[:, Col.YAW]
-    x = ego.states[:, Col.X] + offset * np.cos(yaw) - lines.points[line, 0]
-    y = ego.states[:, Col.Y] + offset * np.sin(yaw) - lines.points[line, 1]
-    along_x, along_y = lines.headings[line]
-    ahead: FloatArray = x * along_x + y * along_y
-    aside: FloatArray = y * along_x - x * along_y
-    forwards = np.cos(yaw) * along_x + np.sin(yaw) * along_y > 0.0
-    level = np.abs(ego.states[:, Col.Z] - lines.heights[line]) <= LEVEL_GAP
-    crossed: BoolArray = (ahead[:-1] <= 0.0) & (ahead[1:] > 0.0) & (forwards & level)[1:]
-    rows = np.flatnonzero(crossed) + 1
-    share = -ahead[rows - 1] / (ahead[rows] - ahead[rows - 1])
-    place = aside[rows - 1] + share * (aside[rows] - aside[rows - 1])
-    passed: list[int] = rows[np.abs(place) <= width * lines.half_widths[line]].tolist()
-    return passed
+    px, py = lines.points[line].tolist()
+    along_x, along_y = lines.headings[line].tolist()
+    rows = _rows_beyond(
+        track.x, track.y, track.cos, track.sin, track.z, px, py, along_x, along_y,
+        float(lines.heights[line]), track.width * float(lines.half_widths[line]),
+    )  # fmt: skip
+    found: list[int] = rows.tolist()
+    return found
+
+
+@compiled
+def _rows_beyond(
+    xs: FloatArray,
+    ys: FloatArray,
+    cos: FloatArray,
+    sin: FloatArray,
+    heights: FloatArray,
+    px: float,
+    py: float,
+    along_x: float,
+    along_y: float,
+    height: float,
+    half_width: float,
+) -> IntArray:
+    """Returns the rows in which a track is beyond the line through (px, py) for the first time."""
+    rows = np.empty(xs.shape[0], dtype=np.int64)
+    count = 0
+    before = 0.0
+    for k in range(xs.shape[0]):
+        x, y = xs[k] - px, ys[k] - py
+        ahead = x * along_x + y * along_y
+        if (
+            k > 0
+            and before <= 0.0
+            and ahead > 0.0
+            and cos[k] * along_x + sin[k] * along_y > 0.0
+            and abs(heights[k] - height) <= LEVEL_GAP
+        ):
+            share = -before / (ahead - before)
+            here = y * along_x - x * along_y
+            there = (ys[k - 1] - py) * along_x - (xs[k - 1] - px) * along_y
+            if abs(there + share * (here - there)) <= half_width:
+                rows[count] = k
+                count += 1
+        before = ahead
+    return rows[:count]
 
 
 def _driven(ego: EgoView, lines: StopLines, line: int, front: int) -> tuple[WayThrough, ...]:

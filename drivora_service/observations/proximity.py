@@ -148,6 +148,8 @@ def _sizes(trace: Trace) -> FloatArray:
 
 
 _Z = int(Col.Z)
+_ROUNDING = 1e-6
+"""Metres, and m/s, by which quick checks are wider than the exact ones."""
 
 
 @compiled
@@ -200,14 +202,21 @@ def _scan(
             if abs(other[_Z] - ego[_Z]) > LEVEL_GAP:
                 continue
             dx, dy = other[0] - x, other[1] - y
-            clear = math.hypot(dx, dy) - radius - radii[j]
             dvx, dvy = other[3] - vx, other[4] - vy
+            # Not more than the distance, and not less than the closing speed: most actors are too
+            # far away for both, whose computation takes longer.
+            away = max(abs(dx), abs(dy)) - radius - radii[j] - _ROUNDING
+            in_time = (abs(dvx) + abs(dvy) + _ROUNDING) * min(horizon, series[1, k])
+            clear = soonest = math.inf
+            if away < least or away <= in_time:
+                clear = math.hypot(dx, dy) - radius - radii[j]
+                closing = math.hypot(dvx, dvy)
+                if closing > 1e-9:
+                    soonest = clear / closing
             if clear < least:
                 gap = box_gap(dx, dy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1])
                 if gap < least:
                     least, least_row, least_actor = gap, k, j
-            closing = math.hypot(dvx, dvy)
-            soonest = clear / closing if closing > 1e-9 else math.inf
             if clear <= 0.0 or soonest < min(horizon, series[1, k]):
                 time = time_to_contact(
                     dx, dy, dvx, dvy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1]
@@ -219,9 +228,11 @@ def _scan(
                         series[1, k] = min(series[1, k], time)
             ahead = dx * cos + dy * sin
             if ahead > 0.0 and forward > 0.0:
+                across = abs(-dx * sin + dy * cos)
+                if across >= 0.5 * (width + sizes[j, 0] + sizes[j, 1]) + _ROUNDING:
+                    continue
                 c = abs(math.cos(other[2] - yaw))
                 s = abs(math.sin(other[2] - yaw))
-                across = abs(-dx * sin + dy * cos)
                 if across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
                     continue
                 room = ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s)
@@ -299,7 +310,8 @@ def _least_lag(
     """Finds the least number of steps between two boxes being at the same place on crossing paths.
 
     For every place of the ego, searches along the other's path; if the other is far, the search
-    skips the least number of steps in which it can come near.
+    skips the least number of steps in which it can come near, and places of the ego that it cannot
+    reach either.
 
     Returns:
         The steps, ``limit + 1`` if there is no such place; the ego's row there; and the other
@@ -307,14 +319,29 @@ def _least_lag(
     """
     best = 0 if touched else limit + 1
     best_row, best_actor = -1, -1
+    strides = _longest_steps(states, present, start, stop)
     for j in range(states.shape[1]):
         if j == row or best == 0:
             continue
         reach = 0.5 * (
             math.hypot(sizes[row, 0], sizes[row, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
         )
-        stride = _longest_step(states, present, j, start, stop)
-        for t in range(start, stop, every):
+        stride = strides[j]
+        following = start
+        while following < stop:
+            t = following
+            following += every
+            if present[t, row] and present[t, j]:
+                room = (
+                    math.hypot(states[t, j, 0] - states[t, row, 0],
+                               states[t, j, 1] - states[t, row, 1])
+                    - reach - stride * best - _ROUNDING
+                )  # fmt: skip
+                if room >= 0.0:
+                    # Neither at this place nor at those that the ego is at before they have closed
+                    # the room between them.
+                    following += every * int(room / ((strides[row] + stride) * every))
+                    continue
             for direction in (1, -1):
                 lag = 0
                 while lag < best:
@@ -347,17 +374,19 @@ def _least_lag(
 
 
 @compiled
-def _longest_step(states: FloatArray, present: BoolArray, j: int, start: int, stop: int) -> float:
-    """Returns the longest step of an actor between two rows, metres; at least a micrometre."""
-    longest = 1e-6
-    last = -1
+def _longest_steps(states: FloatArray, present: BoolArray, start: int, stop: int) -> FloatArray:
+    """Returns the (N,) longest step of each actor between two rows, metres; at least 1e-6."""
+    longest = np.full(states.shape[1], 1e-6)
+    last = np.full(states.shape[1], -1)
     for t in range(start, stop):
-        if not present[t, j]:
-            continue
-        if last >= 0:
-            way = math.hypot(
-                states[t, j, 0] - states[last, j, 0], states[t, j, 1] - states[last, j, 1]
-            )
-            longest = max(longest, way)
-        last = t
+        for j in range(states.shape[1]):
+            if not present[t, j]:
+                continue
+            if last[j] >= 0:
+                dx = states[t, j, 0] - states[last[j], j, 0]
+                dy = states[t, j, 1] - states[last[j], j, 1]
+                # The exact length takes longer; it is needed where it may be the longest.
+                if dx * dx + dy * dy > (1.0 - 1e-9) * longest[j] * longest[j]:
+                    longest[j] = max(longest[j], math.hypot(dx, dy))
+            last[j] = t
     return longest

@@ -17,6 +17,7 @@ from drivora_service.observations.proximity import Proximity, look_around
 from drivora_service.observations.trace import Actor, Col, EgoCol, EgoRoute, TerminalEvent, Trace
 
 if TYPE_CHECKING:
+    from drivora_service.observations.line_crossings import Crossing
     from drivora_service.observations.motion import FilteredMotion
 
 _BEND_SHARE = 2.0
@@ -197,6 +198,14 @@ class EgoView:
     def proximity(self) -> Proximity:
         """Its proximity to other actors."""
         return look_around(self.trace, self.row, self.first, self.first + self.count)
+
+    @cached_property
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Its crossings of stop lines in the order of time."""
+        # Imported here, since finding them needs this class.
+        from drivora_service.observations.line_crossings import find_line_crossings
+
+        return find_line_crossings(self)
 
     @cached_property
     def motion(self) -> FilteredMotion | None:

@@ -8,13 +8,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import LEVEL_GAP
 
 _ABOVE_ROOF = 0.2
 """Metres."""
 _EDGE = 1e-9
+_CLEAR = 1e-3
+"""Metres by which the quick check of lines of sight is wider than the exact one."""
 
 
 @compiled
@@ -36,29 +40,76 @@ def is_hidden(
         sizes: (N, 2) length and width, metres.
         heights: (N,) metres.
     """
+    near = distances_to_boxes(ego, states, present, sizes)
+    blockers = np.empty(states.shape[0], dtype=np.int64)
+    return is_hidden_by(ego, other, near, blockers, states, sizes, heights)
+
+
+@compiled
+def distances_to_boxes(
+    ego: int, states: FloatArray, present: BoolArray, sizes: FloatArray
+) -> FloatArray:
+    """Returns the (N,) metres from an ego's centre to the circles around the boxes of others.
+
+    Infinite for actors that cannot hide others from it: the absent, those on another level, and
+    the ego itself.
+    """
+    near = np.full(states.shape[0], np.inf)
+    for k in range(states.shape[0]):
+        if k == ego or not present[k] or abs(states[k, 8] - states[ego, 8]) > LEVEL_GAP:
+            continue
+        half = 0.5 * math.hypot(sizes[k, 0], sizes[k, 1])
+        gap = math.hypot(states[k, 0] - states[ego, 0], states[k, 1] - states[ego, 1])
+        near[k] = gap - half
+    return near
+
+
+@compiled
+def is_hidden_by(
+    ego: int,
+    other: int,
+    near: FloatArray,
+    blockers: IntArray,
+    states: FloatArray,
+    sizes: FloatArray,
+    heights: FloatArray,
+) -> bool:
+    """Returns whether ``other`` is hidden, as ``is_hidden``, from known distances.
+
+    Args:
+        ego: Row of the ego.
+        other: Row of the actor to check.
+        near: (N,) as of ``distances_to_boxes``.
+        blockers: (N,) scratch space.
+        states: (N, 9) states of one frame.
+        sizes: (N, 2) length and width, metres.
+        heights: (N,) metres.
+    """
     eye = heights[ego] + _ABOVE_ROOF
     lowest = min(eye, heights[other])
-    reach = math.hypot(states[other, 0] - states[ego, 0], states[other, 1] - states[ego, 1])
-    reach += 0.5 * math.hypot(sizes[other, 0], sizes[other, 1])
-    nobody_between = True
-    for k in range(states.shape[0]):
-        if _may_hide(ego, other, k, lowest, reach, states, present, sizes, heights):
-            nobody_between = False
-            break
-    if nobody_between:
+    dx, dy = states[other, 0] - states[ego, 0], states[other, 1] - states[ego, 1]
+    away = math.hypot(dx, dy)
+    reach = away + 0.5 * math.hypot(sizes[other, 0], sizes[other, 1])
+    count = 0
+    for k in range(near.shape[0]):
+        if k == other or heights[k] <= lowest or not near[k] < reach:
+            continue
+        if _is_beside(ego, other, k, dx, dy, away, states, sizes):
+            continue
+        blockers[count] = k
+        count += 1
+    if count == 0:
         return False
+    cos, sin = math.cos(states[other, 2]), math.sin(states[other, 2])
     for point in range(5):
         along = 0.0 if point == 0 else (0.5 if point < 3 else -0.5)
         across = 0.0 if point == 0 else (0.5 if point % 2 else -0.5)
-        cos, sin = math.cos(states[other, 2]), math.sin(states[other, 2])
         forward, left = along * sizes[other, 0], across * sizes[other, 1]
         px = states[other, 0] + forward * cos - left * sin
         py = states[other, 1] + forward * sin + left * cos
         in_sight = True
-        for k in range(states.shape[0]):
-            if not _may_hide(ego, other, k, lowest, reach, states, present, sizes, heights):
-                continue
-            if _cuts(px, py, heights[other], eye, ego, k, states, sizes, heights):
+        for b in range(count):
+            if _cuts(px, py, heights[other], eye, ego, blockers[b], states, sizes, heights):
                 in_sight = False
                 break
         if in_sight:
@@ -67,25 +118,26 @@ def is_hidden(
 
 
 @compiled
-def _may_hide(
+def _is_beside(
     ego: int,
     other: int,
     k: int,
-    lowest: float,
-    reach: float,
+    dx: float,
+    dy: float,
+    away: float,
     states: FloatArray,
-    present: BoolArray,
     sizes: FloatArray,
-    heights: FloatArray,
 ) -> bool:
-    """Returns the result of a quick check: tall enough, on the same level, and near enough."""
-    if k in (ego, other) or not present[k] or heights[k] <= lowest:
-        return False
-    if abs(states[k, 8] - states[ego, 8]) > LEVEL_GAP:
-        return False
-    half = 0.5 * math.hypot(sizes[k, 0], sizes[k, 1])
-    gap = math.hypot(states[k, 0] - states[ego, 0], states[k, 1] - states[ego, 1])
-    return gap - half < reach
+    """Returns whether actor ``k`` is certainly beside or behind all lines of sight to ``other``.
+
+    They end in the circle around its box, ``away`` metres from the ego in direction (dx, dy).
+    """
+    to_x, to_y = states[k, 0] - states[ego, 0], states[k, 1] - states[ego, 1]
+    # Half the sum of length and width is more than the radius of the circle around a box.
+    both = 0.5 * (sizes[k, 0] + sizes[k, 1] + sizes[other, 0] + sizes[other, 1]) + _CLEAR
+    if abs(dx * to_y - dy * to_x) > both * away:
+        return True
+    return bool(dx * to_x + dy * to_y < -both * away)
 
 
 @compiled

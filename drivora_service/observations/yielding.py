@@ -20,7 +20,7 @@ from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.road_network import Connection, RoadNetwork
 from drivora_service.networks.stop_lines import WayThrough
 from drivora_service.observations.leaders import VEHICLES
-from drivora_service.observations.line_crossings import Crossing, line_crossings
+from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.signals import signal_letter
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role
@@ -64,7 +64,7 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
         ego: The ego.
         attention: Seconds after the ego's passage within which others count.
     """
-    for crossing in line_crossings(ego):
+    for crossing in ego.crossings:
         if len(crossing.ways) != 1 or not crossing.ways[0].inside:
             continue
         foes = _foes(ego, crossing, crossing.ways[0])

@@ -117,7 +117,8 @@ class MinimumSpeed:
         at = np.interp(places, middle, heading)
         bend = np.abs(np.gradient(at, 5.0)) if len(places) > 1 else np.zeros(len(places))
         # A bend limits the speed from 30 m before it to 15 m behind it.
-        widest = np.array([bend[max(k - 3, 0) : k + 7].max() for k in range(len(bend))])
+        around = np.pad(bend, (3, 6), constant_values=-np.inf)
+        widest = np.lib.stride_tricks.sliding_window_view(around, 10).max(axis=1)
         s = np.nan_to_num(ego.value(EgoCol.ROUTE_S))
         sharp = np.interp(s, places, widest)
         speed: FloatArray = np.sqrt(self.lateral_acceleration / np.maximum(sharp, 1e-6))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.arrays import ByteArray
-from drivora_service.observations.line_crossings import Crossing, line_crossings
+from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.signals import BESIDE_ROUTE, signal_shown
 from drivora_service.observations.trace import EgoCol, Light
@@ -105,7 +105,7 @@ class RedLight:
         way = np.cumsum(ego.moved)
         along = self._along_route(ego)
         passages = []
-        for crossing in line_crossings(ego):
+        for crossing in ego.crossings:
             if crossing.tail is None:
                 continue
             signalised, shown = _shown(ego, crossing)

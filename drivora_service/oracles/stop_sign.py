@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.networks.road_network import Connection
-from drivora_service.observations.line_crossings import Crossing, line_crossings
+from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.signals import stop_shown
 from drivora_service.observations.trace import Col
@@ -50,7 +50,7 @@ class StopSign:
             return [not_started(self.name, ego)]
         verdicts = []
         lines = unclear = 0
-        for crossing in line_crossings(ego):
+        for crossing in ego.crossings:
             stops = {_must_stop(ego, crossing, way.connection) for way in crossing.ways}
             if stops == {False}:
                 continue

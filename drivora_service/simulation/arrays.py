@@ -14,11 +14,11 @@ from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorModel
 from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.dynamics import Limit
+from drivora_service.simulation.follower_path import PathCol, write_directions
 from drivora_service.simulation.followers import (
     FollowerCol,
     FollowerPhase,
     Followers,
-    PathCol,
     Reaction,
 )
 from drivora_service.simulation.lights import RunningProgram, light_of
@@ -50,10 +50,14 @@ def vehicle_limits(models: Sequence[ActorModel], dynamic: Sequence[bool]) -> Flo
 def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followers:
     """Returns follower plans as concatenated arrays, all waiting for their start."""
     counts = [len(plan.path.arc) for plan in plans]
-    paths = [
-        np.column_stack((path.line, path.yaw, path.arc, path.wanted, path.height))
-        for path in (plan.path for plan in plans)
-    ]
+    begins = _offsets(counts)
+    path: FloatArray = np.empty((begins[-1], len(PathCol)))
+    for plan, begin, end in zip(plans, begins[:-1], begins[1:], strict=True):
+        points, line = path[begin:end], plan.path
+        points[:, : PathCol.YAW] = line.line
+        points[:, PathCol.YAW], points[:, PathCol.ARC] = line.yaw, line.arc
+        points[:, PathCol.WANTED], points[:, PathCol.HEIGHT] = line.wanted, line.height
+    write_directions(path)
     state = np.zeros((len(plans), len(FollowerCol)))
     for row, plan in zip(state, plans, strict=True):
         row[FollowerCol.SPEED] = plan.first_speed
@@ -67,8 +71,8 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         row[FollowerCol.WIDTH] = plan.model.width
         row[FollowerCol.WAITS_FOR] = -1.0
     return Followers(
-        places=np.array((rows, _offsets(counts)[:-1], counts), dtype=np.int64).T.copy(),
-        path=np.concatenate(paths) if paths else np.empty((0, len(PathCol))),
+        places=np.array((rows, begins[:-1], counts), dtype=np.int64).T.copy(),
+        path=path,
         state=state,
     )
 

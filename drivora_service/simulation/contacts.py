@@ -9,6 +9,9 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.observations.trace import LEVEL_GAP
 
+_ROUNDING = 1e-3
+"""Metres by which the quick check of distances is wider than the exact one."""
+
 
 @compiled
 def find_contacts(
@@ -40,6 +43,10 @@ def find_contacts(
         radius = 0.5 * math.hypot(sizes[i, 0], sizes[i, 1])
         for j in range(states.shape[0]):
             if j == i or not present[j] or seen[i, j]:
+                continue
+            # Not less than the reach below, which takes longer to compute.
+            furthest = radius + 0.5 * (sizes[j, 0] + sizes[j, 1]) + _ROUNDING
+            if abs(states[j, 0] - x) > furthest or abs(states[j, 1] - y) > furthest:
                 continue
             reach = radius + 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
             if abs(states[j, 8] - states[i, 8]) > LEVEL_GAP:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
+from drivora_service.compilation import settled
 from drivora_service.errors import AgentError
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.observations.trace import Col, Light, TerminalEvent
@@ -106,6 +107,7 @@ class EgoTeam:
         self._buffers: list[tuple[FloatArray, FloatArray, IntArray]] = []
         self._views: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
         self._draws = np.zeros((0, 5))
+        self._perceive = perceive
 
     def _set_up(self, m: int, agent: Agent, seed: int) -> None:
         plan = self._plan.egos[m]
@@ -213,10 +215,13 @@ class EgoTeam:
             self._draws[:, :4] = rng.standard_normal((len(self._draws), 4))
             self._draws[:, 4] = rng.random(len(self._draws))
         objects, sizes, numbers = self._buffers[m]
-        count = perceive(
+        count = self._perceive(
             m, step, world.states, world.present, world.sizes, world.heights, world.kinds,
             self._senses[m], self._draws, objects, sizes, numbers,
         )  # fmt: skip
+        if self._perceive is perceive:
+            # Later calls have arguments of the same types.
+            self._perceive = settled(perceive)
         views = self._views[m]
         if count != len(views[0]):
             views = (objects[:count], sizes[:count], numbers[0, :count], numbers[1, :count])

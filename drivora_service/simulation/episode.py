@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.interface import Agent, Control
 from drivora_service.agents.sumo_driver import SumoDriver, common_lane_change_model
+from drivora_service.compilation import settled
 from drivora_service.errors import SimulatorError
 from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker
@@ -25,6 +26,7 @@ from drivora_service.simulation.arrays import (
     lay_obstacles,
     wind_of,
 )
+from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
@@ -44,9 +46,9 @@ from drivora_service.simulation.step_kernels import (
     take_over_driven,
     write_velocity,
 )
-from drivora_service.simulation.sumo import open_world
+from drivora_service.simulation.sumo import SumoWorld
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
-from drivora_service.simulation.traffic import Background, Traffic
+from drivora_service.simulation.traffic import Traffic
 from drivora_service.simulation.world import World
 
 _ROOM_FOR_CONTACTS = 64
@@ -70,19 +72,24 @@ class Episode:
         *,
         privileged: Sequence[bool] = (),
         cells: NDArray[np.int64] | None = None,
+        mirrored: bool = False,
     ) -> None:
-        """Resets SUMO, sets up the agents and creates row 0.
+        """Sets up the agents and creates row 0.
 
         Args:
             plan: Plan of the episode.
             agents: An agent for every ego, in order.
             privileged: Whether each agent bypasses the perception model.
             cells: (4,) progress integers to keep current (``worker.progress``).
+            mirrored: Whether SUMO has every actor at its place after every step, for agents and
+                callers that read it. Otherwise it has only while it drives vehicles, and after
+                ``catch_up_sumo``. Traces do not depend on it.
 
         Raises:
             AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different
                 lane-change models.
-            SimulatorError: If SUMO refuses the network or an actor.
+            SimulatorError: If SUMO refuses the network or an actor; where SUMO has not been needed
+                until then, ``step`` or ``catch_up_sumo`` raises it.
         """
         self.plan = plan
         self.done = False
@@ -108,30 +115,32 @@ class Episode:
         self._static = lay_obstacles(plan.obstacles, cast.obstacle_rows, len(actors))
         self._wind = wind_of(plan.weather)
         self._seen = np.zeros((len(plan.egos), len(actors)), dtype=np.bool_)
-        slippery = plan.weather.friction < 1.0
-        self._sumo = open_world(
+        sublanes = lane_change_model == "SL2015"
+        self._sumo = SumoWorld(
             plan.network.path,
             step_length=self._dt,
             seed=plan.scenario.seed,
-            slippery=slippery,
-            sublanes=lane_change_model == "SL2015",
+            slippery=plan.weather.friction < 1.0,
+            sublanes=sublanes,
         )
-        if slippery:
-            edges = [edge for edge in plan.network.edge_lanes if not edge.startswith(":")]
-            self._sumo.set_friction(edges, plan.weather.friction)
-        # SUMO switches at the beginning of a step: the signals after the step that creates row 0
-        # are those of the programmes at time 0.
-        self._sumo.set_programs(plan.programs, 0.0)
-        stand_ins = StandIns(
-            self._sumo, plan.network, self._dt, sublanes=lane_change_model == "SL2015"
+        self._traffic = Traffic(
+            self._sumo,
+            StandIns(self._sumo, plan.network, self._dt, sublanes=sublanes),
+            self._world,
+            cast.bodies,
+            lane_change_model=lane_change_model,
+            open_sumo=self._open_sumo,
+            mirrored=mirrored,
         )
-        self._traffic = Traffic(self._sumo, stand_ins, cast.bodies, len(actors), lane_change_model)
         for m, agent in enumerate(agents):
             if isinstance(agent, SumoDriver):
                 self._traffic.reserve(m)
         self._announce(actors)
         self._bind()
+        self._make_kernel, self._finish_kernel = make_frame, finish_frame
         self._make_first_frame()
+        # Later frames have arguments of the same types.
+        self._make_kernel, self._finish_kernel = settled(make_frame), settled(finish_frame)
 
     @property
     def time(self) -> float:
@@ -150,6 +159,16 @@ class Episode:
             if not isinstance(agent, SumoDriver)
         }
 
+    def _open_sumo(self) -> None:
+        plan, sumo = self.plan, self._sumo
+        sumo.open()
+        if plan.weather.friction < 1.0:
+            edges = [edge for edge in plan.network.edge_lanes if not edge.startswith(":")]
+            sumo.set_friction(edges, plan.weather.friction)
+        # SUMO switches at the beginning of a step: the signals after the step that creates row 0
+        # are those of the programmes at time 0.
+        sumo.set_programs(plan.programs, 0.0)
+
     def _announce(self, actors: Sequence[Actor]) -> None:
         """Announces to the traffic the actors that SUMO will drive."""
         rows = {actor.id: actor.row for actor in actors}
@@ -160,17 +179,16 @@ class Episode:
             return
         rng = np.random.default_rng(np.random.SeedSequence([self.plan.scenario.seed, 1]))
         self._traffic.add_background(
-            Background(
-                wanderers=background.Wanderers(
+            BackgroundVehicles(
+                background.Wanderers(
                     self.plan.network, self.plan.scenario.map_region.region_segment, rng
                 ),
-                rows=tuple(
-                    (actor.row, actor.id) for actor in actors if actor.role is Role.BACKGROUND
-                ),
+                [(actor.row, actor.id) for actor in actors if actor.role is Role.BACKGROUND],
                 clear=np.concatenate(
                     [background.clearance_points(*ego.start[:2]) for ego in self.plan.egos]
                 ),
                 start_time=flow.start_time,
+                driver=self._traffic.driver,
             )
         )
 
@@ -199,9 +217,10 @@ class Episode:
 
     def _make_frame(self, before: int, after: int, time: float) -> None:
         """Moves egos and followers, then SUMO's own vehicles."""
-        changes = make_frame(before, after, time, *self._make_arguments)
-        states, present = self._world.states, self._world.present
-        self._traffic.step(after, time, changes, states[after], present[after])
+        changes = self._make_kernel(
+            before, after, time, self._traffic.keeps_up, *self._make_arguments
+        )
+        self._traffic.step(after, time, changes)
 
     def _hand_over_started(self, rows: Sequence[int]) -> None:
         for m in rows:
@@ -259,7 +278,7 @@ class Episode:
     def _finish_frame(self, before: int, k: int, time: float) -> None:
         """Finds contacts and ends, and whether the episode is over."""
         team = self._team
-        count, ended = finish_frame(before, k, time, *self._finish_arguments)
+        count, ended = self._finish_kernel(before, k, time, *self._finish_arguments)
         if k and self._has_sumo_drivers:
             driven = team.modes == CommandMode.EXTERNAL
             take_over_driven(team.bodies, driven, self._world.states[k], self._dt)
@@ -288,6 +307,14 @@ class Episode:
     def look(self) -> Look:
         """Returns the episode in its present state."""
         return look_at(self._world, self._k, self.time, done=self.done)
+
+    def catch_up_sumo(self) -> None:
+        """Has SUMO hold every actor at its present place, for callers that read it.
+
+        Raises:
+            SimulatorError: If SUMO refuses the network or an actor.
+        """
+        self._traffic.catch_up()
 
     def add_vehicle(self, npc: NpcVehicle) -> None:
         """Adds an NPC vehicle during the run; it starts at its start time, at the earliest now."""
@@ -335,7 +362,7 @@ class Episode:
         self._seen = np.concatenate(
             (self._seen, np.zeros((len(self._seen), 1), dtype=np.bool_)), axis=1
         )
-        self._traffic.make_room(len(self._world.actors))
+        self._traffic.make_room()
         self._bind()
 
     def finish(self) -> Trace:
@@ -345,6 +372,7 @@ class Episode:
             self._world,
             Record(
                 last_step=self._k,
+                is_over=self.done,
                 endings=self._team.endings,
                 contacts=self._contacts,
                 log_names=self._team.log_names,

@@ -8,17 +8,37 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from drivora_service.agents.speed_profile import slow_down_in_time
+from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.simulation.dynamics import GRAVITY
 
-_SPACING = 1.0
+SPACING = 1.0
+"""Metres between two points of a path, at most."""
 _SIDE_GRIP_SHARE = 0.6
 """Share of the grip that a follower uses in bends."""
+
+
+class PathCol(IntEnum):
+    """Columns of the path in ``followers.Followers``, as in ``FollowerPath``."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    ARC = 3
+    WANTED = 4
+    HEIGHT = 5
+    COS = 6
+    """Of the heading."""
+    SIN = 7
+
+
+_YAW, _COS, _SIN = int(PathCol.YAW), int(PathCol.COS), int(PathCol.SIN)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,7 +90,7 @@ def build_path(
         yaw = np.array([first_yaw or 0.0])
         zero = np.zeros(1)
         return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero)
-    fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / _SPACING) + 1)))
+    fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / SPACING) + 1)))
     fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
     x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
     yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
@@ -90,3 +110,13 @@ def build_path(
         wanted=wanted,
         height=np.zeros(len(fine)),
     )
+
+
+@compiled
+def write_directions(path: FloatArray) -> None:
+    """Fills the last columns ``PathCol`` of (n, 8) points as kernels compute them.
+
+    NumPy's cosine and sine may differ from theirs in the last bit.
+    """
+    for i in range(path.shape[0]):
+        path[i, _COS], path[i, _SIN] = math.cos(path[i, _YAW]), math.sin(path[i, _YAW])

@@ -12,13 +12,12 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-import numpy as np
-
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
-from drivora_service.observations.trace import LEVEL_GAP
 from drivora_service.simulation.dynamics import GRAVITY
+from drivora_service.simulation.follower_gaps import gap_ahead, order_actors
+from drivora_service.simulation.follower_path import PathCol
 
 PATIENCE = 10.0
 """Seconds for which reactive vehicles wait for each other in a ring before one of them is removed:
@@ -68,17 +67,6 @@ class FollowerCol(IntEnum):
     """Row of the actor that it waits for; -1 for none."""
 
 
-class PathCol(IntEnum):
-    """Columns of ``Followers.path``, as in ``FollowerPath``."""
-
-    X = 0
-    Y = 1
-    YAW = 2
-    ARC = 3
-    WANTED = 4
-    HEIGHT = 5
-
-
 @dataclass(slots=True, kw_only=True, eq=False)
 class Followers:
     """All followers of an episode, in a few wide arrays: each array adds time to a compiled call.
@@ -86,7 +74,7 @@ class Followers:
     Attributes:
         places: (F, 3) row of each follower in the world's arrays, begin of its path in ``path``,
             and number of its points.
-        path: (n, 6) concatenated paths, columns ``PathCol``.
+        path: (n, 8) concatenated paths, columns ``follower_path.PathCol``.
         state: (F, 13), columns ``FollowerCol``.
     """
 
@@ -98,63 +86,9 @@ class Followers:
 # The columns as plain integers, which compiled functions use as indices.
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
 _MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
-_X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in PathCol)
+_X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in tuple(PathCol)[:6])
 _WAITING, _MOVING, _DONE = (float(phase) for phase in FollowerPhase)
 _BRAKES = float(Reaction.BRAKES)
-
-
-@compiled
-def _gap_ahead(
-    row: int,
-    way: FloatArray,
-    cursor: int,
-    s: float,
-    reach: float,
-    half_length: float,
-    half_width: float,
-    states: FloatArray,
-    sizes: FloatArray,
-    present: BoolArray,
-) -> tuple[float, float, int]:
-    """Returns the free metres in the corridor ahead, and speed and row of the actor at its end."""
-    best, best_speed, best_row = np.inf, 0.0, -1
-    x0, y0 = way[cursor, _X], way[cursor, _Y]
-    for j in range(states.shape[0]):
-        if j == row or not present[j] or abs(states[j, 8] - states[row, 8]) > LEVEL_GAP:
-            continue
-        x, y = states[j, 0], states[j, 1]
-        size = 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
-        if math.hypot(x - x0, y - y0) > reach + half_length + size + 2.0:
-            continue
-        cos, sin = math.cos(states[j, 2]), math.sin(states[j, 2])
-        # Path points further away than this cannot be beside the other's box.
-        near = half_width + size + 1.5
-        for i in range(cursor, way.shape[0]):
-            at = way[i, _ARC] - s
-            if at > reach + half_length + size:
-                break
-            if at < 0.0:
-                continue
-            dx, dy = x - way[i, _X], y - way[i, _Y]
-            if dx * dx + dy * dy > near * near:
-                continue
-            pcos, psin = math.cos(way[i, _YAW]), math.sin(way[i, _YAW])
-            along = dx * pcos + dy * psin
-            if abs(along) > 0.75:
-                continue
-            side = abs(-dx * psin + dy * pcos)
-            # Half extents of the other box along and across the path.
-            c, d = abs(cos * pcos + sin * psin), abs(sin * pcos - cos * psin)
-            across = 0.5 * (sizes[j, 0] * d + sizes[j, 1] * c)
-            if side > half_width + across + 0.2:
-                continue
-            extent = 0.5 * (sizes[j, 0] * c + sizes[j, 1] * d)
-            gap = at + along - half_length - extent
-            if gap < best:
-                best, best_row = gap, j
-                best_speed = states[j, 3] * pcos + states[j, 4] * psin
-            break
-    return best, best_speed, best_row
 
 
 @compiled
@@ -177,6 +111,7 @@ def advance_followers(
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
     ``places``, ``path`` and ``followers``, which is changed in place, are those of ``Followers``.
     """
+    axis, radius, positions, rows = order_actors(states, sizes, present)
     for f in range(places.shape[0]):
         row, base = places[f, 0], places[f, 1]
         me, way = followers[f], path[base : base + places[f, 2]]
@@ -187,7 +122,9 @@ def advance_followers(
             me[_SPEED] = min(me[_SPEED], way[0, _WANTED])
             next_present[row] = True
         elif me[_PHASE] == _MOVING:
-            acceleration = _acceleration(row, dt, friction, me, way, states, sizes, present)
+            acceleration = _acceleration(
+                row, dt, friction, me, way, states, sizes, axis, radius, positions, rows
+            )
             done = _advance(me, way, acceleration, dt)
             next_present[row] = not done or me[_STAYS] > 0.0
         else:
@@ -226,7 +163,10 @@ def _acceleration(
     way: FloatArray,
     states: FloatArray,
     sizes: FloatArray,
-    present: BoolArray,
+    axis: int,
+    radius: float,
+    positions: FloatArray,
+    rows: IntArray,
 ) -> float:
     """Returns the follower's acceleration, m/s², and stores the row that it waits for."""
     grip = friction * GRAVITY
@@ -242,9 +182,9 @@ def _acceleration(
     acceleration = (target - v) / dt
     if me[_REACTION] == _BRAKES:
         reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * me[_LEAST])
-        gap, other, ahead = _gap_ahead(
+        gap, other, ahead = gap_ahead(
             row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
-            states, sizes, present,
+            states, sizes, axis, radius, positions, rows,
         )  # fmt: skip
         is_waiting = gap < reach and v < STANDING_SPEED
         me[_WAITED] = me[_WAITED] + dt if is_waiting else 0.0

@@ -9,12 +9,13 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.road_network import SignalPhase, SignalProgram
+from drivora_service.networks.road_network import SignalPhase, SignalProgram, make_read_only
 from drivora_service.observations.trace import Light
 from drivora_service.scenario.model import LightTimes, TrafficLights
 
@@ -90,6 +91,7 @@ def _is_green(phase: SignalPhase) -> bool:
     return not _is_yellow(phase) and any(letter in "Gg" for letter in phase.state)
 
 
+@lru_cache(maxsize=1024)
 def run_program(
     program: SignalProgram, times: LightTimes, *, step_length: float = 0.05
 ) -> RunningProgram:
@@ -100,7 +102,7 @@ def run_program(
     yellow lasts ``yellow``. With two greens, ``red`` is the time between the greens of the first
     group of signals: the second green is adapted. With one, it is the duration of the all-red
     stage. With more, red follows from the others. SUMO switches at steps, so every time is a whole
-    number of steps.
+    number of steps. Cached, since most runs of a search share their times.
     """
     greens = _greens(program)
     yellows = [i for i, phase in enumerate(program.phases) if _is_yellow(phase)]
@@ -122,13 +124,15 @@ def run_program(
             for i in dark:
                 durations[i] = times.red / len(dark)
     durations = [_whole_steps(max(duration, _MIN_PHASE), step_length) for duration in durations]
+    ends = np.cumsum(np.array(durations))
+    make_read_only(ends)
     return RunningProgram(
         id=program.id,
         phases=tuple(
             SignalPhase(duration=duration, state=phase.state)
             for duration, phase in zip(durations, program.phases, strict=True)
         ),
-        ends=np.cumsum(np.array(durations)),
+        ends=ends,
         offset=_whole_steps(program.offset if times.offset is None else times.offset, step_length),
     )
 

@@ -13,9 +13,11 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
+import numpy as np
+
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
-from drivora_service.observations.sight import is_hidden
+from drivora_service.observations.sight import distances_to_boxes, is_hidden_by
 from drivora_service.observations.trace import LEVEL_GAP
 
 
@@ -83,6 +85,9 @@ def perceive(
     count = 0
     x, y = states[ego, 0], states[ego, 1]
     noisy = position_noise > 0.0 or speed_noise > 0.0 or dropout > 0.0
+    hides = senses[_HIDES] > 0.0
+    near = distances_to_boxes(ego, states, present, sizes)
+    blockers = np.empty(states.shape[0] if hides else 0, dtype=np.int64)
     for j in range(states.shape[0]):
         if j == ego or not present[j]:
             continue
@@ -92,7 +97,7 @@ def perceive(
             continue
         if noisy and draws[j, 4] < dropout:
             continue
-        if senses[_HIDES] > 0.0 and is_hidden(ego, j, states, present, sizes, heights):
+        if hides and is_hidden_by(ego, j, near, blockers, states, sizes, heights):
             continue
         for k in range(states.shape[1]):
             seen[count, k] = states[j, k]

@@ -19,7 +19,7 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position, project_points
-from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.road_network import Lane, RoadNetwork, make_read_only
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
@@ -200,10 +200,18 @@ def _plan_ego(ego: EgoVehicle, network: RoadNetwork) -> EgoPlan:
         ego=ego,
         model=actor_model(ActorKind.VEHICLE, ego.model),
         route=route,
-        heights=line_heights(network, route.line, route.point_lanes),
+        heights=_route_heights(network, route),
         start=(start.x, start.y, yaw),
         time_limit=ego.start_time + TIME_PER_METRE * route.length + TIME_TO_START,
     )
+
+
+@lru_cache(maxsize=512)
+def _route_heights(network: RoadNetwork, route: LaneRoute) -> FloatArray:
+    """Returns the (n,) heights of a route's points; read-only, since routes are shared."""
+    heights = line_heights(network, route.line, route.point_lanes)
+    make_read_only(heights)
+    return heights
 
 
 def _waypoint_speeds(

@@ -19,8 +19,9 @@ driven stay as SUMO placed them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
@@ -35,6 +36,17 @@ _ROUNDING = 0.25
 """Metres; lengths of stand-ins are multiples of it, so that a moving walker needs few."""
 _ARRIVAL_ZONE = 1.0
 """Metres before the end of a lane that stay free: SUMO would take a stand-in there as arrived."""
+
+
+@lru_cache(maxsize=4)
+def _lanes_before(network: RoadNetwork) -> Mapping[int, tuple[int, ...]]:
+    """Returns the indices of the drivable lanes that lead to a lane, by its index."""
+    found: dict[int, tuple[int, ...]] = {}
+    for lane in network.lanes:
+        for link in lane.connections:
+            if lane.drivable:
+                found[link.to_lane] = (*found.get(link.to_lane, ()), lane.index)
+    return found
 
 
 @dataclass(slots=True, eq=False)
@@ -71,12 +83,7 @@ class StandIns:
         self.reserved: set[int] = set()
         self.fixed: set[int] = set()
         self._stances: dict[int, _Stance] = {}
-        self._before: dict[int, tuple[int, ...]] = {}
-        for lane in network.lanes:
-            for link in lane.connections:
-                if lane.drivable:
-                    before = self._before.get(link.to_lane, ())
-                    self._before[link.to_lane] = (*before, lane.index)
+        self._before = _lanes_before(network)
 
     def tend(
         self,

@@ -27,6 +27,7 @@ def make_frame(
     before: int,
     after: int,
     time: float,
+    told: bool,
     dt: float,
     friction: float,
     wind: FloatArray,
@@ -53,6 +54,7 @@ def make_frame(
         before: Index of the frame before.
         after: Index of the frame to write; 0 is the start, before any motion.
         time: Seconds of the frame to write.
+        told: Whether SUMO is told of the frame; else no placements are written.
         dt: Step length, seconds.
         friction: Tyre-road friction coefficient.
         wind: (2,) acceleration by the wind, m/s².
@@ -67,7 +69,7 @@ def make_frame(
         ego_values: (rows, M, 8), columns ``EgoCol``; filled with the commands.
 
     Returns:
-        The number of moved rows that enter or leave with the frame.
+        The number of moved rows that enter or leave with the frame; -1 without placements.
     """
     frame, next_frame = states[before], states[after]
     next_present = present[after]
@@ -87,6 +89,8 @@ def make_frame(
         time - dt, dt, friction, places, path, followers, frame, sizes, present[before],
         next_frame, next_present,
     )  # fmt: skip
+    if not told:
+        return -1
     return write_placements(
         frame, present[before], next_frame, next_present, sizes, is_moved, known, placements
     )

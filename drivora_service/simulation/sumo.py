@@ -1,6 +1,6 @@
 """The interface to libsumo, which is used in this module only.
 
-A process holds one SUMO at a time, so it has one world. ``open_world`` resets with
+A process holds one SUMO at a time, so it has one open world. ``SumoWorld.open`` resets with
 ``load``, which is bit-identical to a fresh process; ``loadState`` is not.
 
 SUMO's positions are front bumpers and its angles degrees clockwise from north; everything outside
@@ -59,11 +59,6 @@ _IMPATIENT_AFTER = "30"
 _SUBLANE_WIDTH = "0.8"
 """Metres: the middle of the range that SUMO's documentation names for cars."""
 _CHANGES_LANES = 0b011001010101
-_READ = (
-    libsumo.constants.VAR_POSITION3D,
-    libsumo.constants.VAR_ANGLE,
-    libsumo.constants.VAR_SPEED,
-)
 
 
 @dataclass(slots=True, eq=False)
@@ -111,12 +106,64 @@ class DrivenActor:
 
 
 class SumoWorld:
-    """The running simulation. Made by ``open_world``; a later call ends the earlier world."""
+    """The simulation in SUMO. Opening one ends the one before."""
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        network: Path,
+        *,
+        step_length: float,
+        seed: int,
+        slippery: bool,
+        sublanes: bool = False,
+    ) -> None:
+        """Describes a world; nothing of it is loaded before ``open``.
+
+        Args:
+            network: The ``.net.xml`` file.
+            step_length: Seconds.
+            seed: Of SUMO's own random draws.
+            slippery: Whether SUMO's drivers react to the friction of the road (the device costs
+                time).
+            sublanes: Whether vehicles have positions within lanes. Then SUMO accepts only drivers
+                with the lane-change model SL2015; without, it would silently drive them by LC2013.
+        """
+        self._network = network
+        self._arguments = (
+            "--net-file", str(network),
+            "--additional-files", str(_DRIVER_TYPES),
+            "--step-length", repr(step_length),
+            "--seed", str(seed % 2**31),
+            "--no-warnings", "true",
+            "--no-step-log", "true",
+            "--collision.action", "none",
+            "--time-to-teleport", "-1",
+            # Drivers on minor roads grow impatient, else full junctions lock up permanently.
+            "--time-to-impatience", _IMPATIENT_AFTER,
+            "--device.friction.probability", "1" if slippery else "0",
+            *(("--lateral-resolution", _SUBLANE_WIDTH) if sublanes else ()),
+        )  # fmt: skip
         self._types: set[str] = set()
         self._routes = 0
         self._grip = math.inf
+
+    def open(self) -> None:
+        """Resets this process's SUMO to the empty network at time 0.
+
+        Raises:
+            SimulatorError: If SUMO does not accept the network.
+        """
+        try:
+            if _process.started:
+                libsumo.load(list(self._arguments))
+            else:
+                libsumo.start(["sumo", *self._arguments])
+                _process.started = True
+        except SUMO_ERRORS as error:
+            _process.started = False
+            raise SimulatorError(
+                f"SUMO does not start with {self._network.name}: {error}"
+            ) from error
 
     def set_programs(self, programs: Sequence[RunningProgram], time: float) -> None:
         """Sets the fixed-time programme of every traffic light from ``time`` seconds on."""
@@ -213,7 +260,6 @@ class SumoWorld:
             arrivalPos="max" if arrival is None else f"{arrival:.3f}",
             departSpeed="last",
         )
-        libsumo.vehicle.subscribe(actor_id, _READ)
         return DrivenActor(row, actor_id, 0.5 * length, width)
 
     def _add(self, actor_id: str, edges: Sequence[str], vehicle_type: str, **depart: str) -> None:
@@ -254,7 +300,6 @@ class SumoWorld:
         libsumo.vehicle.setPreviousSpeed(actor.id, speed)
         libsumo.vehicle.setSpeedMode(actor.id, _OBEYS_ALL)
         libsumo.vehicle.setLaneChangeMode(actor.id, _CHANGES_LANES)
-        libsumo.vehicle.subscribe(actor.id, _READ)
         return DrivenActor(actor.row, actor.id, actor.half_length, actor.width)
 
     def take_back(self, actor: DrivenActor) -> MovedActor:
@@ -262,7 +307,6 @@ class SumoWorld:
 
         It is placed by force once, since it may be in the middle of a lane change.
         """
-        libsumo.vehicle.unsubscribe(actor.id)
         libsumo.vehicle.setSpeedMode(actor.id, 0)
         libsumo.vehicle.setLaneChangeMode(actor.id, 0)
         return MovedActor(
@@ -322,27 +366,33 @@ class SumoWorld:
 
         A vehicle that is not on the road becomes absent.
         """
-        results = libsumo.vehicle.getAllSubscriptionResults()
-        position, angle, speed = _READ
+        # Three calls a vehicle cost less than a subscription, and less than to read its results.
+        position_of, angle_of = libsumo.vehicle.getPosition3D, libsumo.vehicle.getAngle
+        speed_of = libsumo.vehicle.getSpeed
         for actor in actors:
-            values = results.get(actor.id)
-            if not values or values[position][0] < -1e6:
-                present[actor.row] = False
+            name, row = actor.id, actor.row
+            try:
+                position = position_of(name)
+            except libsumo.TraCIException:
+                # It has left the road.
+                present[row] = False
                 continue
-            yaw = math.radians(90.0 - values[angle])
-            yaw = wrap_angle(yaw)
+            if position[0] < -1e6:
+                # It waits to enter.
+                present[row] = False
+                continue
+            front_x, front_y, height = position
+            yaw = wrap_angle(math.radians(90.0 - angle_of(name)))
             cos, sin = math.cos(yaw), math.sin(yaw)
-            front_x, front_y, height = values[position]
-            v = values[speed]
-            states[actor.row, :5] = (
-                front_x - actor.half_length * cos,
-                front_y - actor.half_length * sin,
-                yaw,
-                v * cos,
-                v * sin,
-            )
-            states[actor.row, 8] = height
-            present[actor.row] = True
+            v = speed_of(name)
+            state = states[row]
+            state[0] = front_x - actor.half_length * cos
+            state[1] = front_y - actor.half_length * sin
+            state[2] = yaw
+            state[3] = v * cos
+            state[4] = v * sin
+            state[8] = height
+            present[row] = True
 
     def remaining_edges(self, actor_id: str) -> int:
         """Returns the number of edges ahead on a vehicle's route."""
@@ -359,9 +409,9 @@ class SumoWorld:
         """Returns the last edge of a vehicle's route."""
         return str(libsumo.vehicle.getRoute(actor_id)[-1])
 
-    def knows(self, actor_id: str) -> bool:
-        """Returns whether the vehicle is on the road or waits to enter it."""
-        return actor_id in libsumo.vehicle.getLoadedIDList()
+    def known(self) -> frozenset[str]:
+        """Returns the ids of the vehicles that are on the road or wait to enter it."""
+        return frozenset(libsumo.vehicle.getLoadedIDList())
 
     def remove(self, actor_id: str) -> None:
         """Removes a vehicle, if it is still known."""
@@ -401,43 +451,6 @@ class _Process:
 _process = _Process()
 
 
-def open_world(
-    network: Path, *, step_length: float, seed: int, slippery: bool, sublanes: bool = False
-) -> SumoWorld:
-    """Resets this process's SUMO to an empty network at time 0.
-
-    Args:
-        network: The ``.net.xml`` file.
-        step_length: Seconds.
-        seed: Of SUMO's own random draws.
-        slippery: Whether SUMO's drivers react to the friction of the road (the device costs time).
-        sublanes: Whether vehicles have positions within lanes. Then SUMO accepts only drivers with
-            the lane-change model SL2015; without, it would silently drive them by LC2013.
-
-    Raises:
-        SimulatorError: If SUMO does not accept the network.
-    """
-    arguments = [
-        "--net-file", str(network),
-        "--additional-files", str(_DRIVER_TYPES),
-        "--step-length", repr(step_length),
-        "--seed", str(seed % 2**31),
-        "--no-warnings", "true",
-        "--no-step-log", "true",
-        "--collision.action", "none",
-        "--time-to-teleport", "-1",
-        # Drivers on minor roads grow impatient, else full junctions lock up permanently.
-        "--time-to-impatience", _IMPATIENT_AFTER,
-        "--device.friction.probability", "1" if slippery else "0",
-        *(("--lateral-resolution", _SUBLANE_WIDTH) if sublanes else ()),
-    ]  # fmt: skip
-    try:
-        if _process.started:
-            libsumo.load(arguments)
-        else:
-            libsumo.start(["sumo", *arguments])
-            _process.started = True
-    except SUMO_ERRORS as error:
-        _process.started = False
-        raise SimulatorError(f"SUMO does not start with {network.name}: {error}") from error
-    return SumoWorld()
+def is_started() -> bool:
+    """Returns whether this process has started SUMO."""
+    return _process.started

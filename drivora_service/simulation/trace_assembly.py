@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivora_service.agents.log import AgentLog
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.projection import project_points
+from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import (
     Col,
     Contact,
@@ -23,6 +27,8 @@ from drivora_service.scenario.canonical import scenario_sha256
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.world import World
 
+_Item = TypeVar("_Item", bound=np.generic)
+
 
 @dataclass(slots=True, kw_only=True)
 class Ending:
@@ -34,9 +40,15 @@ class Ending:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Record:
-    """The data of an episode besides the frames."""
+    """The data of an episode besides the frames.
+
+    Attributes:
+        last_step: Row of the last frame.
+        is_over: Whether no frame will be written any more; else the trace gets copies.
+    """
 
     last_step: int
+    is_over: bool
     endings: Sequence[Ending]
     contacts: Sequence[Contact]
     log_names: tuple[str, ...]
@@ -58,19 +70,28 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         found = project_points(plan.network, states[:, :2].copy(), states[:, Col.YAW].copy())
         on_lane = found.lane >= 0
         lanes[here, m] = found.lane
-        limits = np.array([lane.speed_limit for lane in plan.network.lanes])
+        limits = _speed_limits(plan.network)
         values[here, m, EgoCol.SPEED_LIMIT] = np.where(on_lane, limits[found.lane], np.nan)
         values[here, m, EgoCol.LANE_LATERAL] = np.where(on_lane, found.lateral, np.nan)
         values[here, m, EgoCol.LANE_HEADING] = np.where(on_lane, found.heading, np.nan)
+
+    def kept(frames: NDArray[_Item]) -> NDArray[_Item]:
+        return frames if record.is_over else frames.copy()
+
     names: list[str] = []
     light_states = np.zeros((rows, len(plan.programs)), dtype=np.int32)
+    stages: dict[tuple[float, bytes], IntArray] = {}
     for i, program in enumerate(plan.programs):
+        # Most programmes of a network have the same cycle.
+        cycle = (program.offset, program.ends.tobytes())
+        if cycle not in stages:
+            stages[cycle] = program.phase_at(times)
         index = []
         for phase in program.phases:
             if phase.state not in names:
                 names.append(phase.state)
             index.append(names.index(phase.state))
-        light_states[:, i] = np.array(index, dtype=np.int32)[program.phase_at(times)]
+        light_states[:, i] = np.array(index, dtype=np.int32)[stages[cycle]]
     return Trace(
         network=plan.network.name,
         network_sha256=plan.network.sha256,
@@ -78,11 +99,11 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         step_length=dt,
         times=times,
         actors=tuple(world.actors),
-        states=world.states[:rows].copy(),
-        present=world.present[:rows].copy(),
+        states=kept(world.states[:rows]),
+        present=kept(world.present[:rows]),
         ego_values=values,
         ego_lanes=lanes,
-        ego_lights=world.ego_lights[:rows].copy(),
+        ego_lights=kept(world.ego_lights[:rows]),
         ego_routes=tuple(
             EgoRoute(
                 line=ego.route.line,
@@ -105,7 +126,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             index: plan.network.lanes[index].id for index in np.unique(lanes).tolist() if index >= 0
         },
         log_names=record.log_names,
-        log_values=world.logs[:rows].copy(),
+        log_values=kept(world.logs[:rows]),
         log_events=tuple(
             LogEvent(step=step, ego=m, message=message)
             for m, log in enumerate(record.logs)
@@ -119,3 +140,9 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             "perception_range": plan.weather.perception_range,
         },
     )
+
+
+@lru_cache(maxsize=4)
+def _speed_limits(network: RoadNetwork) -> FloatArray:
+    """Returns the (n,) speed limit of each lane, m/s."""
+    return np.array([lane.speed_limit for lane in network.lanes])

@@ -1,22 +1,32 @@
-"""SUMO's side of an episode: its vehicles, their control, entering and leaving."""
+"""SUMO's side of an episode: its vehicles, their control, entering and leaving.
+
+SUMO is brought up to the present only where that can be noticed: while SUMO drives a vehicle, and
+when a caller asks for it. Until then it lags behind the world, whose frames hold all that it has to
+be told; it catches up by the same calls in the same order as if it had been told at every step, so
+neither traces nor SUMO's state depend on when. Where SUMO drives no vehicle in a whole run, it is
+not even opened.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from drivora_service.agents.sumo_driver import LaneChangeModel
 from drivora_service.geometry.arrays import BoolArray, FloatArray
-from drivora_service.simulation.background import LENGTH, WIDTH, Wanderers
+from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.plan import DrivenPlan
 from drivora_service.simulation.stand_ins import StandIns
+from drivora_service.simulation.step_kernels import write_placements
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
+from drivora_service.simulation.world import World
 
+_CHECK_STEPS = 20
+"""Steps after which it is checked again whether vehicles that SUMO drives have left for good."""
 _DRIVER = "krauss"
-_ROUTE_CHECK_STEPS = 20
-_EDGES_LEFT = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,27 +48,11 @@ class Body:
     width: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Background:
-    """The background traffic.
-
-    Attributes:
-        wanderers: Draws entries and routes.
-        rows: (row, id) of each vehicle.
-        clear: (n, 2) places where no vehicle may enter, metres: the starts of the egos.
-        start_time: Seconds.
-    """
-
-    wanderers: Wanderers
-    rows: tuple[tuple[int, str], ...]
-    clear: FloatArray
-    start_time: float
-
-
 class Traffic:
     """Synchronizes SUMO's vehicles with the world's rows.
 
     Attributes:
+        driver: SUMO's driver of NPCs and background traffic, a vehicle type.
         driven: Vehicles that SUMO drives now.
         is_moved, known, placements: Arrays of ``step_kernels.write_placements``.
     """
@@ -67,26 +61,45 @@ class Traffic:
         self,
         sumo: SumoWorld,
         stand_ins: StandIns,
+        world: World,
         bodies: Sequence[Body],
-        count: int,
+        *,
         lane_change_model: LaneChangeModel = "LC2013",
+        open_sumo: Callable[[], None],
+        mirrored: bool,
     ) -> None:
-        """Takes the bodies of a world of ``count`` rows, and SUMO's lane-change model."""
+        """Takes the bodies of a world.
+
+        Args:
+            sumo: The simulation in SUMO, not open yet.
+            stand_ins: Its stand-ins.
+            world: The frames, which SUMO catches up with.
+            bodies: Bodies of the rows that the service moves.
+            lane_change_model: SUMO's lane-change model.
+            open_sumo: Opens ``sumo`` and sets it up.
+            mirrored: Whether SUMO never lags.
+        """
         self._sumo = sumo
         self._stand_ins = stand_ins
-        self._driver = f"{_DRIVER}-{lane_change_model}"
+        self._world = world
+        self._open_sumo = open_sumo
+        self._mirrored = mirrored
+        self.driver = f"{_DRIVER}-{lane_change_model}"
         self._bodies: dict[int, Body] = {}
         for body in bodies:
             self.add_body(body)
         self._moved: dict[int, MovedActor] = {}
         self._moved_list: list[MovedActor] = []
         self.driven: list[DrivenActor] = []
+        self._now = self._reached = -1
+        self._wrecks: list[tuple[int, int]] = []
         self._waiting: list[tuple[int, DrivenPlan]] = []
+        self._next_start = math.inf
+        self._npcs: set[int] = set()
         self._entering: list[tuple[int, str, float]] = []
-        self._background: Background | None = None
-        self._tended = False
+        self._background: BackgroundVehicles | None = None
         self.known: BoolArray = np.zeros(0, dtype=np.bool_)
-        self.make_room(count)
+        self.make_room()
 
     def add_body(self, body: Body) -> None:
         """Announces a row that the service moves."""
@@ -99,11 +112,15 @@ class Traffic:
         self._stand_ins.reserved.add(row)
 
     def fix(self, row: int) -> None:
-        """Announces that a moved row is a wreck from now on."""
-        self._stand_ins.fix(row)
+        """Announces that a moved row is a wreck from the next frame on."""
+        if self._reached == self._now:
+            self._stand_ins.fix(row)
+        else:
+            self._wrecks.append((self._now, row))
 
-    def make_room(self, count: int) -> None:
-        """Resizes the arrays to a world of ``count`` rows, after bodies have been added."""
+    def make_room(self) -> None:
+        """Resizes the arrays to the world's rows, after bodies have been added."""
+        count = len(self._world.actors)
         known = np.zeros(count, dtype=np.bool_)
         known[: len(self.known)] = self.known
         self.known = known
@@ -116,13 +133,16 @@ class Traffic:
     def add_driven(self, row: int, plan: DrivenPlan) -> None:
         """Announces an NPC that SUMO will drive from its start time on."""
         self._waiting.append((row, plan))
+        self._npcs.add(row)
+        self._next_start = min(self._next_start, plan.start_time)
 
-    def add_background(self, background: Background) -> None:
+    def add_background(self, background: BackgroundVehicles) -> None:
         """Announces the background traffic."""
         self._background = background
 
     def hand_over(self, row: int, speed: float, driver: str) -> None:
         """Hands a moved row over to one of SUMO's drivers."""
+        self.catch_up()
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
         self.is_moved[row] = False
@@ -144,32 +164,88 @@ class Traffic:
         self._moved[row] = moved
         self._moved_list.append(moved)
 
-    def step(
-        self, step: int, time: float, changes: int, frame: FloatArray, present: BoolArray
-    ) -> None:
-        """Sends a frame of moved rows to SUMO and completes it with SUMO's own vehicles.
+    @property
+    def keeps_up(self) -> bool:
+        """Whether SUMO is at the present frame and will be told of the next one."""
+        return bool(self.driven or self._mirrored) and self._reached == self._now >= 0
+
+    def step(self, step: int, time: float, changes: int) -> None:
+        """Completes a frame of moved rows with SUMO's own vehicles.
 
         Args:
-            step: Row of the frame.
+            step: Row of the frame; those that SUMO drives are filled in.
             time: Seconds of the frame.
-            changes: Number of moved rows that enter or leave with it.
-            frame: (N, 9) the frame; rows that SUMO drives are filled in.
-            present: (N,) of the frame; changed for rows that SUMO drives.
+            changes: Number of moved rows that enter or leave with it; negative if its placements
+                have not been written, as SUMO did not keep up.
         """
+        self._now = step
+        if not (self.driven or self._mirrored or self._is_due(time)):
+            return
+        if self._reached < step - 1:
+            self._replay(step - 1)
+        elif self._reached < 0:
+            self._open_sumo()
+        if changes < 0:
+            changes = self._write_placements(step)
+        frame, present = self._world.states[step], self._world.present[step]
+        self._tell(changes, frame, present)
+        if time + 1e-9 >= self._next_start:
+            self._start_driven(time)
+        if self._background is not None and self._background.is_due(time):
+            self._background.tend(self._sumo, self.driven, step, frame, present)
+        self._sumo.step()
+        self._reached = step
+        if self.driven:
+            self._sumo.read_driven(self.driven, frame, present)
+            if step % _CHECK_STEPS == 0:
+                self._forget_gone(present)
+        while self._entering:
+            self._begin(*self._entering.pop(), frame, present)
+
+    def catch_up(self) -> None:
+        """Brings SUMO up to the present frame."""
+        if self._reached < self._now:
+            self._replay(self._now)
+
+    def _is_due(self, time: float) -> bool:
+        """Returns whether a vehicle that SUMO drives enters now."""
+        if time + 1e-9 >= self._next_start:
+            return True
+        return self._background is not None and self._background.is_due(time)
+
+    def _replay(self, last: int) -> None:
+        """Simulates the frames that SUMO has not seen in it, up to ``last``; it drives no vehicle.
+
+        Poses in a frame do not change after it has been made, so the calls are those that would
+        have been made at the time.
+        """
+        if self._reached < 0:
+            self._open_sumo()
+        world = self._world
+        for k in range(self._reached + 1, last + 1):
+            self._tell(self._write_placements(k), world.states[k], world.present[k])
+            self._sumo.step()
+            self._reached = k
+            while self._wrecks and self._wrecks[0][0] <= k:
+                self._stand_ins.fix(self._wrecks.pop(0)[1])
+
+    def _write_placements(self, k: int) -> int:
+        """Writes the placements of a frame; returns how many moved rows enter or leave with it."""
+        world = self._world
+        # Before the first frame no actor is present.
+        before = world.present[k - 1] if k else np.zeros_like(world.present[0])
+        return write_placements(
+            world.states[k - 1], before, world.states[k], world.present[k], world.sizes,
+            self.is_moved, self.known, self.placements,
+        )  # fmt: skip
+
+    def _tell(self, changes: int, frame: FloatArray, present: BoolArray) -> None:
+        """Has moved rows enter, leave, and be at their places in SUMO's next step."""
         if changes:
             self._enter_and_leave(present)
         placements = self.placements.tolist()
         self._stand_ins.tend(self._moved_list, placements, frame)
         self._sumo.place(self._moved_list, placements)
-        if self._waiting:
-            self._start_driven(time)
-        if self._background is not None and time >= self._background.start_time - 1e-9:
-            self._tend_background(self._background, step, frame, present)
-        self._sumo.step()
-        if self.driven:
-            self._sumo.read_driven(self.driven, frame, present)
-        while self._entering:
-            self._begin(*self._entering.pop(), frame, present)
 
     def _begin(
         self, row: int, actor_id: str, speed: float, frame: FloatArray, present: BoolArray
@@ -213,7 +289,7 @@ class Traffic:
                     row,
                     plan.id,
                     plan.edges,
-                    driver=self._driver,
+                    driver=self.driver,
                     length=plan.model.length,
                     width=plan.model.width,
                     lane_number=plan.lane_number,
@@ -222,45 +298,12 @@ class Traffic:
                 )
             )
             self._entering.append((row, plan.id, plan.speed))
+        self._next_start = min((plan.start_time for _, plan in self._waiting), default=math.inf)
 
-    def _tend_background(
-        self,
-        background: Background,
-        step: int,
-        next_frame: FloatArray,
-        next_present: BoolArray,
-    ) -> None:
-        """Adds missing vehicles and extends routes that run out."""
-        if self._tended and step % _ROUTE_CHECK_STEPS:
-            return
-        self._tended = True
-        wanderers = background.wanderers
-        by_row = {actor.row: actor for actor in self.driven}
-        taken = np.concatenate((background.clear, next_frame[next_present, :2]))
-        for row, vehicle in background.rows:
-            if row not in by_row:
-                place = wanderers.entry(taken)
-                if place is None:
-                    continue
-                lane, s = place
-                x, y, _ = lane.position_at(s)
-                taken = np.concatenate((taken, [(x, y)]))
-                self.driven.append(
-                    self._sumo.add_driven(
-                        row,
-                        vehicle,
-                        wanderers.route_from(lane.edge_id),
-                        driver=self._driver,
-                        length=LENGTH,
-                        width=WIDTH,
-                        lane_number=lane.lane_number,
-                        position=s,
-                        arrival=None,
-                    )
-                )
-            elif not self._sumo.knows(vehicle):
-                self.driven.remove(by_row[row])
-            elif self._sumo.remaining_edges(vehicle) < _EDGES_LEFT:
-                more = wanderers.route_from(self._sumo.last_edge(vehicle))[1:]
-                if more:
-                    self._sumo.extend_route(vehicle, more)
+    def _forget_gone(self, present: BoolArray) -> None:
+        """Forgets NPCs that have left SUMO at their destinations."""
+        absent = [a for a in self.driven if a.row in self._npcs and not present[a.row]]
+        known = self._sumo.known() if absent else frozenset()
+        for actor in absent:
+            if actor.id not in known:
+                self.driven.remove(actor)

@@ -31,7 +31,7 @@ def test_light_times_of_a_document_are_shown_recorded_and_obeyed() -> None:
         ego(place(AVENUE, 60, on="signal-grid"), place("grand_2_1", 60, on="signal-grid")),
         on="signal-grid", traffic_lights=lights, seconds=45.0,
     )  # fmt: skip
-    episode = start(what)
+    episode = start(what, mirrored=True)
     shown = []
     while not episode.done:
         shown.append(episode._sumo.light_state("b2"))

@@ -26,6 +26,7 @@ from tests.simulation.episodes import (
     scenario,
     speeds,
     standing,
+    start,
     track,
     travelled,
 )
@@ -143,6 +144,7 @@ def test_friction_is_told_to_sumo_only_where_the_road_is_slippery(
         original(world, edges, friction)  # type: ignore[arg-type]  # passed on as it came
 
     monkeypatch.setattr(SumoWorld, "set_friction", listen)
-    run(scenario(parked(), seconds=0.1), standing())
-    run(scenario(parked(), weather=WET, seconds=0.1), standing())
+    start(scenario(parked(), seconds=0.1), standing(), mirrored=True)
+    assert told == []
+    start(scenario(parked(), weather=WET, seconds=0.1), standing(), mirrored=True)
     assert told == [pytest.approx(0.4)]

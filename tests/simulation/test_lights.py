@@ -9,7 +9,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.networks.road_network import SignalPhase, SignalProgram
 from drivora_service.scenario.model import LightTimes, TrafficLights
 from drivora_service.simulation.lights import run_program, run_programs
-from drivora_service.simulation.sumo import open_world
+from drivora_service.simulation.sumo import SumoWorld
 
 TWO_STAGES = SignalProgram(
     id="j",
@@ -83,7 +83,8 @@ def test_stages_of_one_green_share_its_time() -> None:
 def test_sumo_shows_what_is_computed(lights: TrafficLights) -> None:
     network = NetworkCatalogue(shipped_networks()).get("signal-grid")
     assert network.programs
-    world = open_world(network.path, step_length=0.05, seed=1, slippery=False)
+    world = SumoWorld(network.path, step_length=0.05, seed=1, slippery=False)
+    world.open()
     programs = run_programs(network.programs, lights)
     world.set_programs(programs, 0.0)
     for k in range(2400):

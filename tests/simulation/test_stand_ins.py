@@ -191,7 +191,7 @@ def crossed() -> Scenario:
 
 
 def test_stand_ins_are_in_sumo_only_and_leave_with_what_they_stand_for() -> None:
-    episode = start(crossed(), standing())
+    episode = start(crossed(), standing(), mirrored=True)
     held = []
     while not episode.done:
         episode.step()
@@ -218,6 +218,7 @@ def test_nothing_is_added_where_nothing_reaches_over() -> None:
             seconds=4.0,
         ),
         standing(),
+        mirrored=True,
     )
     while not episode.done:
         episode.step()
@@ -249,7 +250,7 @@ def test_with_sublanes_what_stands_across_lanes_is_never_on_one() -> None:
         seconds=25.0,
     )  # fmt: skip
     driver = AgentCatalogue().create("sumo-krauss", sublanes.parameters)
-    episode = start(what, driver, standing())  # type: ignore[arg-type]  # one of SUMO's drivers
+    episode = start(what, driver, standing(), mirrored=True)  # type: ignore[arg-type]  # one of SUMO's drivers
     held = 0
     while not episode.done:
         episode.step()

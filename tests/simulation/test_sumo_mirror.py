@@ -54,7 +54,7 @@ def mirrored(what: Scenario, *agents: object) -> tuple[Trace, InSumo]:
         AgentCatalogue().create(one.agent.name, one.agent.parameters)
         for one in what.ego_vehicles[len(agents) :]
     ]
-    episode: Episode = start(what, *agents, *named)  # type: ignore[arg-type]  # of either kind
+    episode: Episode = start(what, *agents, *named, mirrored=True)  # type: ignore[arg-type]  # of either kind
     seen = InSumo()
     seen.look()
     while not episode.done:

@@ -1,4 +1,4 @@
-"""Compiling the numeric kernels of the step loop to machine code, and keeping it on disk.
+"""The machine code of kernels on disk.
 
 A kernel is compiled together with the kernels and constants of other modules that it uses. Its
 cached machine code must not outlive a change of those, by an upgrade or by an edit: the compiler's
@@ -14,7 +14,7 @@ from enum import Enum
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType
-from typing import Any, TypeVar, cast
+from typing import Any
 
 from numba import config, njit
 from numba.core.caching import (
@@ -22,31 +22,25 @@ from numba.core.caching import (
     UserProvidedCacheLocator,
     UserWideCacheLocator,
 )
-from numba.core.dispatcher import Dispatcher
+
+from drivora_service.compilation.kernel import Kernel
 
 _MARK = "drivora_kernel"
 """Attribute of functions that are compiled here, not by other packages."""
 
 _CONSTANTS = (bool, int, float, str, tuple)
 
-Function = TypeVar("Function", bound=Callable[..., object])
 
-
-def compiled(function: Function) -> Function:
-    """Compiles a function on its first call and keeps the result on disk.
-
-    No fast-math: results must not depend on the compiler's order of additions. Division by zero
-    gives an infinity, as in NumPy.
-    """
+def dispatcher_of(function: Callable[..., Any]) -> Any:
+    """Returns what compiles a function, and finds its machine code by the types of arguments."""
     setattr(function, _MARK, True)
-    return cast("Function", njit(cache=True, error_model="numpy")(function))
+    return njit(cache=True, error_model="numpy")(function)
 
 
 def used_by(function: FunctionType) -> str:
     """Returns a digest of what a kernel may use: the files of kernels, and the values of constants.
 
-    Kernels and constants of other modules are imported before the function that uses them is made;
-    those of its own module are in its file.
+    Its own module and those that it imports must have been imported.
     """
     digest = hashlib.sha256()
     for part in sorted(_parts(function.__globals__, frozenset({function.__module__}))):
@@ -57,8 +51,8 @@ def used_by(function: FunctionType) -> str:
 def _parts(names: dict[str, Any], known: frozenset[str]) -> set[str]:
     parts = {_file_digest(str(names["__file__"]))}
     for name, value in names.items():
-        if isinstance(value, Dispatcher):
-            module = str(value.py_func.__module__)
+        if isinstance(value, Kernel):
+            module = str(value.function.__module__)
             if module not in known:
                 parts |= _parts(vars(sys.modules[module]), known | {module})
         elif isinstance(value, type) and issubclass(value, Enum):

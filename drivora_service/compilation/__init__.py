@@ -1,0 +1,15 @@
+"""Compiling the numeric kernels of the step loop to machine code, and keeping it on disk.
+
+The compiler takes half a second to import, so a process has it only after its first call of a
+kernel: the modules of oracles and agents are light to import for those that only need their names.
+"""
+
+from drivora_service.compilation.kernel import (
+    Kernel,
+    compiled,
+    load_compiler,
+    settled,
+    worth_loading,
+)
+
+__all__ = ["Kernel", "compiled", "load_compiler", "settled", "worth_loading"]
