@@ -44,18 +44,19 @@ def plain_data(
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
     *,
     what: str = "a scenario",
+    most_bytes: int = MAX_DOCUMENT_BYTES,
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Returns the top-level object of a text, or of parsed data, and the problems in it.
 
     Problems are repeated keys and values that JSON, UTF-8 or the store cannot hold. ``what`` is
-    the expected content, for messages.
+    the expected content, for messages; ``most_bytes`` bounds a text of JSON.
 
     Raises:
         InvalidDocument: The text cannot be read: it is too large, too deep, not in the given
             language, or not an object with text keys.
     """
     if isinstance(data, str | bytes):
-        text = decoded(data, MAX_DOCUMENT_BYTES if format == "json" else MAX_YAML_BYTES)
+        text = decoded(data, most_bytes if format == "json" else MAX_YAML_BYTES)
         content = _from_json(text) if format == "json" else _from_yaml(text)
     else:
         content = dict(data)

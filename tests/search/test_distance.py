@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.search.distance import candidate_distances
+from drivora_service.search import distance
+from drivora_service.search.distance import candidate_distances, mean_distances
+from drivora_service.search.genes import GeneKind
 from drivora_service.testing.gene_spaces import small_space
 
 SPACE = small_space()
@@ -43,3 +45,43 @@ def test_the_genes_of_the_absent_do_not_count() -> None:
     assert candidate_distances(one[None], other[None], SPACE) == 0.0
     other[VEHICLE.start] = 1.0
     assert candidate_distances(one[None], other[None], SPACE) > 0.0
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_every_actor_is_compared_gene_by_gene(seed: int) -> None:
+    one, other = SPACE.sample(np.random.default_rng(seed), 2)
+    distances = []
+    for block in SPACE.blocks:
+        squares = []
+        is_absent = [block.is_optional and v[block.start] == 0.0 for v in (one, other)]
+        for index, gene in enumerate(block.genes, start=block.start):
+            if gene.low == gene.high:
+                continue
+            mine, theirs = one[index], other[index]
+            if index > block.start and any(is_absent):
+                # An absent actor's category is none of the values, its magnitudes are the least.
+                mine, theirs = (
+                    (gene.low if gene.kind is not GeneKind.CATEGORY else -1.0) if absent else value
+                    for absent, value in zip(is_absent, (mine, theirs), strict=True)
+                )
+            if gene.kind is GeneKind.CATEGORY:
+                squares.append(float(mine != theirs))
+            else:
+                squares.append(((mine - theirs) / (gene.high - gene.low)) ** 2)
+        distances.append(np.sqrt(np.mean(squares)))
+    found = candidate_distances(one[None], other[None], SPACE)
+    assert found[0, 0] == pytest.approx(np.mean(distances))
+
+
+@pytest.mark.parametrize("others", [1, 70])
+def test_mean_distances_count_the_others_as_often_as_they_occur(
+    others: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(distance, "_TILE", 210)
+    random = np.random.default_rng(1)
+    values, past = SPACE.sample(random, 50), SPACE.sample(random, others)
+    counts = random.integers(1, 5, size=others)
+    repeated = np.repeat(past, counts, axis=0)
+    expected = candidate_distances(values, repeated, SPACE).mean(axis=1)
+    found = mean_distances(values, past, counts.astype(np.float64), SPACE)
+    assert found == pytest.approx(expected)

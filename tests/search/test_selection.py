@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from pymoo.operators.survival.rank_and_crowding.metrics import get_crowding_function
+from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 from drivora_service.errors import SearchError
 from drivora_service.geometry.arrays import FloatArray
@@ -155,3 +157,20 @@ def test_random_selection_is_without_replacement_until_exhausted() -> None:
     assert sorted(RandomSelection().select(objectives, 5, random)) == [0, 1, 2, 3, 4]
     counts = np.bincount(RandomSelection().select(objectives, 12, random), minlength=5)
     assert set(counts) == {2, 3}
+
+
+@given(OBJECTIVES)
+def test_fronts_and_crowding_distances_are_those_of_pymoo(objectives: FloatArray) -> None:
+    numbers = measurable(objectives)
+    expected = NonDominatedSorting().do(numbers)
+    found = fronts(objectives)
+    assert [front.tolist() for front in found] == [sorted(front.tolist()) for front in expected]
+    crowding = get_crowding_function("cd")
+    order = []
+    for front in found:
+        # A value that is not measurable is worse than those of its own front.
+        rooms = crowding.do(measurable(objectives[front]))
+        assert crowding_distances(objectives[front]).tolist() == rooms.tolist()
+        order += front[np.argsort(-rooms, kind="stable")].tolist()
+    if objectives.shape[1] > 1:
+        assert best_first(objectives).tolist() == order

@@ -38,6 +38,7 @@ class ScenarioSpace:
     Attributes:
         seed: The seed scenario.
         network: Its road network.
+        options: Its variable parts.
         genes: All genes with their bounds.
         routes: The routes that egos choose from; with one ego, the seed's.
         paths: The paths that NPC vehicles choose from.
@@ -51,7 +52,7 @@ class ScenarioSpace:
                 around the seed's egos for the variable actors.
         """
         check_options(seed, options)
-        self.seed, self.network, self._options = seed, network, options
+        self.seed, self.network, self.options = seed, network, options
         self.routes = routes_of_egos(seed, network, options)
         self.paths: tuple[NpcPath, ...] = ()
         if options.vehicles:
@@ -82,7 +83,7 @@ class ScenarioSpace:
     @cached_property
     def conflicts(self) -> BoolArray | None:
         """(n, n) which routes meet in a junction; ``None`` if the egos' routes do not vary."""
-        if self._options.egos == 1:
+        if self.options.egos == 1:
             return None
         return meeting_matrix(self.network, [route.path.route.line for route in self.routes])
 
@@ -130,13 +131,13 @@ class ScenarioSpace:
 
     def _make_egos(self) -> tuple[tuple[FixedEgo, ...], tuple[GeneEgo, ...]]:
         own = self.seed.ego_vehicles
-        if self._options.egos == 1:
+        if self.options.egos == 1:
             pairs = zip(own, self.routes, strict=True)
             return tuple(FixedEgo(ego, route) for ego, route in pairs), ()
         egos = []
-        for i in range(self._options.egos):
+        for i in range(self.options.egos):
             name = f"ego_{i}"
-            genes = ego_genes(self._options, i, len(self.routes))
+            genes = ego_genes(self.options, i, len(self.routes))
             like = own[i] if i < len(own) else replace(own[0], id=self._names.free(name))
             block = self._layout.add(name, Part.EGO, genes, like.id)
             egos.append(GeneEgo(block, like, self.routes))
@@ -144,27 +145,27 @@ class ScenarioSpace:
 
     def _make_vehicles(self) -> tuple[VehicleDecoder, ...]:
         made = []
-        for i in range(self._options.vehicles):
+        for i in range(self.options.vehicles):
             name = f"vehicle_{i}"
-            genes = vehicle_genes(self._options, self.paths)
+            genes = vehicle_genes(self.options, self.paths)
             block = self._layout.add(name, Part.VEHICLE, genes, self._names.free(name))
-            made.append(VehicleDecoder(block, block.actor, self.paths, self._options))
+            made.append(VehicleDecoder(block, block.actor, self.paths, self.options))
         return tuple(made)
 
     def _make_walkers(self) -> tuple[WalkerDecoder, ...]:
         made = []
-        for i in range(self._options.walkers):
+        for i in range(self.options.walkers):
             name = f"walker_{i}"
-            genes = walker_genes(self._options, self._ego_count)
+            genes = walker_genes(self.options, self._ego_count)
             block = self._layout.add(name, Part.WALKER, genes, self._names.free(name))
             made.append(WalkerDecoder(block, block.actor))
         return tuple(made)
 
     def _make_obstacles(self) -> tuple[ObstacleDecoder, ...]:
         made = []
-        for i in range(self._options.obstacles):
+        for i in range(self.options.obstacles):
             name = f"obstacle_{i}"
-            genes = obstacle_genes(self._options, self._ego_count)
+            genes = obstacle_genes(self.options, self._ego_count)
             block = self._layout.add(name, Part.OBSTACLE, genes, self._names.free(name))
             made.append(ObstacleDecoder(block, block.actor))
         return tuple(made)

@@ -247,7 +247,7 @@ class TestRegion:
     def test_it_is_the_box_around_the_members_and_has_their_categories(self) -> None:
         space, random = small_space(), np.random.default_rng(5)
         members = space.sample(random, 4)
-        region = Region.around(space, members)
+        region = Region(space=space, members=members)
         drawn = region.sample(random, 500)
         assert np.all(drawn >= members.min(axis=0))
         assert np.all(drawn <= members.max(axis=0))
@@ -259,7 +259,7 @@ class TestRegion:
     def test_children_stay_in_it(self) -> None:
         space, random = small_space(), np.random.default_rng(5)
         members = space.sample(random, 4)
-        region = Region.around(space, members)
+        region = Region(space=space, members=members)
         values = region.sample(random, 20)
         for _ in range(20):
             values = BREEDING.children(values, region, random)

@@ -8,6 +8,7 @@ possible from all tried candidates. A new best candidate starts a local search a
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Generator
 
 import numpy as np
@@ -16,7 +17,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Components
-from drivora_service.search.distance import candidate_distances
+from drivora_service.search.distance import mean_distances
 from drivora_service.search.mutation import RedrawSlice
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette
@@ -52,7 +53,8 @@ class AvfuzzerSearch:
             crossover_rate=parameters.crossover_rate,
         )
         self._generation = 0
-        self._past: list[FloatArray] = []
+        self._past: dict[int, FloatArray] = {}
+        self._members: Counter[int] = Counter()
 
     def script(self) -> Script:
         """Searches without end, one attempt after another."""
@@ -123,7 +125,9 @@ class AvfuzzerSearch:
 
     def _remember(self, population: Population) -> Population:
         self._generation += 1
-        self._past.append(np.array([one.values for one in population]))
+        # A scenario that survives is a member of many populations: it is compared once.
+        self._past.update((one.number, one.values) for one in population)
+        self._members.update(one.number for one in population)
         return population
 
     def _far_from_the_past(self) -> FloatArray:
@@ -131,7 +135,8 @@ class AvfuzzerSearch:
         settings = self._parameters
         count = max(settings.restart_candidates, settings.population)
         drawn = self._space.sample(self._random, count)
-        means = candidate_distances(drawn, np.concatenate(self._past), self._space).mean(axis=1)
+        counts = np.array([self._members[number] for number in self._past], dtype=np.float64)
+        means = mean_distances(drawn, np.array([*self._past.values()]), counts, self._space)
         return drawn[np.argsort(-means, kind="stable")[: settings.population]]
 
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drivora_service.geometry.arrays import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from sklearn.cluster import KMeans
-    from threadpoolctl import ThreadpoolController
+from drivora_service.search.testers.behavexplor.k_means import (
+    Clusters,
+    distances_between,
+    k_means,
+    silhouettes,
+)
 
 FIT_ROWS = 1000
 """Number of windows, spread evenly over the archive, for a fit: more cost time, change little."""
@@ -121,11 +120,8 @@ class BehaviourModel:
         self._lengths += [len(table) for table in tables]
         known = [self._rows] if self._rows.size else []
         self._rows = np.concatenate([*known, *tables])
-        # For so little work several threads cost more than they bring, they compete with the
-        # workers, and they would add in an order that varies.
-        with self._threads.limit(limits=1):
-            self._fit()
-            self._label()
+        self._fit()
+        self._label()
 
     def _fit(self) -> None:
         # Centres are kept about the mean of their time: they move with the scales.
@@ -141,48 +137,27 @@ class BehaviourModel:
         else:
             start = (before - self._shift) / self._scale
         on, anew = self._k_means(scaled, len(start), start), self._k_means(scaled, len(start))
-        better = on if on.inertia_ <= anew.inertia_ else anew
-        self._centres = np.asarray(better.cluster_centers_) * self._scale
+        better = on if on.inertia <= anew.inertia else anew
+        self._centres = better.centres * self._scale
         self.fits += 1
 
     def _choice(self, scaled: FloatArray) -> FloatArray:
         """Chooses the number of clusters, and with it the first centres."""
-        from sklearn.metrics import silhouette_score
-
         sample = _thinned(scaled, CHOICE_ROWS)
+        distances = distances_between(sample)
         most = min(self._most, len(sample))
         best, best_score = sample[:1], -np.inf
         for count in range(min(self._fewest, most), most + 1):
             fitted = self._k_means(sample, count)
             # A silhouette needs two clusters, and one of them with two members.
-            can_score = 1 < len(np.unique(fitted.labels_)) < len(sample)
-            score = float(silhouette_score(sample, fitted.labels_)) if can_score else -1.0
+            can_score = 1 < len(np.unique(fitted.labels)) < len(sample)
+            score = float(silhouettes(distances, fitted.labels).mean()) if can_score else -1.0
             if score > best_score:
-                best, best_score = np.asarray(fitted.cluster_centers_), score
+                best, best_score = fitted.centres, score
         return best
 
-    def _k_means(self, scaled: FloatArray, count: int, start: FloatArray | None = None) -> KMeans:
-        # Imported here: it takes a second, which code that only names the tester must not wait.
-        from sklearn.cluster import KMeans
-        from sklearn.exceptions import ConvergenceWarning
-
-        model = KMeans(
-            count,
-            init="k-means++" if start is None else start,
-            n_init=1,
-            random_state=int(self._random.integers(2**31)),
-        )
-        with warnings.catch_warnings():
-            # Uneventful runs have fewer different windows than there are clusters.
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            return model.fit(scaled)
-
-    @cached_property
-    def _threads(self) -> ThreadpoolController:
-        import sklearn.cluster  # noqa: F401 -- loads the libraries whose threads are limited
-        from threadpoolctl import ThreadpoolController
-
-        return ThreadpoolController()
+    def _k_means(self, scaled: FloatArray, count: int, start: FloatArray | None = None) -> Clusters:
+        return k_means(scaled, count, int(self._random.integers(2**31)), start)
 
     def _label(self) -> None:
         lengths = np.array(self._lengths)

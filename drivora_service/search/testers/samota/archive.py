@@ -26,6 +26,7 @@ class Database:
         self._values: list[FloatArray] = []
         self._features: list[FloatArray] = []
         self._objectives: list[FloatArray] = []
+        self._tables: tuple[FloatArray, FloatArray, FloatArray] | None = None
         self._known: set[bytes] = set()
         self.names: tuple[str, ...] = ()
         self.numbers: list[int] = []
@@ -43,6 +44,7 @@ class Database:
         self._features.append(self._encoding.encode(values[None])[0])
         self._objectives.append(np.array([NOT_MEASURABLE if v is None else v for v in row]))
         self._known.add(self._features[-1].tobytes())
+        self._tables = None
 
     def note(self, values: FloatArray) -> None:
         """Records a candidate as proposed, so that it is not proposed again."""
@@ -55,17 +57,23 @@ class Database:
     @property
     def values(self) -> FloatArray:
         """(n, d) genes."""
-        return np.stack(self._values)
+        return self._stacked()[0]
 
     @property
     def features(self) -> FloatArray:
         """(n, e) features."""
-        return np.stack(self._features)
+        return self._stacked()[1]
 
     @property
     def objectives(self) -> FloatArray:
         """(n, m) objectives."""
-        return np.stack(self._objectives)
+        return self._stacked()[2]
+
+    def _stacked(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if self._tables is None:
+            values, features, objectives = self._values, self._features, self._objectives
+            self._tables = np.stack(values), np.stack(features), np.stack(objectives)
+        return self._tables
 
     def nearest(self, objectives: IntArray, count: int) -> IntArray:
         """Returns the rows of up to ``count`` candidates nearest to a violation, each row once.

@@ -7,6 +7,7 @@ than the predictions.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,40 +16,58 @@ from drivora_service.search.components import Mutation
 from drivora_service.search.genes import Block, GeneSpace
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
     """The region of a search.
 
     Attributes:
-        space: The bounds.
-        members: (k, d) candidates; only their categories are used; ``None``: all categories.
+        lows: (d,) least values.
+        highs: (d,) greatest values.
+        is_whole: (d,) genes whose values are whole numbers.
+        varying: Indices of the genes that can have more than one value.
+        cuts: Points at which parents may exchange genes; actors stay whole.
     """
 
-    space: GeneSpace
-    members: FloatArray | None = None
+    def __init__(self, *, space: GeneSpace, members: FloatArray | None = None) -> None:
+        """Takes a space and candidates in it.
 
-    @staticmethod
-    def around(space: GeneSpace, members: FloatArray) -> Region:
-        """Returns the smallest region that contains the members (k, d)."""
-        lows, highs = members.min(axis=0), members.max(axis=0)
-        blocks = tuple(_narrowed(block, lows, highs) for block in space.blocks)
-        return Region(space=GeneSpace(blocks), members=members)
+        Args:
+            space: All genes.
+            members: (k, d) candidates: the region is the smallest one that contains them, and only
+                their categories are drawn; ``None``: the whole space.
+        """
+        self._whole_space = space
+        self._members = members
+        self.lows = space.lows if members is None else members.min(axis=0)
+        self.highs = space.highs if members is None else members.max(axis=0)
+        self.is_whole = space.is_whole
+        self._is_category = space.is_category
+        self.varying: IntArray = np.flatnonzero(self.lows < self.highs)
+        starts = [block.start for block in space.blocks[1:]]
+        self.cuts: IntArray = np.array(starts or range(1, max(len(space), 2)), dtype=np.int64)
+
+    @cached_property
+    def space(self) -> GeneSpace:
+        """The gene space with the bounds of the region."""
+        if self._members is None:
+            return self._whole_space
+        narrowed = (_narrowed(one, self.lows, self.highs) for one in self._whole_space.blocks)
+        return GeneSpace(tuple(narrowed))
 
     def sample(self, random: np.random.Generator, count: int) -> FloatArray:
         """Draws candidates (count, d)."""
-        genes = np.tile(np.arange(len(self.space)), count)
-        return self.draw(genes, random).reshape(count, len(self.space))
+        genes = np.tile(np.arange(len(self.lows)), count)
+        return self.draw(genes, random).reshape(count, len(self.lows))
 
     def draw(self, genes: IntArray, random: np.random.Generator) -> FloatArray:
         """Draws a value (k,) for each of some genes (k,); a category is that of a random member."""
-        space = self.space
         unit = random.random(len(genes))
-        lows, highs, is_whole = space.lows[genes], space.highs[genes], space.is_whole[genes]
-        whole = np.minimum(np.floor(lows + unit * (highs - lows + 1.0)), highs)
-        drawn: FloatArray = np.where(is_whole, whole, lows + unit * (highs - lows))
-        if self.members is not None:
-            chosen = self.members[random.integers(len(self.members), size=len(genes)), genes]
-            drawn = np.where(space.is_category[genes], chosen, drawn)
+        lows, highs = self.lows[genes], self.highs[genes]
+        spans = highs - lows
+        whole = np.minimum(np.floor(lows + unit * (spans + 1.0)), highs)
+        drawn: FloatArray = np.where(self.is_whole[genes], whole, lows + unit * spans)
+        if self._members is not None:
+            chosen = self._members[random.integers(len(self._members), size=len(genes)), genes]
+            drawn = np.where(self._is_category[genes], chosen, drawn)
         return drawn
 
 
@@ -81,7 +100,7 @@ class Breeding:
         couples = (len(parents) + 1) // 2
         drawn = random.integers(len(parents), size=(2 * couples, self.tournament)).min(axis=1)
         first, second = parents[drawn[:couples]], parents[drawn[couples:]]
-        cuts = random.choice(_cuts(region.space), size=couples)
+        cuts = region.cuts[random.integers(len(region.cuts), size=couples)]
         behind = np.arange(parents.shape[1]) >= cuts[:, None]
         exchanged = behind & (random.random(couples) < self.crossover)[:, None]
         one, other = np.where(exchanged, second, first), np.where(exchanged, first, second)
@@ -98,24 +117,17 @@ class Breeding:
         Half of the changed magnitudes are redrawn, the others moved by a normal draw. Values are
         clipped to the bounds, so that both bounds occur.
         """
-        space = region.space
-        varying = np.flatnonzero(space.varies)
+        varying = region.varying
         if not len(varying):
             return values
         which = random.random(values.shape) < 1.0 / len(varying)
-        which[np.arange(len(values)), random.choice(varying, size=len(values))] = True
+        which[np.arange(len(values)), varying[random.integers(len(varying), size=len(values))]] = 1
         rows, genes = np.nonzero(which)
         changed = np.array(values)
         changed[rows, genes] = region.draw(genes, random)
-        near = ~space.is_whole[genes] & (random.random(len(genes)) < 0.5)
+        near = ~region.is_whole[genes] & (random.random(len(genes)) < 0.5)
         rows, genes = rows[near], genes[near]
-        lows, highs = space.lows[genes], space.highs[genes]
+        lows, highs = region.lows[genes], region.highs[genes]
         steps = self.step * (highs - lows) * random.standard_normal(len(genes))
         changed[rows, genes] = np.clip(values[rows, genes] + steps, lows, highs)
         return changed
-
-
-def _cuts(space: GeneSpace) -> IntArray:
-    """Returns the cut points for exchanges between parents; actors stay whole."""
-    starts = [block.start for block in space.blocks[1:]]
-    return np.array(starts or range(1, max(len(space), 2)), dtype=np.int64)

@@ -43,13 +43,19 @@ class Encoding:
         for block in space.blocks:
             if block.is_optional:
                 self._present[(genes > block.start) & (genes < block.stop)] = block.start
-        self._depends = self._present != genes
+        self._dependent = np.flatnonzero(self._present != genes)
+        self._present = self._present[self._dependent]
 
     def encode(self, values: FloatArray) -> FloatArray:
         """Returns the features (n, e) of candidates (n, d)."""
-        magnitudes = (values[:, self._magnitudes] - self._lows) / self._ranges
-        chosen = (values[:, self._categories] == self._choices) * np.sqrt(0.5)
-        features: FloatArray = np.concatenate((magnitudes, chosen), axis=1)
-        absent = self._depends & (values[:, self._present] == 0.0)
-        features[absent] = _NEUTRAL
+        features = np.empty((len(values), self.width))
+        magnitudes = values.take(self._magnitudes, axis=1)
+        magnitudes -= self._lows
+        magnitudes /= self._ranges
+        features[:, : len(self._magnitudes)] = magnitudes
+        chosen = values.take(self._categories, axis=1) == self._choices
+        np.multiply(chosen, np.sqrt(0.5), out=features[:, len(self._magnitudes) :])
+        if len(self._dependent):
+            rows, columns = np.nonzero(values.take(self._present, axis=1) == 0.0)
+            features[rows, self._dependent[columns]] = _NEUTRAL
         return features

@@ -90,10 +90,12 @@ def validation_errors(
     part = random.permutation(len(features)) % folds
     squared = np.zeros((len(fits), objectives.shape[1]))
     for held in range(folds):
-        train, test = part != held, part == held
+        is_test = part == held
+        known, wanted = features[~is_test], objectives[~is_test]
+        asked, answers = features[is_test], objectives[is_test]
         for index, fit in enumerate(fits):
-            error = fit(features[train], objectives[train]).predict(features[test])
-            error -= objectives[test]
+            error = fit(known, wanted).predict(asked)
+            error -= answers
             squared[index] += np.sum(error * error, axis=0)
     return np.sqrt(squared / len(features))
 

@@ -12,6 +12,7 @@ from drivora_service.search.genes import GeneSpace
 from drivora_service.search.selection import best_first
 from drivora_service.search.testers.samota.archive import Database
 from drivora_service.search.testers.samota.breeding import Breeding, Region
+from drivora_service.search.testers.samota.density import density_clusters
 from drivora_service.search.testers.samota.encoding import Encoding
 from drivora_service.search.testers.samota.surrogates import RadialBasis
 
@@ -39,16 +40,9 @@ def clusters_of(features: FloatArray, least: int) -> tuple[IntArray, ...]:
     Returns:
         Rows of each cluster, in ascending order; one cluster of all if there are none.
     """
-    # Imported here: scikit-learn takes a second, which listing the testers must not wait.
-    from sklearn import config_context
-    from sklearn.cluster import HDBSCAN
-
     if len(features) < 2 * least:
         return (np.arange(len(features)),)
-    with config_context(assume_finite=True, skip_parameter_validation=True):
-        labels = HDBSCAN(min_cluster_size=least, copy=True).fit(features).labels_
-    groups = tuple(np.flatnonzero(labels == label) for label in range(labels.max() + 1))
-    return groups or (np.arange(len(features)),)
+    return density_clusters(features, least) or (np.arange(len(features)),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +79,7 @@ class LocalSearch:
         finds = []
         for rows in clusters_of(features, self.cluster):
             surrogate = RadialBasis.fit(features[rows], _scaled(scores[top[rows]]))
-            region = Region.around(space, values[rows])
+            region = Region(space=space, members=values[rows])
             found = self._evolve(surrogate, region, encoding, database, random)
             if found is not None:
                 finds.append(LocalFind(values=found, members=top[rows]))
@@ -103,15 +97,18 @@ class LocalSearch:
         values = region.sample(random, self.population)
         features = encoding.encode(values)
         scores = surrogate.predict(features)
+        order = best_first(scores)
+        values, features, scores = values[order], features[order], scores[order]
         for _ in range(self.generations):
-            children = self.breeding.children(values[best_first(scores)], region, random)
-            values = np.concatenate((values, children))
-            features = np.concatenate((features, encoding.encode(children)))
-            scores = np.concatenate((scores, surrogate.predict(features[-len(children) :])))
+            children = self.breeding.children(values, region, random)
+            encoded = encoding.encode(children)
+            scores = np.concatenate((scores, surrogate.predict(encoded)))
             kept = best_first(scores)[: self.population]
-            values, features, scores = values[kept], features[kept], scores[kept]
-        for row in best_first(scores):
-            if not database.knows(features[row]):
+            values = np.concatenate((values, children))[kept]
+            features = np.concatenate((features, encoded))[kept]
+            scores = scores[kept]
+        for row, known in enumerate(features):
+            if not database.knows(known):
                 return np.array(values[row])
         return None
 

@@ -26,7 +26,9 @@ class PreferenceSorting:
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:  # noqa: ARG002 - nothing is drawn
         """Chooses from candidates."""
         preferred = preferred_rows(objectives)
-        others = np.setdiff1d(np.arange(len(objectives)), preferred)
+        is_other = np.ones(len(objectives), dtype=np.bool_)
+        is_other[preferred] = False
+        others = np.flatnonzero(is_other)
         if len(preferred) >= count or not len(others):
             return np.resize(preferred, count)
         return np.resize(np.concatenate((preferred, others[best_first(objectives[others])])), count)

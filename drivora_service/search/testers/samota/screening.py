@@ -7,8 +7,8 @@ surrogate would predict no better than the mean.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -38,17 +38,36 @@ class Screened:
         return np.concatenate(said, axis=1)
 
 
-def screened(fit: Fit) -> Callable[[FloatArray, FloatArray], Screened]:
-    """Returns a fit function that uses the relevant features of each objective."""
+def screened(*fits: Fit) -> tuple[Fit, ...]:
+    """Returns fit functions that use the relevant features of each objective.
 
-    def fit_screened(features: FloatArray, objectives: FloatArray) -> Screened:
-        parts = []
-        for column in objectives.T:
-            chosen = relevant_features(features, column)
-            parts.append((chosen, fit(features[:, chosen], column[:, None])))
-        return Screened(parts=tuple(parts))
+    They are meant to be called one after another with the same arrays, which are screened once.
+    """
+    screening = _Screening()
+    return tuple(partial(screening.fit, fit) for fit in fits)
 
-    return fit_screened
+
+class _Screening:
+    """The relevant features of the arrays that were screened last."""
+
+    def __init__(self) -> None:
+        self._arrays: tuple[FloatArray, FloatArray] | None = None
+        self._parts: list[tuple[IntArray, FloatArray, FloatArray]] = []
+
+    def fit(self, fit: Fit, features: FloatArray, objectives: FloatArray) -> Screened:
+        """Fits a surrogate of each objective over its own features."""
+        arrays = self._arrays
+        if arrays is None or arrays[0] is not features or arrays[1] is not objectives:
+            self._arrays = features, objectives
+            self._parts = [
+                (chosen, features[:, chosen], column[:, None])
+                for chosen, column in zip(
+                    _relevant(features, objectives), objectives.T, strict=True
+                )
+            ]
+        return Screened(
+            parts=tuple((chosen, fit(known, column)) for chosen, known, column in self._parts)
+        )
 
 
 def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
@@ -64,20 +83,34 @@ def relevant_features(features: FloatArray, objective: FloatArray) -> IntArray:
     Returns:
         Indices in ascending order.
     """
+    return _relevant(features, objective[:, None])[0]
+
+
+def _relevant(features: FloatArray, objectives: FloatArray) -> list[IntArray]:
+    """Returns the relevant features of each of the objectives (n, m)."""
     centred = features - features.mean(axis=0)
     squared = centred * centred
-    strength = np.maximum(
-        _correlations(centred, objective),
-        _correlations(squared - squared.mean(axis=0), objective),
-    )
-    count = int(np.sum(strength * np.sqrt(len(features)) > SIGNIFICANCE))
-    chosen: IntArray = np.argsort(-strength, kind="stable")[: max(count, AT_LEAST)]
-    return np.sort(chosen)
+    squared -= squared.mean(axis=0)
+    variants = [(table, np.einsum("ij,ij->j", table, table)) for table in (centred, squared)]
+    found = []
+    for column in objectives.T:
+        other = column - column.mean()
+        direct, distant = (_correlations(table, sums, other) for table, sums in variants)
+        strength = np.maximum(direct, distant)
+        count = int(np.sum(strength * np.sqrt(len(features)) > SIGNIFICANCE))
+        chosen = np.argsort(-strength, kind="stable")[: max(count, AT_LEAST)]
+        found.append(np.sort(chosen))
+    return found
 
 
-def _correlations(centred: FloatArray, objective: FloatArray) -> FloatArray:
-    """Returns the absolute correlation (e,) of centred features (n, e); 0 for constant ones."""
-    other = objective - objective.mean()
-    spread = np.sqrt(np.einsum("ij,ij->j", centred, centred) * (other @ other))
+def _correlations(centred: FloatArray, sums: FloatArray, other: FloatArray) -> FloatArray:
+    """Returns the absolute correlations (e,) with an objective; 0 for constant features.
+
+    Args:
+        centred: (n, e) features of mean 0.
+        sums: (e,) sums of their squares.
+        other: (n,) objective of mean 0.
+    """
+    spread = np.sqrt(sums * (other @ other))
     shares: FloatArray = np.abs(other @ centred) / np.where(spread > 1e-9, spread, np.inf)
     return shares

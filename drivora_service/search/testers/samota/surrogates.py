@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from typing import Protocol
 
 import numpy as np
@@ -63,7 +62,10 @@ class RadialBasis:
         So it scales with the number of features.
         """
         squared = squared_distances(features, features)
-        width = float(np.median(squared[~np.eye(len(squared), dtype=np.bool_)]))
+        n = len(squared)
+        # Without the diagonal, which is the last column of rows that are one longer.
+        apart = squared.reshape(-1)[1:].reshape(n - 1, n + 1)[:, :-1]
+        width = float(np.median(apart))
         width = width if width > 1e-9 else 1.0
         return RadialBasis(
             centres=features,
@@ -73,8 +75,9 @@ class RadialBasis:
 
     def predict(self, features: FloatArray) -> FloatArray:
         """Returns the objectives."""
-        values = np.exp(-squared_distances(features, self.centres) / self.width)
-        predicted: FloatArray = values @ self.coefficients
+        values = squared_distances(features, self.centres)
+        values /= -self.width
+        predicted: FloatArray = np.exp(values, out=values) @ self.coefficients
         return predicted
 
 
@@ -119,8 +122,9 @@ class _Latent:
 
     def predict(self, features: FloatArray) -> FloatArray:
         latent = (features - self.mean) @ self.directions
-        squared = squared_distances(latent, self.points)
-        predicted: FloatArray = np.exp(-0.5 * squared / self.length**2) @ self.coefficients
+        values = squared_distances(latent, self.points)
+        values *= -0.5 / self.length**2
+        predicted: FloatArray = np.exp(values, out=values) @ self.coefficients
         return predicted
 
 
@@ -149,7 +153,7 @@ class Kriging:
 
 
 def _fit_latent(features: FloatArray, objective: FloatArray, components: int) -> _Latent:
-    from scipy.linalg import cho_factor, cho_solve
+    from scipy.linalg.lapack import dpotrf, dpotrs
 
     mean = features.mean(axis=0)
     rotations = latent_directions(features - mean, objective, components)
@@ -159,15 +163,20 @@ def _fit_latent(features: FloatArray, objective: FloatArray, components: int) ->
     points = latent / scale
     squared = squared_distances(points, points)
     likeliest, found = -np.inf, (LENGTHS[0], np.zeros(len(objective)))
-    for length, noise in product(LENGTHS, NOISES):
-        covariance = np.exp(-0.5 * squared / length**2)
-        covariance.flat[:: len(points) + 1] += noise
-        factor = cho_factor(covariance, lower=True, overwrite_a=True, check_finite=False)
-        coefficients = cho_solve(factor, objective, check_finite=False)
-        # Rasmussen and Williams, "Gaussian processes for machine learning" (2006), equation 2.30.
-        likelihood = -0.5 * objective @ coefficients - np.log(factor[0].diagonal()).sum()
-        if likelihood > likeliest:
-            likeliest, found = likelihood, (length, coefficients)
+    for length in LENGTHS:
+        correlation = np.asfortranarray(np.exp(squared * (-0.5 / length**2)))
+        for noise in NOISES:
+            covariance = np.array(correlation, order="F")
+            covariance.reshape(-1, order="F")[:: len(points) + 1] += noise
+            # LAPACK's routines themselves: the checks of SciPy's functions take as long again.
+            factor, failed = dpotrf(covariance, lower=1, clean=0, overwrite_a=1)
+            if failed:
+                raise np.linalg.LinAlgError(f"a covariance is singular: dpotrf returned {failed}")
+            coefficients, _ = dpotrs(factor, objective, lower=1)
+            # Rasmussen and Williams, "Gaussian processes for machine learning" (2006), eq. 2.30.
+            likelihood = -0.5 * objective @ coefficients - np.log(factor.diagonal()).sum()
+            if likelihood > likeliest:
+                likeliest, found = likelihood, (length, coefficients)
     return _Latent(
         mean=mean,
         directions=rotations / scale,
@@ -214,8 +223,12 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
 
 def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
     """Returns the squared distances (q, n) between points (q, e) and (n, e)."""
-    products = first @ second.T
-    products *= -2.0
+    if first is second:
+        # One half of a symmetric product is computed only.
+        products = first @ second.T
+        products *= -2.0
+    else:
+        products = (-2.0 * first) @ second.T
     products += np.einsum("ij,ij->i", first, first)[:, None]
     products += np.einsum("ij,ij->i", second, second)
     # For equal points the sum may be slightly negative by rounding.
@@ -230,10 +243,15 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
     """Returns the coefficients (n, m) of a kernel (n, n) with a ridge; changes the kernel."""
-    from scipy.linalg import solve
+    from scipy.linalg.lapack import dpotrf, dpotrs
 
     kernel.flat[:: len(kernel) + 1] += ridge
-    return np.asarray(solve(kernel, objectives, assume_a="pos", check_finite=False))
+    # SciPy's ``solve`` also estimates the condition, which takes longer than the solution.
+    factor, failed = dpotrf(np.asfortranarray(kernel), clean=0, overwrite_a=1)
+    if failed:
+        raise np.linalg.LinAlgError(f"a kernel is singular: dpotrf returned {failed}")
+    coefficients, _ = dpotrs(factor, objectives)
+    return np.asarray(coefficients)
 
 
 def _centred(features: FloatArray) -> FloatArray:

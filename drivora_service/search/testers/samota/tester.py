@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -74,16 +73,13 @@ class SamotaSearch:
 
     def run(self) -> Script:
         """Searches without end."""
-        threads = ThreadpoolController()
         generation = 0
         yield from self._simulate(self._explored(self._parameters.initial, generation))
         while True:
             for search in (self._searched_globally, self._searched_locally):
                 generation += 1
                 targets = self._targets()
-                # More threads would add in another order, and take cores from the workers.
-                with threads.limit(limits=1):
-                    found = search(targets, generation) if len(targets) else ()
+                found = search(targets, generation) if len(targets) else ()
                 # If nothing can be learnt, or all found candidates are known, explore elsewhere.
                 yield from self._simulate(found or self._explored(max(len(targets), 1), generation))
 
@@ -128,7 +124,7 @@ class SamotaSearch:
         ensemble = fit_ensemble(
             database.features[rows],
             database.objectives[np.ix_(rows, targets)],
-            (screened(RadialBasis.fit), screened(Polynomial.fit), screened(kriging)),
+            screened(RadialBasis.fit, Polynomial.fit, kriging),
             self._random,
             folds=parameters.folds,
         )

@@ -1,0 +1,79 @@
+"""From genes to checked scenarios."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Sequence
+from functools import cached_property, lru_cache
+
+from drivora_service.errors import Problem
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.catalogue import NetworkLookup
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.runs.candidate import Candidate, SpaceSource
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.placed_actors import PlacedActor, place_actors
+from drivora_service.scenario.route_checks import RouteCheck, check_route
+from drivora_service.scenario.start_overlaps import StartPose
+from drivora_service.scenario.validation import scenario_problems
+from drivora_service.search.genes import GeneSpace
+from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.source import source_of
+
+
+class ScenarioCandidates:
+    """Decodes values, and validates the scenario as a document."""
+
+    def __init__(
+        self, space: ScenarioSpace, networks: NetworkLookup, agents: Collection[str]
+    ) -> None:
+        """Prepares the candidates.
+
+        Args:
+            space: Decodes values.
+            networks: Catalogue for the town of a scenario.
+            agents: Names of the available agents.
+        """
+        self._space, self._networks, self._agents = space, networks, agents
+        self._check_route = remembering_routes(space.seed)
+
+    @property
+    def genes(self) -> GeneSpace:
+        """The genes of the candidates."""
+        return self._space.genes
+
+    @cached_property
+    def source(self) -> SpaceSource:
+        """The space in text."""
+        return source_of(self._space)
+
+    def prepare(self, values: FloatArray) -> Candidate:
+        """Repairs values (d,), decodes them, and checks the scenario."""
+        begun = time.perf_counter()
+        repaired = self._space.repair(values)
+        scenario = self._space.scenario(repaired)
+        problems = scenario_problems(scenario, self._networks, self._agents, self._check_route)
+        return Candidate(
+            values=tuple(repaired.tolist()),
+            document="" if problems else canonical_json(scenario),
+            problem="; ".join(f"{one.pointer}: {one.message}" for one in problems),
+            prepare_s=time.perf_counter() - begun,
+        )
+
+
+def remembering_routes(seed: Scenario) -> RouteCheck:
+    """Returns a check of routes that caches the results for those of a seed scenario.
+
+    They are in every candidate. Routes from genes are hardly ever repeated.
+    """
+    shared = frozenset(place_actors(seed, FrameTransform())[0])
+    remembered = lru_cache(maxsize=len(shared))(check_route)
+
+    def check(
+        actor: PlacedActor, network: RoadNetwork
+    ) -> tuple[Sequence[Problem], StartPose | None]:
+        return (remembered if actor in shared else check_route)(actor, network)
+
+    return check
