@@ -236,6 +236,16 @@ class AgentCatalogue:
         """
         return self._manifest(name) is None
 
+    def may_read_sumo(self, name: str) -> bool:
+        """Returns whether an agent's code may reach the SUMO of the calling process.
+
+        Those of installed packages may; built-in ones do not, and others have their own process.
+
+        Raises:
+            AgentError: If its manifest cannot be used.
+        """
+        return self._table.is_of_package(name) and self.is_in_process(name)
+
     def begin_run(self) -> None:
         """Releases the ADSs of the last run, whose agents are no longer used."""
         if self._hosts is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,10 +10,11 @@ from pathlib import Path
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, KeptWorker, WorkerDiedError
 from drivora_service.execution.worker_log import WorkerLog
+from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report import RunReport, RunSpec
-from drivora_service.worker.channel import Kind, ProtocolError
+from drivora_service.worker.channel import LONGEST_BODY, Kind, ProtocolError
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.messages import NotReady, message_of, report_of
+from drivora_service.worker.messages import NotReady, candidate_of, message_of, report_of
 from drivora_service.worker.processes import (
     ProcessReading,
     proportional_memory,
@@ -41,6 +43,7 @@ class Child:
     Attributes:
         log: Output of the processes.
         ready: Whether the process has been set up.
+        candidate: What the process has made of the genes of its run, ``None`` before the run's end.
         restarts: Number of processes after the first.
     """
 
@@ -55,6 +58,8 @@ class Child:
         self.log = WorkerLog(log, longest=limits.log_bytes)
         self.ready = False
         self.restarts = -1
+        self.candidate: Candidate | None = None
+        self._spec: RunSpec | None = None
 
     @property
     def pid(self) -> int | None:
@@ -101,19 +106,28 @@ class Child:
         self.log.cut()
         self.log.mark()
         self._runs += 1
+        self._spec, self.candidate = spec, None
         self._descendant_memory, self._next_descendants_look = 0, 0.0
         self._current().begin(spec)
 
-    def wait(self, run_id: str, timeout: float) -> RunReport | None:
-        """Waits for the report of a run; ``None`` after ``timeout`` seconds.
+    def wait(self, timeout: float) -> RunReport | None:
+        """Waits for the report of the run; ``None`` after ``timeout`` seconds.
 
         Raises:
             WorkerDiedError: The process has ended and left no report.
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something else.
         """
-        frame = self._current().receive(timeout)
-        return None if frame is None else report_of(frame, run_id)
+        spec = self._spec
+        if spec is None:
+            raise ValueError("the process has no run")
+        worker = self._current()
+        frame = worker.receive(timeout)
+        if frame is None:
+            return None
+        report = report_of(frame, spec.run_id)
+        self.candidate = _candidate_of(spec, worker)
+        return report
 
     def is_ready_again(self) -> bool:
         """Waits until the process, which has sent a report, is ready for the next run.
@@ -159,6 +173,9 @@ class Child:
             return self._descendant_memory
         self._next_descendants_look = now + _DESCENDANTS_EVERY_S
         descendants = self._worker.descendants()
+        if not descendants:
+            self._descendant_memory = 0
+            return 0
         readings = [reading for pid in descendants if (reading := read_process(pid)) is not None]
         memory = sum(reading.memory_bytes for reading in readings)
         own = self.reading()
@@ -199,6 +216,10 @@ class Child:
         worker, self._worker = self._worker, None
         self.ready = False
         if worker is not None:
+            if self._spec is not None and self.candidate is None:
+                # The scenario in which the process has died is known in most cases.
+                with contextlib.suppress(ProtocolError):
+                    self.candidate = _candidate_of(self._spec, worker)
             worker.end()
 
     def close(self) -> None:
@@ -207,3 +228,9 @@ class Child:
             self.end()
         finally:
             self.log.close()
+
+
+def _candidate_of(spec: RunSpec, worker: KeptWorker) -> Candidate | None:
+    if spec.candidate is None:
+        return None
+    return candidate_of(worker.board.note(LONGEST_BODY), spec.candidate, spec.run_id)

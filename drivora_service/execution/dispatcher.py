@@ -6,7 +6,6 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import structlog
 
@@ -18,7 +17,7 @@ from drivora_service.execution.pace import Pace
 from drivora_service.execution.storage_failures import (
     may_be_storage,
     unpreparable_trace,
-    unwritable_report,
+    write_in_parts,
 )
 from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.fault_log import FaultLog
@@ -81,6 +80,7 @@ class Dispatcher:
         self._pace = Pace(executor.capacity)
         self._next_beat = 0.0
         self._next_write = 0.0
+        self._next_look = 0.0
         # Reentrant, as a signal may interrupt the thread that holds it.
         self._ending = threading.RLock()
         self._stopping = threading.Event()
@@ -118,6 +118,7 @@ class Dispatcher:
 
     def wake(self) -> None:
         """Signals that a run was queued or cancelled; without it, the loop sees it within 1 s."""
+        self._next_look = 0.0
         self._executor.wake()
 
     def stop(self, *, drain_s: float = 0.0) -> None:
@@ -161,12 +162,14 @@ class Dispatcher:
     def _collect(self) -> None:
         """Collects ended attempts; waits for more as long as no slot can run out of work."""
         timeout = 0.0 if self._unwritten or self._claimed else _POLL_S
+        count = 1
         while True:
-            ended = self._executor.wait(timeout)
+            ended = self._executor.wait(timeout, count=count)
             self._take_ends(ended)
             timeout = self._next_write - time.monotonic()
-            slots_have_work = len(self._in_flight) - len(self._unwritten) > self._executor.capacity
-            if not ended or timeout <= 0 or not slots_have_work or self._stopping.is_set():
+            # Woken once for all ends up to the next transaction, and not for each.
+            count = len(self._in_flight) - len(self._unwritten) - self._executor.capacity
+            if not ended or timeout <= 0 or count <= 0 or self._stopping.is_set():
                 return
 
     def _take_ends(self, ends: Sequence[AttemptEnd]) -> None:
@@ -201,8 +204,7 @@ class Dispatcher:
                 raise
             # One of the reports cannot be written as it is; it must not hold up the others.
             self._faults.error("unwritable_report", error=repr(error))
-            for end in self._unwritten[:]:
-                self._commit_alone(end)
+            write_in_parts(self._unwritten, self._commit)
 
     def _commit(self, ends: Sequence[AttemptEnd], *, room: int = 0) -> None:
         done = {end.report.run_id for end in ends}
@@ -218,14 +220,6 @@ class Dispatcher:
         self._in_flight -= done
         self._in_flight.update(spec.run_id for spec in specs)
         self._claimed += specs
-
-    def _commit_alone(self, end: AttemptEnd) -> None:
-        try:
-            self._commit([end])
-        except StoreUnavailable:
-            raise
-        except Exception as error:
-            self._commit([replace(end, report=unwritable_report(end.report, error))])
 
     def _submit_claimed(self) -> None:
         """Submits the claimed runs to the executor; those that it refuses are tried again."""
@@ -264,8 +258,10 @@ class Dispatcher:
 
     def _cancel(self) -> None:
         """Cancels runs, repeatedly, since a run may be on its way from one queue to another."""
-        if not self._in_flight:
+        now = time.monotonic()
+        if not self._in_flight or now < self._next_look:
             return
+        self._next_look = now + _POLL_S
         with self._database.read() as transaction:
             wanted = self._in_flight.intersection(transaction.queue.to_cancel())
         for run_id in wanted.difference(end.report.run_id for end in self._unwritten):

@@ -69,10 +69,11 @@ class Executor(Protocol):
         """
         ...
 
-    def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
+    def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
         """Returns the attempts that have ended since the last call.
 
-        Waits for one if there is none, until :meth:`wake` or for ``timeout`` seconds.
+        Waits until there are ``count``, until :meth:`wake` or for ``timeout`` seconds. Only one
+        thread waits at a time.
         """
         ...
 

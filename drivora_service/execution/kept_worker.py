@@ -24,7 +24,12 @@ from drivora_service.worker.channel import (
 from drivora_service.worker.keeper import HandedFile, is_guard, keep
 from drivora_service.worker.loop import WorkerTask
 from drivora_service.worker.messages import Ended, Leftovers, Started, message_of
-from drivora_service.worker.processes import ProcessHandle, descendants_of, read_process
+from drivora_service.worker.processes import (
+    ProcessHandle,
+    descendants_of,
+    listed_children,
+    read_process,
+)
 from drivora_service.worker.progress import BoardReader
 
 _ANSWER_S = 10.0
@@ -161,6 +166,8 @@ class KeptWorker:
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
+        if self._is_alone() and not self._keeper.is_stopped:
+            return ()
         self._leftovers = None
         self._control.put(Frame(Kind.LOOK))
         until = time.monotonic() + _ANSWER_S
@@ -173,8 +180,11 @@ class KeptWorker:
 
     def descendants(self) -> list[int]:
         """Returns the ids of live processes started in the worker, ADSs left out."""
-        descendants = descendants_of(self._keeper.pid, spare=is_guard)
-        found = [pid for pid in descendants if pid != self.pid]
+        if self._is_alone():
+            found = []
+        else:
+            descendants = descendants_of(self._keeper.pid, spare=is_guard)
+            found = [pid for pid in descendants if pid != self.pid]
         if not self._keeper.lives:
             return []
         for pid in [pid for pid in self._descendants if pid not in found]:
@@ -184,6 +194,15 @@ class KeptWorker:
             if pid not in self._descendants:
                 self._descendants[pid] = ProcessHandle(pid)
         return found
+
+    def _is_alone(self) -> bool:
+        """Returns whether the worker has started no process; false if that is not certain.
+
+        Orphans go to the keeper, which is read after the worker, so that none is missed.
+        """
+        if self.pid is None or listed_children(self.pid) != []:
+            return False
+        return listed_children(self._keeper.pid) == [self.pid]
 
     def end(self) -> None:
         """Ends the worker and all that was started in it, and waits until they are gone."""

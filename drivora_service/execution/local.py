@@ -10,13 +10,14 @@ from types import TracebackType
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.fork_server import prepare_processes
+from drivora_service.execution.log_keeper import LogKeeper
 from drivora_service.execution.slot import Slot
 from drivora_service.execution.starts import WorkerStarts
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
-from drivora_service.worker.loop import PERFORM, WARM_UP
+from drivora_service.worker.loop import PERFORM, PREPARE, WARM_UP, WorkerTask
 
 
 class LocalExecutor:
@@ -31,6 +32,7 @@ class LocalExecutor:
         limits: Limits = Limits(),  # noqa: B008 # frozen
         perform: str = PERFORM,
         warm_up: str = WARM_UP,
+        prepare: str = PREPARE,
     ) -> None:
         """Starts the slots; does not wait until their workers are ready.
 
@@ -42,11 +44,18 @@ class LocalExecutor:
             perform: Function that performs a run, as ``module:function``; see
                 ``worker.loop.Perform``.
             warm_up: Function that prepares a worker, as ``module:function``, or "" for none.
+            prepare: Function that decodes genes, as ``module:function``; see
+                ``worker.loop.Prepare``.
         """
         # Workers without a warm-up need no preloaded imports.
         prepare_processes(preloaded=bool(warm_up))
         folder.mkdir(parents=True, exist_ok=True)
-        self._changed = threading.Condition()
+        lock = threading.RLock()
+        # Two conditions of one lock: a run that is queued wakes one slot, and a run that has ended
+        # wakes the caller of wait() only.
+        self._work = threading.Condition(lock)
+        self._over = threading.Condition(lock)
+        self._wanted = 1
         self._growing = threading.Lock()
         self._waiting: deque[RunSpec] = deque()
         self._taken: set[str] = set()
@@ -54,6 +63,7 @@ class LocalExecutor:
         self._ended: deque[AttemptEnd] = deque()
         self._woken = False
         self._closed = False
+        task = WorkerTask(perform=perform, warm_up=warm_up, prepare=prepare, setup=setup)
         self._starts = WorkerStarts(on_fault=self.wake)
         self._slots: tuple[Slot, ...] = ()
 
@@ -61,9 +71,7 @@ class LocalExecutor:
             self._starts.add(name)
             return Slot(
                 name,
-                perform=perform,
-                warm_up=warm_up,
-                setup=setup,
+                task=task,
                 log=folder / f"{name}.log",
                 limits=limits,
                 starts=self._starts,
@@ -73,6 +81,7 @@ class LocalExecutor:
 
         self._start_slot = start
         self.grow(slots)
+        self._logs = LogKeeper(lambda: [slot.log for slot in self._slots])
 
     def grow(self, slots: int) -> None:
         """Starts more slots, until there are so many; does not wait until their workers are ready.
@@ -96,15 +105,15 @@ class LocalExecutor:
 
     def submit(self, spec: RunSpec) -> None:
         """Queues an attempt, which starts when a slot is free; first in, first out."""
-        with self._changed:
+        with self._work:
             if self._closed:
                 raise RuntimeError("the executor is closed")
             self._waiting.append(spec)
-            self._changed.notify_all()
+            self._work.notify()
 
     def cancel(self, run_id: str) -> None:
         """Ends an attempt; its status is ``cancelled``, or that of its end just before."""
-        with self._changed:
+        with self._work:
             if run_id in self._taken:
                 # Its slot checks this set from taking the run to the run's end.
                 self._cancelled.add(run_id)
@@ -123,23 +132,26 @@ class LocalExecutor:
         """Ends a run that no slot has started."""
         now = datetime.now(UTC)
         report = cancelled_report(run_id)
-        self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
-        self._changed.notify_all()
+        self._add_end(AttemptEnd(report=report, worker="", started=now, ended=now))
 
     def withdraw(self) -> tuple[str, ...]:
         """Removes every spec that no slot has started; returns the ids of their runs."""
-        with self._changed:
+        with self._work:
             run_ids = tuple(spec.run_id for spec in self._waiting)
             self._waiting.clear()
         return run_ids
 
-    def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
+    def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
         """Returns the attempts that have ended since the last call.
 
-        Waits for one if there is none, until :meth:`wake` or for ``timeout`` seconds.
+        Waits for ``count`` of them, until :meth:`wake` or for ``timeout`` seconds.
         """
-        with self._changed:
-            self._changed.wait_for(lambda: self._ended or self._woken or self._closed, timeout)
+        with self._over:
+            self._wanted = count
+            self._over.wait_for(
+                lambda: len(self._ended) >= count or self._woken or self._closed, timeout
+            )
+            self._wanted = 1
             self._woken = False
             ended = tuple(self._ended)
             self._ended.clear()
@@ -147,9 +159,9 @@ class LocalExecutor:
 
     def wake(self) -> None:
         """Makes the current or next :meth:`wait` return at once."""
-        with self._changed:
+        with self._work:
             self._woken = True
-            self._changed.notify_all()
+            self._over.notify_all()
 
     def slots(self) -> tuple[SlotState, ...]:
         """Returns the state of each slot."""
@@ -157,19 +169,21 @@ class LocalExecutor:
 
     def close(self) -> None:
         """Ends every attempt and every worker process; nothing is left behind."""
-        with self._changed:
+        with self._work:
             self._closed = True
             self._waiting.clear()
-            self._changed.notify_all()
+            self._work.notify_all()
+            self._over.notify_all()
         for slot in self._slots:
             slot.stop()
         for slot in self._slots:
             slot.join()
+        self._logs.close()
 
     def take(self) -> RunSpec | None:
         """Waits for the next run of a slot; ``None`` once the executor is closed."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._waiting or self._closed)
+        with self._work:
+            self._work.wait_for(lambda: self._waiting or self._closed)
             if self._closed:
                 return None
             spec = self._waiting.popleft()
@@ -178,7 +192,7 @@ class LocalExecutor:
 
     def put_back(self, spec: RunSpec) -> None:
         """Puts a run that a slot has not started back to the front of the queue."""
-        with self._changed:
+        with self._work:
             cancelled = spec.run_id in self._cancelled
             self._let_go(spec.run_id)
             if self._closed:
@@ -187,13 +201,17 @@ class LocalExecutor:
                 self._end_cancelled(spec.run_id)
                 return
             self._waiting.appendleft(spec)
-            self._changed.notify_all()
+            self._work.notify()
 
     def _put_end(self, end: AttemptEnd) -> None:
-        with self._changed:
+        with self._work:
             self._let_go(end.report.run_id)
-            self._ended.append(end)
-            self._changed.notify_all()
+            self._add_end(end)
+
+    def _add_end(self, end: AttemptEnd) -> None:
+        self._ended.append(end)
+        if len(self._ended) >= self._wanted:
+            self._over.notify_all()
 
     def _let_go(self, run_id: str) -> None:
         self._taken.discard(run_id)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import islice
 
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
 from drivora_service.runs import lifecycle
+from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy, RunState
 from drivora_service.runs.report import RunReport, RunSpec
 
@@ -40,13 +42,15 @@ class Runs:
         """Queues a run; its id must be unique."""
         self._attempt(spec, RunState())
 
-    def wait(self, timeout: float | None = None) -> tuple[RunReport, ...]:
-        """Waits for the end of an attempt; returns the reports of runs that ended with it.
+    def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
+        """Waits for the end of an attempt; returns the last attempts of runs that ended with it.
+
+        Their reports are those of the runs.
 
         Raises:
             WorkersCannotStart: No worker can be started; the runs in flight have not failed.
         """
-        over: list[RunReport] = []
+        over: list[AttemptEnd] = []
         # Attempts that ended before the fault are returned first.
         ends = self._executor.wait(0.0 if self._executor.fault else timeout)
         if not ends and self._running and self._executor.fault:
@@ -55,7 +59,7 @@ class Runs:
             spec, state = self._running.pop(end.report.run_id)
             transition = lifecycle.end(state, end.report, self._policy)
             if transition.report is not None:
-                over.append(transition.report)
+                over.append(replace(end, report=transition.report))
             else:
                 self._attempt(spec, transition.state)
         return tuple(over)
@@ -89,4 +93,4 @@ def run_all(
             runs.submit(spec)
         if not len(runs):
             return
-        yield from runs.wait()
+        yield from (end.report for end in runs.wait())

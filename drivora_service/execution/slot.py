@@ -24,6 +24,7 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
 from drivora_service.execution.starts import WorkerStarts
 from drivora_service.execution.watch import Sample, Watch
+from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
@@ -32,8 +33,9 @@ from drivora_service.simulation.phase import RunPhase
 from drivora_service.worker.channel import ProtocolError
 from drivora_service.worker.loop import WorkerTask
 
-_POLL_S = 0.05
-"""Seconds between two checks of a run: the resolution of its limits; a check costs some 50 us."""
+_POLL_S = 0.2
+"""Seconds between two checks of a run: the resolution of its limits. A check wakes the process that
+owns the slots, which costs it 0.1 ms or more."""
 
 _LOG_AGAIN_S = 60.0
 """Seconds between two log lines about faults of one slot."""
@@ -67,9 +69,7 @@ class Slot:
         self,
         name: str,
         *,
-        perform: str,
-        warm_up: str,
-        setup: object,
+        task: WorkerTask,
         log: Path,
         limits: Limits,
         starts: WorkerStarts,
@@ -80,7 +80,6 @@ class Slot:
         self.name = name
         self._limits, self._starts = limits, starts
         self._source, self._sink = source, sink
-        task = WorkerTask(perform=perform, warm_up=warm_up, setup=setup)
         self._child = Child(task, log=log, limits=limits)
         self._run_id = ""
         self._runs = 0
@@ -107,6 +106,11 @@ class Slot:
             last_crash=self._last_crash,
             updated_at=datetime.now(UTC),
         )
+
+    @property
+    def log(self) -> WorkerLog:
+        """Output of its workers."""
+        return self._child.log
 
     def stop(self) -> None:
         """Ends the slot and its run, if it has one; does not wait for the end."""
@@ -188,7 +192,7 @@ class Slot:
             self._last_crash = f"the worker process was lost: {error!r}"
             with contextlib.suppress(Exception):
                 child.end()
-        if _may_affect_next_run(report, in_process=child.progress().in_process):
+        if _may_affect_next_run(report, child):
             child.retire()
         self._run_id = ""
         self._runs += 1
@@ -198,6 +202,7 @@ class Slot:
             started=started,
             ended=datetime.now(UTC),
             signal=signal_name(exit_code),
+            candidate=child.candidate,
         )
 
     def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport, int]:
@@ -221,7 +226,7 @@ class Slot:
         begun = time.monotonic()
         watch = Watch(self._limits, now=begun)
         while True:
-            report = child.wait(run_id, _POLL_S)
+            report = child.wait(_POLL_S)
             if report is not None:
                 if child.progress().phase is RunPhase.IN_AGENT:
                     raise ProtocolError("a report that came while an agent was called")
@@ -249,7 +254,6 @@ class Slot:
                     wall_time_s=now - begun,
                     failure=failure,
                 )
-            child.log.cut()
 
     def _start(self, child: Child) -> None:
         """Starts workers until one is ready or the slot ends."""
@@ -283,17 +287,13 @@ class Slot:
         return False
 
 
-def _may_affect_next_run(report: RunReport, *, in_process: bool) -> bool:
-    """Returns whether a run may have changed the worker's state for later runs.
-
-    Args:
-        report: How the run ended.
-        in_process: Whether agents were made in the worker process.
-    """
+def _may_affect_next_run(report: RunReport, child: Child) -> bool:
+    """Returns whether a run may have changed the worker's state for later runs."""
     match report.status:
         case RunStatus.FINISHED:
             return False
         case RunStatus.INVALID | RunStatus.AGENT_FAILED:
-            return in_process
+            # No agent was made in the worker process otherwise.
+            return child.progress().in_process
         case _:
             return True

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
+from drivora_service.errors import StoreUnavailable
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 
@@ -49,3 +52,30 @@ def unwritable_report(report: RunReport, error: Exception) -> RunReport:
             message=f"the report of the {report.status} run cannot be stored: {error!r}"[:500],
         ),
     )
+
+
+def write_in_parts(
+    ends: Sequence[AttemptEnd], write: Callable[[Sequence[AttemptEnd]], None]
+) -> None:
+    """Writes ends of which one cannot be written: halves, until it is found and replaced.
+
+    Args:
+        ends: At least one end; writing all of them together has failed.
+        write: Writes some of them in a transaction.
+
+    Raises:
+        StoreUnavailable: Nothing can be written now.
+    """
+    middle = len(ends) // 2
+    for part in (ends[:middle], ends[middle:]):
+        if not part:
+            continue
+        try:
+            write(part)
+        except StoreUnavailable:
+            raise
+        except Exception as error:
+            if len(part) > 1:
+                write_in_parts(part, write)
+            else:
+                write([replace(part[0], report=unwritable_report(part[0].report, error))])

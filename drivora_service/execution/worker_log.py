@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
+import threading
 from pathlib import Path
 
 _TAIL_BYTES = 16_384
@@ -17,7 +18,7 @@ class WorkerLog:
     """The log of a slot's workers.
 
     Code under test may write anything to the file, and may replace it: the slot opens no file that
-    it has not made itself.
+    it has not made itself. Another thread may cut the log at any time.
     """
 
     def __init__(self, path: Path, *, longest: int) -> None:
@@ -30,6 +31,7 @@ class WorkerLog:
         self._path, self._longest = path, longest
         self._file = -1
         self._begin = 0
+        self._changing = threading.RLock()
 
     def open(self) -> int:
         """Makes the file, unless it exists; returns its descriptor, which the log owns.
@@ -37,15 +39,16 @@ class WorkerLog:
         Raises:
             OSError: It cannot be made.
         """
-        if self._file >= 0 and not self._is_in_place():
-            self.close()
-        if self._file < 0:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            with contextlib.suppress(FileNotFoundError):
-                self._path.unlink()
-            flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-            self._file = os.open(self._path, flags, 0o600)
-        return self._file
+        with self._changing:
+            if self._file >= 0 and not self._is_in_place():
+                self.close()
+            if self._file < 0:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                with contextlib.suppress(FileNotFoundError):
+                    self._path.unlink()
+                flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+                self._file = os.open(self._path, flags, 0o600)
+            return self._file
 
     def _is_in_place(self) -> bool:
         try:
@@ -57,37 +60,42 @@ class WorkerLog:
 
     def mark(self) -> None:
         """Makes :meth:`tail` begin with the output after this call."""
-        self._begin = self._size()
+        with self._changing:
+            self._begin = self._size()
 
     def _size(self) -> int:
         return 0 if self._file < 0 else os.fstat(self._file).st_size
 
     def tail(self) -> str:
         """Returns the last lines printed since the mark."""
-        end = self._size()
-        begin = max(self._begin if self._begin <= end else 0, end - _TAIL_BYTES)
-        text = os.pread(self._file, end - begin, begin) if end > begin else b""
+        with self._changing:
+            end = self._size()
+            begin = max(self._begin if self._begin <= end else 0, end - _TAIL_BYTES)
+            text = os.pread(self._file, end - begin, begin) if end > begin else b""
         return "\n".join(text.decode(errors="replace").splitlines()[-_TAIL_LINES:])
 
     def cut(self) -> None:
         """Keeps only the end of a log that is too long, with a line that says so."""
-        size = self._size()
-        if size <= self._longest:
-            return
-        kept = os.pread(self._file, _KEPT_BYTES, size - _KEPT_BYTES)
-        os.ftruncate(self._file, 0)
-        line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
-        os.write(self._file, line + kept)
-        self._begin = 0
+        with self._changing:
+            size = self._size()
+            if size <= self._longest:
+                return
+            kept = os.pread(self._file, _KEPT_BYTES, size - _KEPT_BYTES)
+            os.ftruncate(self._file, 0)
+            line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
+            os.write(self._file, line + kept)
+            self._begin = 0
 
     def note(self, text: str) -> None:
         """Adds a line of the slot's own."""
-        if self._file >= 0:
-            os.write(self._file, f"[{text}]\n".encode(errors="replace"))
+        with self._changing:
+            if self._file >= 0:
+                os.write(self._file, f"[{text}]\n".encode(errors="replace"))
 
     def close(self) -> None:
         """Closes the file, which is kept."""
-        if self._file >= 0:
-            os.close(self._file)
-        self._file = -1
-        self._begin = 0
+        with self._changing:
+            if self._file >= 0:
+                os.close(self._file)
+            self._file = -1
+            self._begin = 0

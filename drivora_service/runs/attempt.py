@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 
+from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report import RunReport
 
 
@@ -17,6 +18,8 @@ class AttemptEnd:
         started: When the slot took the run, UTC.
         ended: When the slot saw its end, UTC.
         signal: Name of the signal that ended the worker process, such as ``SIGSEGV``, or "".
+        candidate: What the worker made of the spec's genes; ``None`` if it made nothing of them, or
+            there are none.
     """
 
     report: RunReport
@@ -24,3 +27,4 @@ class AttemptEnd:
     started: datetime
     ended: datetime
     signal: str = ""
+    candidate: Candidate | None = None

@@ -9,6 +9,7 @@ from typing import Any
 
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.candidate import CandidateSource
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.shapes import Shape
 
@@ -39,11 +40,13 @@ class RunSpec:
 
     Attributes:
         run_id: Names the run and its files; letters, digits, dashes.
-        document: The scenario document in canonical JSON text.
+        document: The scenario document in canonical JSON text; "" if the worker makes it of a
+            candidate.
         trace_path: Where the worker writes the trace; "" for none.
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
         feedback: Feedback that measures the run for a tester; ``None`` for none.
+        candidate: Genes from which the worker makes the document; ``None`` if there is one.
     """
 
     run_id: str
@@ -52,6 +55,7 @@ class RunSpec:
     agent: str = ""
     seed: int | None = None
     feedback: FeedbackChoice | None = None
+    candidate: CandidateSource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -56,6 +56,23 @@ class Confirmation(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StudyCell(Shape):
+    """The place of a campaign in its study.
+
+    Attributes:
+        scenario: Name of the seed scenario in the study.
+        agent: Name of the ADS, with its parameters, in the study.
+        method: Name of the testing method, with its parameters, in the study.
+        repetition: From 1.
+    """
+
+    scenario: str
+    agent: str
+    method: str
+    repetition: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NewCampaign:
     """A campaign to be stored.
 
@@ -67,6 +84,8 @@ class NewCampaign:
         network_sha256: Hash of the network's file.
         budget: Simulations.
         versions: Versions of the software that determines the search, by name.
+        study_id: Id of its study; "" if it is of none.
+        cell: Its place in the study.
     """
 
     name: str
@@ -77,6 +96,8 @@ class NewCampaign:
     network_sha256: str
     budget: int
     versions: Mapping[str, str] = field(default_factory=dict)
+    study_id: str = ""
+    cell: StudyCell | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,6 +164,8 @@ class CampaignSummary(Shape):
         active_s: Seconds of work, pauses left out.
         updated_at: When its tester was last told an evaluation, or its state changed.
         batch_id: Batch of its runs; empty if no service runs it.
+        study_id: Id of its study; empty if it is of none.
+        cell: Its place in the study; null if it is of none.
     """
 
     id: str
@@ -161,6 +184,8 @@ class CampaignSummary(Shape):
     ended_at: datetime | None
     updated_at: datetime
     batch_id: str = ""
+    study_id: str = ""
+    cell: StudyCell | None = None
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
@@ -198,6 +223,33 @@ class CampaignRecord(CampaignSummary):
     versions: Mapping[str, str]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeedFindings(Shape):
+    """What a campaign has found from one of its seed scenarios.
+
+    Attributes:
+        name: Its name in the campaign; empty if there is only one.
+        town: Its road network.
+        evaluations: Candidates, simulated or not.
+        simulations: Candidates that count against the budget.
+        violating: Candidates with at least one failure.
+        at_fault: Candidates with a failure for which an ego is known to be responsible.
+        avoidable: Candidates with a failure that a careful and competent driver avoids.
+        kinds: Kinds of failures.
+        first_failure: Number of the first evaluation with a failure; null without one.
+    """
+
+    name: str
+    town: str
+    evaluations: int
+    simulations: int
+    violating: int
+    at_fault: int
+    avoidable: int
+    kinds: int
+    first_failure: int | None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EvaluationRecord:
     """A candidate and its result.
@@ -211,7 +263,9 @@ class EvaluationRecord:
         violations: Violations that count as failures, in the order of their times.
         failure_kinds: Kind of each violation, see ``campaigns.failure_kinds``.
         search_s: Seconds of the tester's work since the evaluation before.
-        prepare_s: Seconds of repairing, decoding and checking.
+        prepare_s: Seconds of repairing, decoding and checking, in the worker.
+        asked_sha256: Hash of the proposed values before their repair; "" if it was not recorded.
+        seed_number: Place of its seed scenario in the campaign, from 0.
     """
 
     number: int
@@ -223,6 +277,8 @@ class EvaluationRecord:
     failure_kinds: tuple[str, ...] = ()
     search_s: float = 0.0
     prepare_s: float = 0.0
+    asked_sha256: str = ""
+    seed_number: int = 0
 
     @property
     def at_fault(self) -> bool:
@@ -243,6 +299,7 @@ class EvaluationSummary(Shape):
         number: In the order of asking, from 0.
         origin: How it was made: initial, mutation, crossover and the like.
         parents: Evaluations from which it was made.
+        seed_number: Place of its seed scenario in the campaign, from 0.
         scenario_sha256: Empty if it is no valid scenario.
         violations: Number of failures.
         at_fault_violations: Those for which an ego is responsible.
@@ -258,6 +315,7 @@ class EvaluationSummary(Shape):
     generation: int
     origin: str
     parents: tuple[int, ...]
+    seed_number: int
     status: EvaluationStatus
     scenario_sha256: str
     violations: int

@@ -8,18 +8,24 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict
-from drivora_service.runs.encoding import choice_to_json
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.candidate import Candidate
+from drivora_service.runs.encoding import choice_to_json, report_from_json
+from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaigns import campaign_row
+from drivora_service.store.candidates import candidate_from_json, source_to_json
+from drivora_service.store.chunks import batched
+from drivora_service.store.documents import store_documents
 from drivora_service.store.endings import reset_run
 from drivora_service.store.records import BatchState, NewRun, Priority
 from drivora_service.store.revisions import latest_revision
-from drivora_service.store.submitting import store_documents, submit_runs
-from drivora_service.store.tables import BatchRow, RunRow
+from drivora_service.store.submitting import submit_runs
+from drivora_service.store.tables import BatchRow, DocumentRow, ReportRow, RunRow
 
 _WITHOUT_RESULT = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
 """Statuses of runs without a result of the scenario, which are run again."""
+
+_UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
 
 
 class CampaignRunRepository:
@@ -63,24 +69,41 @@ class CampaignRunRepository:
             submit_runs(self._session, [run], batch_id=batch_id, owner_id="", queue_limit=None)
             return
         feedback = None if run.feedback is None else choice_to_json(run.feedback)
-        if (row.document_sha256, row.feedback) != (run.scenario_sha256, feedback):
+        candidate = None if run.candidate is None else source_to_json(run.candidate)
+        same = (row.candidate, row.feedback) == (candidate, feedback) and (
+            candidate is not None or row.document_sha256 == run.scenario_sha256
+        )
+        if not same:
             if row.status == RunStatus.RUNNING:
                 raise Conflict(
                     f"run {run.run_id} is running with another scenario, because the program has "
                     "changed since it was queued; try again when it has ended"
                 )
-            store_documents(self._session, [run])
-            row.document_sha256, row.feedback = run.scenario_sha256, feedback
+            store_documents(self._session, {run.scenario_sha256: run.document})
+            row.document_sha256 = run.scenario_sha256
+            row.candidate, row.feedback = candidate, feedback
             if row.status != RunStatus.QUEUED:
                 self._queue_again(row)
         elif row.status in _WITHOUT_RESULT:
+            # A candidate may have been decoded already.
+            store_documents(self._session, {run.scenario_sha256: run.document})
+            row.document_sha256 = run.scenario_sha256
             self._queue_again(row)
 
-    def ended(self, run_ids: Sequence[str]) -> tuple[str, ...]:
-        """Returns the ids of the runs that have ended."""
-        unfinished = (RunStatus.QUEUED, RunStatus.RUNNING)
-        query = select(RunRow.id).where(RunRow.id.in_(run_ids), RunRow.status.not_in(unfinished))
-        return tuple(self._session.scalars(query))
+    def ended(self, run_ids: Sequence[str]) -> tuple[tuple[RunReport, Candidate | None], ...]:
+        """Returns the reports of the runs that have ended, with what their genes decode to."""
+        found: list[tuple[RunReport, Candidate | None]] = []
+        for chunk in batched(run_ids):
+            rows = self._session.execute(
+                select(ReportRow.body, ReportRow.candidate, DocumentRow.body)
+                .join(RunRow, RunRow.seq == ReportRow.run_seq)
+                .join(DocumentRow, DocumentRow.sha256 == RunRow.document_sha256)
+                .where(RunRow.id.in_(chunk), RunRow.status.not_in(_UNFINISHED))
+            )
+            for report, candidate, document in rows:
+                decoded = candidate and candidate_from_json(candidate, document)
+                found.append((report_from_json(report), decoded or None))
+        return tuple(found)
 
     def _queue_again(self, row: RunRow) -> None:
         reset_run(self._session, row)

@@ -19,7 +19,10 @@ class CampaignRow(Base):
     """A campaign; the counts are those of its evaluations."""
 
     __tablename__ = "campaigns"
-    __table_args__ = (Index("ix_campaigns_state", "state", "seq"),)
+    __table_args__ = (
+        Index("ix_campaigns_state", "state", "seq"),
+        Index("ix_campaigns_study", "study_id", "state", "seq"),
+    )
 
     seq: Mapped[int] = mapped_column(Integer, primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
@@ -50,6 +53,24 @@ class CampaignRow(Base):
     unavoidable: Mapped[int | None] = mapped_column(default=0)
     undetermined: Mapped[int | None] = mapped_column(default=0)
     best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
+    study_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
+    study_scenario: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
+    study_agent: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
+    study_method: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
+    repetition: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+
+
+class StudyRow(Base):
+    """A study; its campaigns name it, and have its progress."""
+
+    __tablename__ = "studies"
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    id: Mapped[str] = mapped_column(String(40), unique=True)
+    name: Mapped[str] = mapped_column(String(200))
+    document: Mapped[str] = mapped_column(Text)
+    request: Mapped[str] = mapped_column(String(16), default="")
+    created_at: Mapped[datetime]
 
 
 class EvaluationRow(Base):
@@ -63,7 +84,6 @@ class EvaluationRow(Base):
             "campaign_seq",
             "number",
             sqlite_where=text("violations > 0"),
-            postgresql_where=text("violations > 0"),
         ),
         Index("ix_evaluations_status", "campaign_seq", "status", "violating", "number"),
         Index(
@@ -93,6 +113,8 @@ class EvaluationRow(Base):
     wall_time_s: Mapped[float]
     search_s: Mapped[float]
     prepare_s: Mapped[float]
+    asked_sha256: Mapped[str | None] = mapped_column(String(64))
+    seed_number: Mapped[int] = mapped_column(default=0, server_default=text("0"))
     told_at: Mapped[datetime]
     report: Mapped[str] = mapped_column(Text)
     violating: Mapped[bool] = mapped_column(default=False, server_default=false())

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from pydantic_core import from_json
-from sqlalchemy import ColumnElement, and_, or_, select
+from sqlalchemy import ColumnElement, and_, case, distinct, func, or_, select
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
@@ -19,6 +19,7 @@ from drivora_service.store.campaign_records import (
     Failure,
     FailureFilter,
     FailureKind,
+    SeedFindings,
 )
 from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
@@ -153,6 +154,75 @@ class CampaignViewRepository:
         """
         campaign = campaign_row(self._session, campaign_id)
         return failure_kinds(self._session, campaign.seq)
+
+    def seeds(self, campaign_id: str) -> tuple[SeedFindings, ...]:
+        """Returns the findings by seed scenario, in their order; none if there is only one.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        seeds = json.loads(campaign.document).get("scenarios") or ()
+        if not seeds:
+            return ()
+        counts = self._counts_by_seed(campaign.seq)
+        kinds = self._kinds_by_seed(campaign.seq)
+        nothing = (0, 0, 0, 0, 0, None)
+        findings = []
+        for number, seed in enumerate(seeds):
+            evaluations, simulations, violating, at_fault, avoidable, first = counts.get(
+                number, nothing
+            )
+            findings.append(
+                SeedFindings(
+                    name=seed["name"],
+                    town=seed["scenario"]["map_region"]["town"],
+                    evaluations=evaluations,
+                    simulations=simulations,
+                    violating=violating,
+                    at_fault=at_fault,
+                    avoidable=avoidable,
+                    kinds=kinds.get(number, 0),
+                    first_failure=first,
+                )
+            )
+        return tuple(findings)
+
+    def _counts_by_seed(
+        self, campaign_seq: int
+    ) -> dict[int, tuple[int, int, int, int, int, int | None]]:
+        def number(condition: ColumnElement[bool]) -> ColumnElement[int]:
+            return func.sum(case((condition, 1), else_=0))
+
+        query = (
+            select(
+                EvaluationRow.seed_number,
+                func.count(),
+                number(EvaluationRow.status != EvaluationStatus.INVALID),
+                number(EvaluationRow.violations > 0),
+                number(EvaluationRow.at_fault_violations > 0),
+                number(EvaluationRow.accountability == Accountability.AVOIDABLE),
+                func.min(case((EvaluationRow.violations > 0, EvaluationRow.number))),
+            )
+            .where(EvaluationRow.campaign_seq == campaign_seq)
+            .group_by(EvaluationRow.seed_number)
+        )
+        return {seed: (a, b, c, d, e, f) for seed, a, b, c, d, e, f in self._session.execute(query)}
+
+    def _kinds_by_seed(self, campaign_seq: int) -> dict[int, int]:
+        query = (
+            select(EvaluationRow.seed_number, func.count(distinct(FailureRow.kind)))
+            .join(
+                FailureRow,
+                and_(
+                    FailureRow.campaign_seq == EvaluationRow.campaign_seq,
+                    FailureRow.number == EvaluationRow.number,
+                ),
+            )
+            .where(EvaluationRow.campaign_seq == campaign_seq)
+            .group_by(EvaluationRow.seed_number)
+        )
+        return {row[0]: row[1] for row in self._session.execute(query)}
 
     def _of(self, campaign_seq: int, numbers: Sequence[int]) -> tuple[EvaluationSummary, ...]:
         rows: list[EvaluationRow] = []

@@ -21,6 +21,7 @@ from drivora_service.store.campaign_records import (
     CampaignSummary,
     CampaignToRun,
     NewCampaign,
+    StudyCell,
 )
 from drivora_service.store.campaign_tables import CampaignRow
 from drivora_service.store.ids import new_id
@@ -43,7 +44,7 @@ class CampaignRepository:
 
     def create(self, campaign: NewCampaign) -> CampaignRecord:
         """Stores a queued campaign."""
-        now = datetime.now(UTC)
+        now, cell = datetime.now(UTC), campaign.cell
         row = CampaignRow(
             id=new_id(),
             name=campaign.name,
@@ -57,6 +58,11 @@ class CampaignRepository:
             state=CampaignState.QUEUED,
             created_at=now,
             updated_at=now,
+            study_id=campaign.study_id,
+            study_scenario="" if cell is None else cell.scenario,
+            study_agent="" if cell is None else cell.agent,
+            study_method="" if cell is None else cell.method,
+            repetition=0 if cell is None else cell.repetition,
         )
         self._session.add(row)
         self._session.flush()
@@ -74,6 +80,7 @@ class CampaignRepository:
         self,
         *,
         states: Collection[CampaignState] = (),
+        study_id: str = "",
         limit: int = 50,
         page_token: str = "",
     ) -> Page[CampaignSummary]:
@@ -81,18 +88,20 @@ class CampaignRepository:
 
         Args:
             states: Only those in one of these states; none: all.
+            study_id: Only those of this study; "": all.
             limit: Greatest number of campaigns.
             page_token: Token of the page.
 
         Raises:
             InvalidDocument: The token is not one of this list.
         """
-        scope = f"campaigns {sorted(states)}"
+        scope = f"campaigns {sorted(states)} {study_id}"
         last = read_token(scope, page_token) if page_token else None
         number = CampaignRow.seq
+        of_study = (CampaignRow.study_id == study_id,) if study_id else ()
         branches = [
-            Branch(number=number, conditions=(CampaignRow.state == state,))
-            for state in sorted(states)
+            Branch(number=number, conditions=(*of_study, CampaignRow.state == state))
+            for state in sorted(states or (CampaignState if study_id else ()))
         ]
         numbers = first_numbers(
             self._session,
@@ -265,6 +274,18 @@ def _summary(row: CampaignRow) -> CampaignSummary:
         state=CampaignState(row.state),
         request=CampaignRequest(row.request),
         counts=combine(CampaignCounts, row),
+        cell=_cell(row),
+    )
+
+
+def _cell(row: CampaignRow) -> StudyCell | None:
+    if not row.study_id:
+        return None
+    return StudyCell(
+        scenario=row.study_scenario,
+        agent=row.study_agent,
+        method=row.study_method,
+        repetition=row.repetition,
     )
 
 

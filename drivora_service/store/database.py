@@ -31,6 +31,7 @@ from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
+from drivora_service.store.studies import StudyRepository
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
@@ -61,6 +62,11 @@ class Transaction:
     def campaigns(self) -> CampaignRepository:
         """Campaigns."""
         return CampaignRepository(self.session)
+
+    @property
+    def studies(self) -> StudyRepository:
+        """Studies."""
+        return StudyRepository(self.session)
 
     @property
     def evaluations(self) -> EvaluationRepository:

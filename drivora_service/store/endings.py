@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from datetime import datetime
+from typing import Any
 
 from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import accountability, strongest
 from drivora_service.oracles.verdict import Outcome, Severity
+from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.store.candidates import candidate_to_json
 from drivora_service.store.facets import facet_key, facet_of
 from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
@@ -51,36 +54,66 @@ def reset_run(session: Session, row: RunRow) -> None:
 
 
 def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:
-    """Writes the report of a run that has just ended."""
-    row.ended_at = ended
-    row.cause = report.failure.cause if report.failure is not None else ""
-    row.trace_sha256 = report.trace_sha256 if row.keeps_trace else ""
-    if report.status is RunStatus.FINISHED:
-        broken = [v for v in report.verdicts if v.outcome is Outcome.VIOLATED]
-        violations = [v for v in broken if v.severity is not Severity.OBSERVATION]
-        row.violations = len(violations)
-        row.at_fault_violations = sum(1 for v in violations if v.at_fault)
-        row.observations = len(broken) - len(violations)
-        row.accountability = strongest(violations)
-        row.steps = report.steps
-        row.sim_time_s = report.sim_time_s
-        row.wall_time_s = report.wall_time_s
+    """Writes the report of one run that has just ended; ``store.run_batches`` writes many."""
+    for name, value in end_values(report, keeps_trace=row.keeps_trace, ended=ended).items():
+        setattr(row, name, value)
     facet = facet_key(facet_of(row))
-    session.add(ReportRow(run_seq=row.seq, body=report_to_json(report)))
+    session.add(ReportRow(**report_values(row.seq, report)))
     session.add_all(
-        VerdictRow(
-            run_seq=row.seq,
-            oracle=verdict.oracle,
-            ego=verdict.ego,
-            outcome=verdict.outcome,
-            severity=verdict.severity,
-            at_fault=verdict.at_fault,
-            accountability=accountability(verdict) if verdict.outcome is Outcome.VIOLATED else None,
-            time=verdict.time,
-            counterpart=verdict.counterpart,
-            batch_seq=row.batch_seq,
-            facet=facet,
-        )
+        VerdictRow(**values) for values in verdict_values(row.seq, row.batch_seq, facet, report)
+    )
+
+
+def end_values(report: RunReport, *, keeps_trace: bool, ended: datetime) -> dict[str, Any]:
+    """Returns the columns of a run that its report determines, its status left out."""
+    finished = report.status is RunStatus.FINISHED
+    broken = [v for v in report.verdicts if finished and v.outcome is Outcome.VIOLATED]
+    violations = [v for v in broken if v.severity is not Severity.OBSERVATION]
+    return {
+        "ended_at": ended,
+        "cause": report.failure.cause if report.failure is not None else "",
+        "trace_sha256": report.trace_sha256 if keeps_trace else "",
+        "violations": len(violations) if finished else None,
+        "at_fault_violations": sum(1 for v in violations if v.at_fault) if finished else None,
+        "observations": len(broken) - len(violations) if finished else None,
+        "accountability": strongest(violations),
+        "steps": report.steps if finished else None,
+        "sim_time_s": report.sim_time_s if finished else None,
+        "wall_time_s": report.wall_time_s if finished else None,
+    }
+
+
+def report_values(
+    run_seq: int, report: RunReport, candidate: Candidate | None = None
+) -> dict[str, Any]:
+    """Returns the columns of a report, with what the genes of its run decode to."""
+    return {
+        "run_seq": run_seq,
+        "body": report_to_json(report),
+        "candidate": None if candidate is None else candidate_to_json(candidate),
+    }
+
+
+def verdict_values(
+    run_seq: int, batch_seq: int, facet: int, report: RunReport
+) -> list[dict[str, Any]]:
+    """Returns the columns of the verdicts that are stored, a mapping each."""
+    return [
+        {
+            "run_seq": run_seq,
+            "oracle": verdict.oracle,
+            "ego": verdict.ego,
+            "outcome": verdict.outcome,
+            "severity": verdict.severity,
+            "at_fault": verdict.at_fault,
+            "accountability": (
+                accountability(verdict) if verdict.outcome is Outcome.VIOLATED else None
+            ),
+            "time": verdict.time,
+            "counterpart": verdict.counterpart,
+            "batch_seq": batch_seq,
+            "facet": facet,
+        }
         for verdict in report.verdicts
         if verdict.outcome is not Outcome.PASSED
-    )
+    ]

@@ -6,9 +6,10 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
-from sqlalchemy import select
+from sqlalchemy import insert, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
@@ -22,6 +23,7 @@ from drivora_service.store.campaign_records import Confirmation, EvaluationRecor
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
+from drivora_service.store.documents import store_documents
 from drivora_service.store.failure_kinds import (
     count_confirmation,
     count_failures,
@@ -37,55 +39,46 @@ class EvaluationRepository:
         self._session = session
 
     def append(
-        self,
-        campaign_id: str,
-        record: EvaluationRecord,
-        *,
-        document: str,
-        active_s: float,
+        self, campaign_id: str, entries: Sequence[tuple[EvaluationRecord, str]], *, active_s: float
     ) -> None:
-        """Writes the next evaluation of a campaign, its failures, and the campaign's counts.
+        """Writes the next evaluations of a campaign, their failures, and the campaign's counts.
 
         Args:
             campaign_id: Id of the campaign.
-            record: The evaluation; its number follows that of the evaluation before.
-            document: Canonical JSON text of its scenario; "" if there is none.
-            active_s: Seconds of the campaign's work since the evaluation before.
+            entries: The evaluations, each with the canonical JSON text of its scenario, "" if there
+                is none; their numbers follow that of the evaluation before.
+            active_s: Seconds of the campaign's work since the last call.
 
         Raises:
             UnknownName: There is no such campaign.
-            Conflict: The campaign holds this number already, or not the one before it.
+            Conflict: The campaign holds a number already, or not the one before it.
         """
         campaign = campaign_row(self._session, campaign_id)
-        if record.number != campaign.evaluations:
-            raise Conflict(
-                f"evaluation {record.number} of campaign {campaign_id} does not follow the "
-                f"{campaign.evaluations} that are stored; is it run twice?"
-            )
-        if document and self._session.get(DocumentRow, record.document_sha256) is None:
-            self._session.add(DocumentRow(sha256=record.document_sha256, body=document))
-            self._session.flush()
+        for place, (record, _) in enumerate(entries):
+            if record.number != campaign.evaluations + place:
+                raise Conflict(
+                    f"evaluation {record.number} of campaign {campaign_id} does not follow the "
+                    f"{campaign.evaluations + place} that are stored; is it run twice?"
+                )
+        store_documents(
+            self._session,
+            {record.document_sha256: document for record, document in entries if document},
+        )
         now = datetime.now(UTC)
-        self._session.add(_new_row(campaign.seq, record, now))
-        failures = [
-            FailureRow(
-                campaign_seq=campaign.seq,
-                number=record.number,
-                place=place,
-                oracle=verdict.oracle,
-                kind=kind,
-                at_fault=verdict.at_fault,
-                accountability=accountability(verdict),
-                confirmation=Confirmation.OPEN,
-                verdict=verdict_to_json(verdict),
-            )
-            for place, (verdict, kind) in enumerate(
-                zip(record.violations, record.failure_kinds, strict=True)
-            )
-        ]
-        self._session.add_all(failures)
-        count_failures(self._session, failures)
-        _count(campaign, record)
+        if entries:
+            rows = [_new_row(campaign.seq, record, now) for record, _ in entries]
+            self._session.execute(insert(EvaluationRow), rows)
+        best: dict[str, list[float]] = json.loads(campaign.best)
+        for record, _ in entries:
+            if record.violations:
+                failures = _failure_rows(campaign.seq, record)
+                self._session.add_all(failures)
+                count_failures(self._session, failures)
+            _count(campaign, record)
+            measurement = record.report.measurement
+            if measurement is not None and record.status is EvaluationStatus.JUDGED:
+                best = _better(best, record.number, measurement)
+        campaign.best = json.dumps(best)
         campaign.active_s += active_s
         campaign.updated_at = now
 
@@ -243,27 +236,48 @@ def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> Eval
     return row
 
 
-def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> EvaluationRow:
-    return EvaluationRow(
-        campaign_seq=campaign_seq,
-        number=record.number,
-        generation=record.proposal.generation,
-        origin=record.proposal.origin,
-        parents=json.dumps(record.proposal.parents),
-        genes=json.dumps(record.proposal.values.tolist()),
-        status=record.status,
-        document_sha256=record.document_sha256 or None,
-        violations=len(record.violations),
-        at_fault_violations=sum(bool(verdict.at_fault) for verdict in record.violations),
-        accountability=record.accountability,
-        sim_time_s=record.report.sim_time_s,
-        wall_time_s=record.report.wall_time_s,
-        search_s=record.search_s,
-        prepare_s=record.prepare_s,
-        told_at=now,
-        report=report_to_json(record.report),
-        violating=bool(record.violations),
-    )
+def _failure_rows(campaign_seq: int, record: EvaluationRecord) -> list[FailureRow]:
+    return [
+        FailureRow(
+            campaign_seq=campaign_seq,
+            number=record.number,
+            place=place,
+            oracle=verdict.oracle,
+            kind=kind,
+            at_fault=verdict.at_fault,
+            accountability=accountability(verdict),
+            confirmation=Confirmation.OPEN,
+            verdict=verdict_to_json(verdict),
+        )
+        for place, (verdict, kind) in enumerate(
+            zip(record.violations, record.failure_kinds, strict=True)
+        )
+    ]
+
+
+def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> dict[str, Any]:
+    return {
+        "campaign_seq": campaign_seq,
+        "number": record.number,
+        "generation": record.proposal.generation,
+        "origin": record.proposal.origin,
+        "parents": json.dumps(record.proposal.parents),
+        "genes": json.dumps(record.proposal.values.tolist()),
+        "status": record.status,
+        "document_sha256": record.document_sha256 or None,
+        "violations": len(record.violations),
+        "at_fault_violations": sum(bool(verdict.at_fault) for verdict in record.violations),
+        "accountability": record.accountability,
+        "sim_time_s": record.report.sim_time_s,
+        "wall_time_s": record.report.wall_time_s,
+        "search_s": record.search_s,
+        "prepare_s": record.prepare_s,
+        "asked_sha256": record.asked_sha256 or None,
+        "seed_number": record.seed_number,
+        "told_at": now,
+        "report": report_to_json(record.report),
+        "violating": bool(record.violations),
+    }
 
 
 def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
@@ -285,9 +299,6 @@ def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
             campaign.unavoidable += 1
         case Accountability.UNDETERMINED if campaign.undetermined is not None:
             campaign.undetermined += 1
-    measurement = record.report.measurement
-    if measurement is not None and record.status is EvaluationStatus.JUDGED:
-        campaign.best = json.dumps(_better(json.loads(campaign.best), record.number, measurement))
 
 
 def _better(
@@ -320,6 +331,8 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
         failure_kinds=tuple(failure.kind for failure in failures),
         search_s=row.search_s,
         prepare_s=row.prepare_s,
+        asked_sha256=row.asked_sha256 or "",
+        seed_number=row.seed_number,
     )
 
 

@@ -16,7 +16,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from sqlalchemy import inspect, update
@@ -107,8 +107,8 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
         if number
     ]
     for table, keys, rows in (
-        (FacetRow.__table__, ["key"], facets),
-        (BatchFacetRow.__table__, ["batch_seq", "facet"], batches),
+        (FacetRow.__table__, ("key",), facets),
+        (BatchFacetRow.__table__, ("batch_seq", "facet"), batches),
     ):
         if rows:
             session.execute(_adding(session.get_bind().dialect.name, table, keys), rows)
@@ -132,7 +132,8 @@ def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> N
         )
 
 
-def _adding(dialect: str, table: Any, keys: list[str]) -> Any:
+@cache
+def _adding(dialect: str, table: Any, keys: tuple[str, ...]) -> Any:
     # Both databases have the same syntax; SQLAlchemy has a class for each, slow to import.
     insert: Any
     if dialect == "postgresql":
@@ -144,7 +145,7 @@ def _adding(dialect: str, table: Any, keys: list[str]) -> Any:
 
         insert = sqlite.insert(table)
     return insert.on_conflict_do_update(
-        index_elements=keys, set_={"runs": table.c.runs + insert.excluded.runs}
+        index_elements=list(keys), set_={"runs": table.c.runs + insert.excluded.runs}
     )
 
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 
-from sqlalchemy import ColumnElement, or_, select
+from sqlalchemy import ColumnElement, or_, select, true
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.lifecycle import LONGEST_WAIT_S
@@ -21,10 +21,6 @@ class HeldRuns:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def none_of(self) -> ColumnElement[bool]:
-        """Returns the condition that a run is not held."""
-        return RunRow.not_before.is_(None)
-
     def numbers(self) -> Mapping[int, int]:
         """Returns their numbers by the ``seq`` of their batch."""
         # Counted here: for a GROUP BY, SQLite would scan all queued runs in the order of batches.
@@ -38,13 +34,15 @@ class HeldRuns:
 
     def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
         """Returns the condition that a batch has queued runs that are not held."""
+        if not numbers:
+            return true()
         full = self._session.execute(
             select(BatchRow.seq, BatchRow.queued).where(BatchRow.seq.in_(numbers))
         )
         return BatchRow.seq.not_in([row.seq for row in full if row.queued <= numbers[row.seq]])
 
-    def due(self, now: datetime, reserved_to: str) -> tuple[int, BatchRow] | None:
-        """Returns the held run to start next, with its batch.
+    def due(self, now: datetime, reserved_to: str) -> int | None:
+        """Returns the ``seq`` of the held run to start next.
 
         Returns ``None`` while another one runs, so that the one that kills the server runs alone. A
         wait beyond the longest possible one is due to a clock that was set back, and counts as
@@ -55,8 +53,8 @@ class HeldRuns:
         )
         if self._session.scalar(running.limit(1)) is not None:
             return None
-        found = self._session.execute(
-            select(RunRow.seq, BatchRow)
+        return self._session.scalar(
+            select(RunRow.seq)
             .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
             .where(
                 RunRow.not_before.is_not(None),
@@ -70,5 +68,4 @@ class HeldRuns:
             )
             .order_by(RunRow.not_before)
             .limit(1)
-        ).one_or_none()
-        return None if found is None else (found[0], found[1])
+        )

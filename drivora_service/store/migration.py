@@ -6,13 +6,33 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sqlalchemy import Connection, Engine, inspect, text
+from sqlalchemy import (
+    Column,
+    Connection,
+    Engine,
+    MetaData,
+    PrimaryKeyConstraint,
+    String,
+    Table,
+    inspect,
+    text,
+)
 
 from drivora_service.errors import StoreError
+from drivora_service.store import campaign_tables, facet_tables  # noqa: F401 # their tables
+from drivora_service.store.tables import Base
 
 if TYPE_CHECKING:
     from alembic.config import Config
     from alembic.script import ScriptDirectory
+
+_VERSION = Table(
+    "alembic_version",
+    MetaData(),
+    Column("version_num", String(32), nullable=False),
+    PrimaryKeyConstraint("version_num", name="alembic_version_pkc"),
+)
+"""Where the migrations keep the revision of the schema."""
 
 _VERSIONS = Path(__file__).parent / "migrations" / "versions"
 
@@ -31,9 +51,8 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
     current = schema_version(engine)
     if current == newest_revision():
         return
-    # Imported here: it takes a third of a second, and most databases have the newest schema.
-    from alembic import command
-
+    if not current and _made(engine):
+        return
     script = _scripts()
     known = {revision.revision for revision in script.walk_revisions()}
     if current and current not in known:
@@ -43,8 +62,45 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
         )
     if current:
         before_migration()
+    upgrade(engine)
+
+
+def upgrade(engine: Engine, revision: str = "head") -> None:
+    """Does the migrations up to a revision."""
+    # Imported here: it takes a third of a second, and most databases have the newest schema.
+    from alembic import command
+
     with engine.execution_options(drivora_writes=True).begin() as connection:
-        command.upgrade(_config(connection), "head")
+        command.upgrade(_config(connection), revision)
+
+
+def _made(engine: Engine) -> bool:
+    """Makes the newest schema in an empty database; returns whether it was empty.
+
+    It is that which all migrations lead to, up to the order of columns, in a tenth of the time.
+    """
+    with engine.execution_options(drivora_writes=True).begin() as connection:
+        # Another process may have made it meanwhile.
+        if inspect(connection).get_table_names():
+            return False
+        if connection.dialect.name == "postgresql":
+            _give_postgresql_the_conditions()
+        Base.metadata.create_all(connection)
+        _VERSION.create(connection)
+        connection.execute(_VERSION.insert().values(version_num=newest_revision()))
+    return True
+
+
+def _give_postgresql_the_conditions() -> None:
+    """Copies the conditions of partial indices from SQLite to PostgreSQL.
+
+    The tables name those of SQLite only: naming others would import PostgreSQL's dialect, which
+    takes a tenth of the time of all imports of the store.
+    """
+    for table in Base.metadata.tables.values():
+        for index in table.indexes:
+            condition = index.dialect_options["sqlite"]["where"]
+            index.dialect_options["postgresql"]["where"] = condition
 
 
 def newest_revision() -> str:

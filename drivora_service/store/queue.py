@@ -2,25 +2,39 @@
 
 from __future__ import annotations
 
+import hashlib
 import heapq
-import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import UTC, datetime, timedelta
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from functools import lru_cache
+from typing import Any
 
-from sqlalchemy import select, update
+from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
+from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.runs import lifecycle
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.encoding import choice_from_json
-from drivora_service.runs.lifecycle import RetryPolicy, Transition
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.store.endings import run_state, set_run_state, write_report
+from drivora_service.runs.lifecycle import RetryPolicy
+from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.store.candidates import source_from_json
+from drivora_service.store.chunks import batched
+from drivora_service.store.documents import store_documents
 from drivora_service.store.held_runs import HeldRuns
 from drivora_service.store.quarantine import QuarantineRepository, quarantine_key
+from drivora_service.store.queued_runs import (
+    QueuedRun,
+    first_runs,
+    leases_of_owner,
+    leases_of_runs,
+    one_run,
+    queued_run,
+)
 from drivora_service.store.records import BatchState
-from drivora_service.store.revisions import latest_revision
-from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, RunRow
+from drivora_service.store.run_batches import BATCHES, Row, RunBatch, change_queued
+from drivora_service.store.tables import BatchRow, RunRow
 
 
 class QueueRepository:
@@ -54,45 +68,33 @@ class QueueRepository:
             reserved_to: Process for which the runs are reserved; "": runs of any server.
         """
         specs: list[RunSpec] = []
+        if limit <= 0:
+            return ()
+        self._session.flush()
         now = datetime.now(UTC)
-        changes = self._changes()
-        held = HeldRuns(self._session)
-        found = self._shares(limit, held.numbers(), reserved_to)
-        shares = [(batch, share, held.none_of) for batch, share in found]
-        missing = limit - sum(share for _, share, _ in shares)
-        if missing > 0 and (due := held.due(now, reserved_to)) is not None:
-            run_seq, batch = due
-            shares.append((batch, 1, lambda: RunRow.seq == run_seq))
-        for batch, share, among in shares:
-            rows = self._session.execute(
-                select(RunRow, DocumentRow.body)
-                .join(DocumentRow, DocumentRow.sha256 == RunRow.document_sha256)
-                .where(RunRow.batch_seq == batch.seq, RunRow.status == RunStatus.QUEUED, among())
-                .order_by(RunRow.seq)
-                .limit(share)
-                .with_for_update(skip_locked=True, of=RunRow)
-            ).all()
-            for row, document in rows:
-                set_run_state(row, lifecycle.start(run_state(row)), revision=next(changes))
-                row.attempts += 1
-                row.started_at = row.started_at or now
-                self._session.add(
-                    AttemptRow(
-                        run_seq=row.seq, number=row.attempts, owner_id=owner_id, claimed_at=now
-                    )
-                )
+        changes = RunBatch(self._session)
+        served: Counter[int] = Counter()
+        connection = self._session.connection()
+        for query, values in self._queries(limit, reserved_to, now):
+            for row in connection.execute(query, values):
+                run, feedback = queued_run(row), row.feedback
+                changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
+                served[run.batch_seq] += 1
                 specs.append(
                     RunSpec(
-                        run_id=row.id,
-                        document=document,
-                        trace_path=trace_path(row.id) if row.keeps_trace else "",
+                        run_id=run.id,
+                        document="" if row.candidate else row.body,
+                        trace_path=trace_path(run.id) if run.keeps_trace else "",
                         agent=row.agent_override,
                         seed=row.seed_override,
-                        feedback=choice_from_json(row.feedback) if row.feedback else None,
+                        feedback=_feedback(feedback) if feedback else None,
+                        candidate=(
+                            source_from_json(row.candidate, row.body) if row.candidate else None
+                        ),
                     )
                 )
-            batch.queued -= len(rows)
-            batch.served += len(rows)
+        changes.write()
+        change_queued(connection, served, served=True)
         return tuple(specs)
 
     def finish(
@@ -100,49 +102,89 @@ class QueueRepository:
     ) -> tuple[RunReport, ...]:
         """Writes the ends of attempts; returns the reports of the runs that ended with them."""
         final: list[RunReport] = []
-        changes = self._changes()
+        if not ends:
+            return ()
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
+        decoded = self._store_decoded([end for end in ends if end.report.run_id in leases])
+        changes = RunBatch(self._session)
         for end in ends:
             lease = leases.pop(end.report.run_id, None)
             if lease is None:
                 continue
-            row, attempt = lease
+            run, number = lease
             report = end.report
-            attempt.worker, attempt.signal = end.worker, end.signal
-            attempt.started_at = end.started
-            _close(attempt, report.status, report.failure, end.ended)
-            transition = lifecycle.end(run_state(row), report, policy)
-            self._follow(row, transition, end.ended, revision=next(changes))
-            if transition.quarantine and report.failure is not None:
-                QuarantineRepository(self._session).add(
-                    quarantine_key(row.document_sha256, row.agent_override, row.seed_override),
-                    scenario_sha256=row.document_sha256,
-                    run_id=row.id,
-                    signal=end.signal,
-                    failure=report.failure,
-                )
+            changes.close(
+                run,
+                number,
+                report.status,
+                end.ended,
+                failure=report.failure,
+                worker=end.worker,
+                started=end.started,
+                signal=end.signal,
+            )
+            transition = lifecycle.end(run.state, report, policy)
+            document_sha256 = decoded.get(run.id, run.document_sha256)
+            changes.follow(
+                run,
+                transition,
+                end.ended,
+                document_sha256=document_sha256,
+                candidate=end.candidate,
+            )
+            if transition.quarantine:
+                self._quarantine(run, end, document_sha256)
             if transition.report is not None:
                 final.append(transition.report)
+        changes.write()
         return tuple(final)
+
+    def _quarantine(self, run: QueuedRun, end: AttemptEnd, document_sha256: str) -> None:
+        if end.report.failure is None:
+            return
+        row = self._session.execute(
+            select(RunRow.agent_override, RunRow.seed_override).where(RunRow.seq == run.seq)
+        ).one()
+        QuarantineRepository(self._session).add(
+            quarantine_key(document_sha256, row.agent_override, row.seed_override),
+            scenario_sha256=document_sha256,
+            run_id=run.id,
+            signal=end.signal,
+            failure=end.report.failure,
+        )
+
+    def _store_decoded(self, ends: Sequence[AttemptEnd]) -> dict[str, str]:
+        """Stores the scenarios of candidates; returns their hashes by run id."""
+        documents = {
+            end.report.run_id: end.candidate.document
+            for end in ends
+            if end.candidate is not None and end.candidate.document
+        }
+        hashes = {
+            run_id: hashlib.sha256(document.encode()).hexdigest()
+            for run_id, document in documents.items()
+        }
+        store_documents(self._session, {hashes[run_id]: body for run_id, body in documents.items()})
+        return hashes
 
     def release(self, owner_id: str, run_ids: Sequence[str]) -> None:
         """Puts runs back into the queue because their owner stops."""
         now = datetime.now(UTC)
-        changes = self._changes()
-        for row, attempt in self._leases(owner_id, run_ids).values():
-            _close(attempt, "released", None, now)
-            transition = lifecycle.release(run_state(row), row.id)
-            self._follow(row, transition, now, revision=next(changes))
+        changes = RunBatch(self._session)
+        for run, number in self._leases(owner_id, run_ids).values():
+            changes.close(run, number, "released", now)
+            changes.follow(run, lifecycle.release(run.state, run.id), now)
+        changes.write()
 
     def reclaim(self, dead_owner_id: str, policy: RetryPolicy) -> int:
         """Puts the runs of a dead owner back into the queue; returns their number."""
         now = datetime.now(UTC)
-        changes = self._changes()
+        changes = RunBatch(self._session)
         leases = self._leases(dead_owner_id, None)
-        for row, attempt in leases.values():
-            _close(attempt, "interrupted", None, now)
-            transition = lifecycle.interrupt(run_state(row), row.id, policy)
-            self._follow(row, transition, now, revision=next(changes))
+        for run, number in leases.values():
+            changes.close(run, number, "interrupted", now)
+            changes.follow(run, lifecycle.interrupt(run.state, run.id, policy), now)
+        changes.write()
         return len(leases)
 
     def has_work(self, reserved_to: str = "") -> bool:
@@ -164,82 +206,86 @@ class QueueRepository:
         query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
         return tuple(self._session.scalars(query))
 
+    def _queries(
+        self, limit: int, reserved_to: str, now: datetime
+    ) -> list[tuple[Select[Any], Row]]:
+        """Returns queries for ``limit`` runs, with their values: one for each batch.
+
+        A run that is held and due follows if the batches have fewer.
+        """
+        held = HeldRuns(self._session)
+        numbers = held.numbers()
+        shares = self._shares(limit, held, numbers, reserved_to)
+        queries: list[tuple[Select[Any], Row]] = [
+            (first_runs(), {"batch": seq, "share": share}) for seq, share in shares.items()
+        ]
+        if numbers and sum(shares.values()) < limit:
+            due = held.due(now, reserved_to)
+            if due is not None:
+                queries.append((one_run(), {"run": due}))
+        return queries
+
     def _shares(
-        self, limit: int, held: Mapping[int, int], reserved_to: str
-    ) -> list[tuple[BatchRow, int]]:
+        self, limit: int, held: HeldRuns, numbers: Mapping[int, int], reserved_to: str
+    ) -> dict[int, int]:
         """Divides ``limit`` runs among the batches: one each in turn, least served first.
 
-        Args:
-            limit: Greatest number of runs.
-            held: Numbers of held queued runs, by the ``seq`` of their batch.
-            reserved_to: See :meth:`claim`.
+        Returns:
+            Numbers of runs by the ``seq`` of their batch; held runs are left out.
         """
-        if limit <= 0:
-            return []
-        candidates = self._session.scalars(
-            select(BatchRow)
+        candidates = self._session.connection().execute(
+            select(BATCHES.c.seq, BATCHES.c.priority, BATCHES.c.served, BATCHES.c.queued)
             .where(
-                BatchRow.queued > 0,
-                BatchRow.state == BatchState.OPEN,
-                BatchRow.owner_id == reserved_to,
-                HeldRuns(self._session).others(held),
+                BATCHES.c.queued > 0,
+                BATCHES.c.state == BatchState.OPEN,
+                BATCHES.c.owner_id == reserved_to,
+                held.others(numbers),
             )
-            .order_by(BatchRow.priority, BatchRow.served, BatchRow.seq)
+            .order_by(BATCHES.c.priority, BATCHES.c.served, BATCHES.c.seq)
             .limit(limit)
             .with_for_update()
-        ).all()
-        heap = [(batch.priority, batch.served, batch.seq, batch) for batch in candidates]
-        taken = dict.fromkeys(candidates, 0)
+        )
+        heap = [
+            (row.priority, row.served, row.seq, row.queued - numbers.get(row.seq, 0))
+            for row in candidates
+        ]
+        taken = {seq: 0 for _, _, seq, _ in heap}
         for _ in range(limit):
             if not heap:
                 break
-            priority, served, seq, batch = heap[0]
-            taken[batch] += 1
-            if taken[batch] < batch.queued - held.get(batch.seq, 0):
-                heapq.heapreplace(heap, (priority, served + 1, seq, batch))
+            priority, served, seq, left = heap[0]
+            taken[seq] += 1
+            if left > 1:
+                heapq.heapreplace(heap, (priority, served + 1, seq, left - 1))
             else:
                 heapq.heappop(heap)
-        return [(batch, share) for batch, share in taken.items() if share]
+        return {seq: share for seq, share in taken.items() if share}
 
     def _leases(
         self, owner_id: str, run_ids: Sequence[str] | None
-    ) -> dict[str, tuple[RunRow, AttemptRow]]:
-        query = (
-            select(RunRow, AttemptRow)
-            .join(AttemptRow, AttemptRow.run_seq == RunRow.seq)
-            .where(
-                AttemptRow.owner_id == owner_id,
-                AttemptRow.ended_at.is_(None),
-                RunRow.status == RunStatus.RUNNING,
-            )
-        )
-        if run_ids is not None:
-            query = query.where(RunRow.id.in_(run_ids))
-        return {row.id: (row, attempt) for row, attempt in self._session.execute(query)}
+    ) -> dict[str, tuple[QueuedRun, int]]:
+        """Returns the runs that an owner has leased, with the numbers of their attempts.
 
-    def _changes(self) -> Iterator[int]:
-        """Yields revisions for the changes of this transaction."""
-        return itertools.count(latest_revision(self._session) + 1)
-
-    def _follow(
-        self, row: RunRow, transition: Transition, when: datetime, *, revision: int
-    ) -> None:
-        set_run_state(row, transition.state, revision=revision)
-        if transition.wait_s:
-            row.not_before = when + timedelta(seconds=transition.wait_s)
-        if transition.report is not None:
-            row.not_before = None
-            write_report(self._session, row, transition.report, ended=when)
-        elif transition.state.status is RunStatus.QUEUED:
-            self._session.execute(
-                update(BatchRow)
-                .where(BatchRow.seq == row.batch_seq)
-                .values(queued=BatchRow.queued + 1)
-            )
+        Args:
+            owner_id: The owner.
+            run_ids: Runs to look for; ``None``: all.
+        """
+        self._session.flush()
+        connection = self._session.connection()
+        if run_ids is None:
+            rows = connection.execute(leases_of_owner(), {"owner": owner_id}).all()
+        else:
+            rows = [
+                row
+                for chunk in batched(run_ids)
+                for row in connection.execute(
+                    leases_of_runs(), {"owner": owner_id, "run_ids": list(chunk)}
+                )
+            ]
+        return {row.id: (queued_run(row), row.number) for row in rows}
 
 
-def _close(attempt: AttemptRow, outcome: str, failure: RunFailure | None, when: datetime) -> None:
-    attempt.ended_at = when
-    attempt.outcome = outcome
-    if failure is not None:
-        attempt.cause, attempt.log = failure.cause, failure.log
+@lru_cache(maxsize=64)
+def _feedback(text: str) -> FeedbackChoice:
+    """Returns a choice of feedback, which is the same for the runs of a campaign."""
+    return choice_from_json(text)

@@ -13,6 +13,7 @@ from pydantic import computed_field
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.scenario.model import AgentChoice
@@ -55,7 +56,8 @@ class NewRun:
     """A run to be queued, or one that has ended without being started.
 
     Attributes:
-        document: Canonical JSON text; for an invalid document, the text as received.
+        document: Canonical JSON text; for an invalid document, the text as received; for a
+            candidate, the seed scenario of its space.
         scenario_sha256: Hash of the document.
         town: Name of the network, for filters.
         agent: Name of the ADS, for filters; several are joined by a comma.
@@ -68,6 +70,7 @@ class NewRun:
         feedback: Feedback that measures the run for a tester.
         keeps_trace: Whether the worker writes a trace.
         run_id: Id of the run; "": an id is made.
+        candidate: Genes from which the worker makes the document.
     """
 
     document: str
@@ -82,6 +85,7 @@ class NewRun:
     feedback: FeedbackChoice | None = None
     keeps_trace: bool = True
     run_id: str = ""
+    candidate: CandidateSource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,8 @@ from drivora_service.errors import Conflict, QueueFull, UnknownName
 from drivora_service.runs.encoding import choice_to_json
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.batches import single_jobs
+from drivora_service.store.candidates import source_to_json
+from drivora_service.store.documents import store_documents
 from drivora_service.store.endings import write_report
 from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.facets import Facet, add_counts, facet_key
@@ -26,7 +28,7 @@ from drivora_service.store.quarantine import (
 )
 from drivora_service.store.records import BatchState, NewRun, Priority
 from drivora_service.store.revisions import latest_revision
-from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
+from drivora_service.store.tables import BatchRow, RunRow
 
 _RUNS_A_SECOND = 5
 """A cautious estimate of how fast a full queue empties, for ``Retry-After``."""
@@ -49,7 +51,7 @@ def submit_runs(
     waiting = len(runs) - len(over)
     if queue_limit is not None:
         _check_room(session, waiting, queue_limit)
-    store_documents(session, runs)
+    store_documents(session, {run.scenario_sha256: run.document for run in runs})
     _store_runs(session, batch, runs, ids, over)
     batch.size += len(runs)
     batch.queued += waiting
@@ -101,7 +103,7 @@ def _already_over(
     for run, run_id, key in zip(runs, ids, keys, strict=True):
         if run.report is not None:
             over[run_id] = replace(run.report, run_id=run_id)
-        elif key in quarantined:
+        elif key in quarantined and run.candidate is None:
             over[run_id] = quarantined_report(run_id, quarantined[key])
     return over
 
@@ -117,22 +119,6 @@ def queued_runs(session: Session) -> int:
     """Returns the number of queued runs."""
     waiting = select(func.sum(FacetRow.runs)).where(FacetRow.status == RunStatus.QUEUED)
     return session.scalar(waiting) or 0
-
-
-def store_documents(session: Session, runs: Sequence[NewRun]) -> None:
-    """Writes the scenarios of runs that are not stored yet."""
-    documents = {run.scenario_sha256: run.document for run in runs}
-    hashes = list(documents)
-    for start in range(0, len(hashes), 500):
-        chunk = hashes[start : start + 500]
-        known = session.scalars(select(DocumentRow.sha256).where(DocumentRow.sha256.in_(chunk)))
-        for sha256 in known:
-            del documents[sha256]
-    if documents:
-        session.execute(
-            insert(DocumentRow),
-            [{"sha256": sha256, "body": body} for sha256, body in documents.items()],
-        )
 
 
 def _store_runs(
@@ -163,6 +149,7 @@ def _store_runs(
                 "seed_override": run.seed_override,
                 "feedback": None if run.feedback is None else choice_to_json(run.feedback),
                 "keeps_trace": run.keeps_trace,
+                "candidate": None if run.candidate is None else source_to_json(run.candidate),
                 "status": facet.status,
                 "created_at": now,
                 "facet": facet_key(facet),

@@ -83,13 +83,11 @@ class BatchRow(Base):
             "served",
             "seq",
             sqlite_where=text("queued > 0 AND state = 'open'"),
-            postgresql_where=text("queued > 0 AND state = 'open'"),
         ),
         Index(
             "ix_batches_owner",
             "owner_id",
             sqlite_where=text("owner_id != ''"),
-            postgresql_where=text("owner_id != ''"),
         ),
     )
 
@@ -122,20 +120,17 @@ class RunRow(Base):
             "batch_seq",
             "seq",
             sqlite_where=text("status = 'queued'"),
-            postgresql_where=text("status = 'queued'"),
         ),
         Index(
             "ix_runs_held",
             "not_before",
             "status",
             sqlite_where=text("not_before IS NOT NULL"),
-            postgresql_where=text("not_before IS NOT NULL"),
         ),
         Index(
             "ix_runs_to_cancel",
             "seq",
             sqlite_where=text("status = 'running' AND cancel_requested"),
-            postgresql_where=text("status = 'running' AND cancel_requested"),
         ),
     )
 
@@ -152,6 +147,7 @@ class RunRow(Base):
     seed_override: Mapped[int | None]
     feedback: Mapped[str | None] = mapped_column(Text)
     keeps_trace: Mapped[bool] = mapped_column(default=True, server_default=true())
+    candidate: Mapped[str | None] = mapped_column(Text)
     status: Mapped[str] = mapped_column(String(24))
     cause: Mapped[str] = mapped_column(String(40), default="")
     created_at: Mapped[datetime]
@@ -177,7 +173,10 @@ class RunRow(Base):
 
 
 class ReportRow(Base):
-    """The whole report of a run as JSON; its primary key excludes a second one."""
+    """The whole report of a run as JSON; its primary key excludes a second one.
+
+    ``candidate`` is what the genes of the run decode to, if it has any.
+    """
 
     __tablename__ = "reports"
 
@@ -185,6 +184,7 @@ class ReportRow(Base):
         ForeignKey("runs.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
     )
     body: Mapped[str] = mapped_column(Text)
+    candidate: Mapped[str | None] = mapped_column(Text)
 
 
 class VerdictRow(Base):
@@ -244,7 +244,6 @@ class AttemptRow(Base):
             "ix_attempts_leases",
             "owner_id",
             sqlite_where=text("ended_at IS NULL"),
-            postgresql_where=text("ended_at IS NULL"),
         ),
     )
 

@@ -6,11 +6,13 @@ import os
 import socket
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from typing import cast
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import Table, delete, insert, select, update
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.shapes import field_names
 from drivora_service.store.ids import new_id
 from drivora_service.store.records import OwnerRecord
 from drivora_service.store.tables import OwnerRow, SlotRow
@@ -49,22 +51,14 @@ class WorkerRepository:
             .values(heartbeat_at=datetime.now(UTC), ended_at=None)
         )
         self._session.execute(delete(SlotRow).where(SlotRow.owner_id == owner_id))
-        self._session.add_all(
-            SlotRow(
-                owner_id=owner_id,
-                name=slot.name,
-                pid=slot.pid,
-                run_id=slot.run_id,
-                phase=slot.phase,
-                step=slot.step,
-                memory_bytes=slot.memory_bytes,
-                runs=slot.runs,
-                restarts=slot.restarts,
-                last_crash=slot.last_crash,
-                updated_at=slot.updated_at,
-            )
-            for slot in slots
-        )
+        if not slots:
+            return
+        names = field_names(SlotState)
+        rows = [
+            {"owner_id": owner_id} | {name: getattr(slot, name) for name in names} for slot in slots
+        ]
+        # One statement for all slots; the table, as the ORM would follow each row.
+        self._session.execute(insert(cast("Table", SlotRow.__table__)), rows)
 
     def leave(self, owner_id: str) -> None:
         """Removes an owner without leases."""

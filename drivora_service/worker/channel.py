@@ -90,7 +90,7 @@ class Channel:
 
     def put(self, frame: Frame) -> None:
         """Sends as much of a message as fits without blocking; :meth:`flush` sends the rest."""
-        self._going += _HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body
+        self._going += _bytes_of(frame)
         self.flush()
 
     def flush(self) -> None:
@@ -152,17 +152,21 @@ def wait_for(channels: Sequence[Channel], timeout: float) -> None:
         channels: The channels.
         timeout: Seconds after which it returns in any case.
     """
+    if timeout <= 0.0:
+        for channel in channels:
+            channel.flush()
+        return
     poll = select.poll()
     for channel in channels:
         poll.register(channel, select.POLLIN | (select.POLLOUT if channel.has_more_to_send else 0))
-    poll.poll(max(0.0, 1000.0 * timeout))
+    poll.poll(1000.0 * timeout)
     for channel in channels:
         channel.flush()
 
 
-def send(end: socket.socket, frame: Frame) -> None:
-    """Sends a message from the process that a slot owns; blocks until it is sent."""
-    end.sendall(_HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body)
+def send(end: socket.socket, *frames: Frame) -> None:
+    """Sends messages from the process that a slot owns; blocks until they are sent."""
+    end.sendall(b"".join(map(_bytes_of, frames)))
 
 
 def receive(end: socket.socket) -> Frame:
@@ -174,6 +178,10 @@ def receive(end: socket.socket) -> Frame:
     """
     kind, length = _checked_header(_exactly(end, _HEADER.size))
     return Frame(kind, bytes(_exactly(end, length)))
+
+
+def _bytes_of(frame: Frame) -> bytes:
+    return _HEADER.pack(_MAGIC, frame.kind, len(frame.body)) + frame.body
 
 
 def _exactly(end: socket.socket, count: int) -> bytearray:

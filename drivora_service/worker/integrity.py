@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.worker.watched import Kernel, Names, Uses, Watched, collect
+from drivora_service.worker.watched import Names, Uses, Watched, WatchedKernel, collect
 
 _MAX_NAMED = 5
 """Number of changes that a message names; the others are counted."""
@@ -68,9 +68,15 @@ _STATE_NAMES = {
 
 
 class Snapshot:
-    """The loaded code at one moment, to compare with."""
+    """The loaded code at one moment, to compare with.
+
+    Attributes:
+        has_met_others: Whether agents, oracles or feedbacks of other packages have run in this
+            process. They may have left threads, which can change code at any time.
+    """
 
     def __init__(self) -> None:
+        self.has_met_others = False
         self._builtins = tuple(vars(builtins).items())
         self._tools = (all, map, is_, itemgetter, attrgetter, chain)
         self._state = _state()
@@ -223,10 +229,21 @@ def _changed_functions(watched: Watched) -> Iterator[str]:
             yield f"what {_full_name(function)} encloses"
 
 
-def _is_as_compiled(kernel: Kernel) -> bool:
-    # Looking up machine code by signature costs more than all other checks together.
-    dispatcher = kernel.kernel
-    return dispatcher.py_func is kernel.source and len(dispatcher.overloads) >= kernel.signatures
+def _is_as_compiled(watched: WatchedKernel) -> bool:
+    kernel = watched.kernel
+    if kernel.function is not watched.source:
+        return False
+    if not kernel.is_loaded:
+        return watched.dispatcher is None
+    dispatcher = kernel.dispatcher
+    if watched.dispatcher is None:
+        return getattr(dispatcher, "py_func", None) is watched.source
+    return (
+        dispatcher is watched.dispatcher
+        and dispatcher.py_func is watched.source
+        # Looking up machine code by signature costs more than all other checks together.
+        and len(dispatcher.overloads) >= watched.signatures
+    )
 
 
 def _full_name(function: Any) -> str:

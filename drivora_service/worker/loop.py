@@ -13,14 +13,20 @@ import pkgutil
 import socket
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drivora_service.errors import DrivoraError, SimulatorError
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.runs.lifecycle import SIMULATOR_ERROR
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.worker.channel import ChannelClosedError, Frame, Kind, receive, send
-from drivora_service.worker.messages import NotReady, frame_of, frame_of_report
+from drivora_service.worker.messages import (
+    NotReady,
+    frame_of,
+    frame_of_report,
+    note_of_candidate,
+)
 from drivora_service.worker.progress import ProgressBoard
 
 Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
@@ -29,9 +35,14 @@ Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
 PERFORM = "drivora_service.worker.performing:perform"
 """The function that performs runs in production."""
 
+Prepare = Callable[[CandidateSource, object], Candidate]
+"""Makes a scenario of genes, given the worker's set-up."""
+
+PREPARE = "drivora_service.worker.preparing:prepare"
+"""The function that prepares candidates in production."""
+
 WARM_UP = "drivora_service.worker.warm_up:warm_up"
 """The function that prepares a worker for it; called once with the worker's set-up."""
-
 
 _NICENESS = 5
 """Workers use all cores; requests to the service shall not wait for them."""
@@ -44,19 +55,21 @@ class WorkerTask:
     Attributes:
         perform: The :data:`Perform` to use, as ``module:function``.
         warm_up: Function to call first, or "" for none.
+        prepare: The :data:`Prepare` to use, as ``module:function``.
         setup: Argument of every call; must be picklable.
     """
 
     perform: str
     warm_up: str
     setup: object
+    prepare: str = PREPARE
 
 
 def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
     """Performs the runs that arrive on the channel until it is closed.
 
-    Sends a ready message at first and after the report of each run. If the worker cannot work,
-    sends the reason instead and returns.
+    Sends a ready message at first and with the report of each run. Leaves what the genes of a run
+    mean on the board. If the worker cannot work, sends the reason instead and returns.
 
     Args:
         channel: The worker's end of the connection with its slot.
@@ -84,17 +97,24 @@ def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
         except ChannelClosedError:
             return
         spec: RunSpec = pickle.loads(frame.body)
-        report = _work(do, spec, task.setup, board)
+        report = _report(spec, do, task, board)
         # A report that arrives during a call of an agent is not the worker's own.
         board.cells[0] = RunPhase.IDLE
-        send(channel, frame_of_report(report))
-        send(channel, Frame(Kind.READY))
+        # Together, as each wakes the slot.
+        send(channel, frame_of_report(report), Frame(Kind.READY))
 
 
-def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
+def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBoard) -> RunReport:
     """Performs one run; an exception becomes its report."""
     try:
-        return perform(spec, setup, board)
+        if spec.candidate is not None:
+            candidate = _prepared(spec.candidate, task, board)
+            # Before the simulation, which the process may not survive.
+            board.leave(note_of_candidate(candidate, spec.run_id))
+            if candidate.problem:
+                return _invalid(spec, candidate.problem)
+            spec = replace(spec, document=candidate.document, candidate=None)
+        return perform(spec, task.setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)
     except SystemExit as error:
@@ -102,6 +122,22 @@ def _work(perform: Perform, spec: RunSpec, setup: object, board: ProgressBoard) 
         return _raised(spec, RunStatus.AGENT_FAILED, "agent_raised", error)
     except Exception as error:
         return _raised(spec, RunStatus.INFRASTRUCTURE_FAILED, "worker_error", error)
+
+
+def _prepared(source: CandidateSource, task: WorkerTask, board: ProgressBoard) -> Candidate:
+    # No agent of this run is there yet.
+    board.cells[4] = 0
+    board.cells[0] = RunPhase.PREPARING
+    prepare: Prepare = pkgutil.resolve_name(task.prepare)
+    return prepare(source, task.setup)
+
+
+def _invalid(spec: RunSpec, problem: str) -> RunReport:
+    return RunReport(
+        run_id=spec.run_id,
+        status=RunStatus.INVALID,
+        failure=RunFailure(cause="invalid_document", message=problem),
+    )
 
 
 def _raised(spec: RunSpec, status: RunStatus, cause: str, error: BaseException) -> RunReport:

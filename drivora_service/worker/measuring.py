@@ -42,6 +42,12 @@ def make_feedback(choice: FeedbackChoice) -> Feedback:
         raise _raised(choice.name, "when it was made", error) from error
 
 
+def is_built_in(feedback: Feedback | None) -> bool:
+    """Returns whether a feedback is part of this package, or there is none."""
+    package = __name__.partition(".")[0]
+    return feedback is None or type(feedback).__module__.partition(".")[0] == package
+
+
 def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
     """Measures a run.
 

@@ -12,8 +12,10 @@ from functools import cache
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticSerializationError
 
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.shapes import adapter, to_json
 from drivora_service.worker.channel import LONGEST_BODY, Frame, Kind, ProtocolError
 
 _WORKER_STATUSES = frozenset(
@@ -106,6 +108,43 @@ def message_of(frame: Frame) -> NotReady | Started | Ended | Leftovers:
 @cache
 def _adapter(kind: Kind) -> TypeAdapter[NotReady | Started | Ended | Leftovers]:
     return TypeAdapter(_TYPES[kind])
+
+
+def note_of_candidate(candidate: Candidate, run_id: str) -> bytes:
+    """Writes the candidate of a run, as a note on the worker's board."""
+    return run_id.encode() + b"\n" + to_json(Candidate, candidate)
+
+
+def candidate_of(note: bytes, source: CandidateSource, run_id: str) -> Candidate | None:
+    """Reads the candidate of a run.
+
+    Args:
+        note: The note on the worker's board.
+        source: The genes that it was given.
+        run_id: The run that it was given.
+
+    Returns:
+        The candidate; ``None`` if the note is that of a run before, or there is none.
+
+    Raises:
+        ProtocolError: It is no candidate of these genes.
+    """
+    run, _, body = note.partition(b"\n")
+    if run != run_id.encode():
+        return None
+    try:
+        candidate: Candidate = adapter(Candidate).validate_json(body)
+    except ValidationError as error:
+        raise ProtocolError(f"an invalid candidate: {error}"[:_MAX_TEXT]) from None
+    if len(candidate.values) != len(source.values):
+        raise ProtocolError(
+            f"a candidate of {len(candidate.values)} genes; asked were {len(source.values)}"
+        )
+    if not all(map(math.isfinite, (*candidate.values, candidate.prepare_s))):
+        raise ProtocolError("a candidate with a number that is not finite")
+    if bool(candidate.document) == bool(candidate.problem):
+        raise ProtocolError("a candidate with both or neither of a scenario and a problem")
+    return candidate
 
 
 def frame_of_report(report: RunReport) -> Frame:

@@ -28,7 +28,6 @@ from drivora_service.errors import (
 )
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in import measure
-from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import trace_sha256
@@ -41,34 +40,14 @@ from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.simulation.plan import plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
+from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
 from drivora_service.worker.integrity import judging_code, sentence
-from drivora_service.worker.measuring import make_feedback, measure_run
+from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 
 _LOG_LINES = 12
 """Number of traceback entries that are kept."""
-
-
-@lru_cache(maxsize=4)
-def _networks(setup: WorkerSetup) -> NetworkCatalogue:
-    """Returns the catalogue of the process, so that each network is parsed once."""
-    return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
-
-
-@lru_cache(maxsize=1)
-def _agents(setup: WorkerSetup) -> AgentCatalogue:
-    """Returns the catalogue of the process; ADSs that it starts are kept for later runs."""
-    return AgentCatalogue(
-        folder=setup.agents,
-        longest_call_s=setup.agent_deadline_s,
-        confinement=setup.confinement,
-    )
-
-
-@lru_cache(maxsize=1)
-def _oracles() -> OracleCatalogue:
-    return OracleCatalogue()
 
 
 @lru_cache(maxsize=1)
@@ -147,26 +126,29 @@ def _perform(
 ) -> RunReport:
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
-    installed = _oracles().installed() if setup.installed_oracles else ()
+    installed = installed_oracles().installed() if setup.installed_oracles else ()
     scenario = _with_overrides(from_canonical(spec.document), spec)
-    network = _networks(setup).get(scenario.map_region.town)
+    network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
-    catalogue = _agents(setup)
+    catalogue = agents_of(setup)
     catalogue.begin_run()
     egos = (ego.agent.name for ego in scenario.ego_vehicles)
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
     if installed:
         names = (oracle.name for oracle in installed)
-        course.versions = {**course.versions, **_versions_of(_oracles(), names)}
+        course.versions = {**course.versions, **_versions_of(installed_oracles(), names)}
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
+    code.has_met_others |= has_guests
     episode = Episode(
         plan,
         agents,
         privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
         cells=cells,
+        mirrored=has_guests,
     )
     cells[0] = RunPhase.SIMULATING
     begun = time.perf_counter()
@@ -211,10 +193,12 @@ def _perform(
         agents=course.agents,
         versions=course.versions,
     )
-    if changes := code.changes():
+    # Code that only this package has run in the process does not change while it judges.
+    if code.has_met_others and (changes := code.changes()):
         raise _changed_by_agent(changes, course)
     if feedback is None and not installed:
         return report
+    code.has_met_others |= bool(installed) or not is_built_in(feedback)
     try:
         # Last, so that code of plug-ins cannot change the input of the others.
         if feedback is not None and spec.feedback is not None:

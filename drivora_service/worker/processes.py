@@ -18,6 +18,7 @@ import psutil
 _LINUX = sys.platform == "linux"
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
 _PAGE = os.sysconf("SC_PAGE_SIZE")
+_CHUNK = 4096
 _STOPPED = {psutil.STATUS_STOPPED: "T", psutil.STATUS_RUNNING: "R", psutil.STATUS_ZOMBIE: "Z"}
 
 
@@ -47,7 +48,7 @@ def read_process(pid: int) -> ProcessReading | None:
     if not _LINUX:
         return _ask_psutil(pid)
     try:
-        text = Path(f"/proc/{pid}/stat").read_bytes().decode(errors="replace")
+        text = _read(f"/proc/{pid}/stat").decode(errors="replace")
     except OSError:
         return None
     # The name may contain any characters, brackets and spaces too.
@@ -78,19 +79,44 @@ def _ask_psutil(pid: int) -> ProcessReading | None:
         return None
 
 
+def _read(path: str) -> bytes:
+    """Reads a small file of ``/proc``; a slot does so many times a second."""
+    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        found = b""
+        while more := os.read(file, _CHUNK):
+            found += more
+        return found
+    finally:
+        os.close(file)
+
+
 def children_of(pid: int) -> list[int]:
     """Returns the children of a process, without listing all processes where possible."""
-    found: list[int] = []
+    listed = listed_children(pid)
+    if listed is not None:
+        return listed
     try:
-        if _LINUX:
-            for task in Path(f"/proc/{pid}/task").iterdir():
-                with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-                    found += map(int, (task / "children").read_text().split())
-            if found or Path(f"/proc/{pid}/task/{pid}/children").exists():
-                return found
         return [child.pid for child in psutil.Process(pid).children()]
     except (OSError, psutil.Error):
-        return found
+        return []
+
+
+def listed_children(pid: int) -> list[int] | None:
+    """Returns the children of a process; ``None`` if it has ended or the system lists none."""
+    if not _LINUX:
+        return None
+    found: list[int] = []
+    is_listed = False
+    try:
+        with os.scandir(f"/proc/{pid}/task") as tasks:
+            for task in tasks:
+                with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                    found += map(int, _read(f"{task.path}/children").split())
+                    is_listed = True
+    except OSError:
+        return None
+    return found if is_listed else None
 
 
 def descendants_of(pid: int, *, spare: Callable[[int], bool]) -> list[int]:

@@ -2,7 +2,8 @@
 
 The worker writes a few integers into memory that it shares with its slot's supervisor, which reads
 them. So a worker that spins in an ADS, even in C code that never releases the interpreter lock, can
-be told from one that hangs elsewhere.
+be told from one that hangs elsewhere. A note of any length follows them, which the supervisor reads
+after the run, even if the worker has died: a message would wake it during each run.
 
 Code under test can write to the memory, too, and resize it. So the supervisor reads it as a file
 and does not map it: at any size, a read is short at most. It has no name in any folder.
@@ -26,6 +27,8 @@ from numpy.typing import NDArray
 from drivora_service.simulation.phase import SETTING_UP, RunPhase
 
 _CELLS = struct.Struct("=5q")
+_NOTE = struct.Struct("=Q")
+_NOTE_AT = _CELLS.size
 _LARGEST = 2**31 - 1
 """Largest number that an INTEGER column of the database holds."""
 _PHASES = frozenset(int(phase) for phase in RunPhase)
@@ -78,8 +81,13 @@ class ProgressBoard:
         Args:
             file: Its descriptor, which may be closed afterwards.
         """
+        self._file = os.dup(file)
         self._map = mmap.mmap(file, _CELLS.size)
         self.cells: NDArray[np.int64] = np.frombuffer(self._map, dtype=np.int64)
+
+    def leave(self, note: bytes) -> None:
+        """Leaves a note for the supervisor, in place of the one before."""
+        os.pwrite(self._file, _NOTE.pack(len(note)) + note, _NOTE_AT)
 
 
 class BoardReader:
@@ -109,6 +117,21 @@ class BoardReader:
             in_process=bool(in_process),
         )
 
+    def note(self, longest: int) -> bytes:
+        """Returns the note that the worker has left; "" without one, or if it is too long.
+
+        Args:
+            longest: Bytes that a note may have.
+        """
+        with self._lock:
+            if self._file < 0:
+                return b""
+            head = os.pread(self._file, _NOTE.size, _NOTE_AT)
+            length = _NOTE.unpack(head)[0] if len(head) == _NOTE.size else 0
+            if not 0 < length <= longest:
+                return b""
+            return os.pread(self._file, length, _NOTE_AT + _NOTE.size)
+
     def close(self) -> None:
         """Closes the memory; from now on readings are empty."""
         with self._lock:
@@ -122,7 +145,7 @@ def _bounded(value: int) -> int:
 
 
 def _shared_file() -> int:
-    """Makes a file for the cells, filled with zeros, that has no name."""
+    """Makes a file for the cells, filled with zeros, that has no name and can grow."""
     if sys.platform != "linux":
         with tempfile.TemporaryFile() as file:
             file.truncate(_CELLS.size)
@@ -132,8 +155,7 @@ def _shared_file() -> int:
         os.ftruncate(memory, _CELLS.size)
         # The reader does not need it, but a worker that truncates its own board would crash.
         with contextlib.suppress(OSError):
-            seals = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
-            fcntl.fcntl(memory, fcntl.F_ADD_SEALS, seals)
+            fcntl.fcntl(memory, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_SEAL)
     except BaseException:
         os.close(memory)
         raise

@@ -12,7 +12,7 @@ from dataclasses import replace
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.runs.report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.model import NpcObstacle, Scenario
+from drivora_service.scenario.model import BackgroundTraffic, NpcObstacle, Scenario
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
@@ -22,6 +22,8 @@ _COMPILED = ("idm", "idm-mobil", "pdm-closed")
 """Agents with kernels of their own."""
 
 
+_TRAFFIC_AFTER_S = 0.2
+"""Before the ego hits the obstacle."""
 _AHEAD_M = 8.0
 _SPEED = 15.0
 _OBSTACLE = "static.prop.container"
@@ -33,6 +35,9 @@ def warm_up(setup: WorkerSetup) -> None:
     short = replace(scenario, max_sim_time=_SIM_TIME_S)
     for agent in _COMPILED:
         perform(RunSpec(run_id="warm-up", document=canonical_json(short), agent=agent), setup)
+    # SUMO is started only where it drives a vehicle, and catches up when that enters later.
+    traffic = BackgroundTraffic(count=1, start_time=_TRAFFIC_AFTER_S)
+    short = replace(short, background_traffic=traffic)
     crash = canonical_json(_into_an_obstacle(short))
     perform(RunSpec(run_id="warm-up", document=crash, agent=_COMPILED[0]), setup)
 

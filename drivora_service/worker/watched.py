@@ -11,13 +11,13 @@ from __future__ import annotations
 import builtins
 import inspect
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any
 
-from numba.core.dispatcher import Dispatcher
+from drivora_service.compilation import Kernel
 
 _PACKAGE = "drivora_service"
 _ROOMS = frozenset(
@@ -72,17 +72,19 @@ class Uses:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Kernel:
+class WatchedKernel:
     """A compiled function.
 
     Attributes:
-        kernel: Its dispatcher.
+        kernel: The kernel.
         source: Python function from which it is compiled.
+        dispatcher: Its dispatcher; ``None`` if it had not been called when it was collected.
         signatures: Number of compiled signatures; more may follow.
     """
 
-    kernel: Any
-    source: FunctionType
+    kernel: Kernel
+    source: Callable[..., Any]
+    dispatcher: Any
     signatures: int
 
 
@@ -110,7 +112,7 @@ class Watched:
     defaults: tuple[object, ...]
     with_keyword_defaults: tuple[FunctionType, ...]
     keyword_defaults: tuple[object, ...]
-    kernels: tuple[Kernel, ...]
+    kernels: tuple[WatchedKernel, ...]
     cells: tuple[CellType, ...]
     contents: tuple[object, ...]
     cell_owners: tuple[FunctionType, ...]
@@ -154,18 +156,21 @@ def collect() -> Watched:
         defaults=tuple(f.__defaults__ for f in with_defaults),
         with_keyword_defaults=with_keyword_defaults,
         keyword_defaults=tuple(f.__kwdefaults__ for f in with_keyword_defaults),
-        kernels=tuple(
-            Kernel(
-                kernel=kernel,
-                source=kernel.py_func,
-                signatures=len(kernel.overloads),
-            )
-            for kernel in found.kernels.values()
-        ),
+        kernels=tuple(_kernel(kernel) for kernel in found.kernels.values()),
         cells=tuple(cell for _, cell in closures),
         contents=tuple(cell.cell_contents for _, cell in closures),
         cell_owners=tuple(function for function, _ in closures),
         lists=tuple(found.lists),
+    )
+
+
+def _kernel(kernel: Kernel) -> WatchedKernel:
+    dispatcher = kernel.dispatcher if kernel.is_loaded else None
+    return WatchedKernel(
+        kernel=kernel,
+        source=kernel.function,
+        dispatcher=dispatcher,
+        signatures=0 if dispatcher is None else len(dispatcher.overloads),
     )
 
 
@@ -179,14 +184,14 @@ class _Found:
 
     def __init__(self) -> None:
         self.functions: dict[int, FunctionType] = {}
-        self.kernels: dict[int, Any] = {}
+        self.kernels: dict[int, Kernel] = {}
         self.lists: list[tuple[str, list[object], tuple[object, ...]]] = []
 
     def add(self, value: object) -> None:
         """Adds the functions behind a value: of a method, a property, a cache, a kernel."""
-        if isinstance(value, Dispatcher):
+        if isinstance(value, Kernel):
             self.kernels[id(value)] = value
-            value = value.py_func
+            value = value.function
         match value:
             case staticmethod() | classmethod():
                 value = value.__func__

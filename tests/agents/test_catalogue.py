@@ -79,6 +79,15 @@ def test_the_built_in_agents_have_entries() -> None:
     assert not catalogue.entry("idm").privileged
 
 
+@pytest.mark.usefixtures("installed_package")
+def test_only_code_of_packages_in_this_process_may_read_sumo() -> None:
+    catalogue = AgentCatalogue()
+    assert catalogue.may_read_sumo("parked")
+    # Built in, even under the same name; SUMO's own driver; with a process of its own.
+    for name in ("idm", "sumo-idm", "fop"):
+        assert not catalogue.may_read_sumo(name)
+
+
 def test_an_unknown_agent_is_named_with_those_that_are_known() -> None:
     for look_up in (AgentCatalogue().entry, lambda name: AgentCatalogue().create(name, {})):
         with pytest.raises(UnknownName, match=r"'autopilot'.*idm"):

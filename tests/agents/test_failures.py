@@ -188,7 +188,7 @@ def test_a_run_reports_what_its_agent_did(
         name="faulty", kind=AgentKind.BASELINE, description="fails", source="", licence=""
     )
     catalogue = AgentCatalogue((*BUILT_IN, AgentPlugin(entry=entry, create=make)))
-    monkeypatch.setattr(performing, "_agents", lambda setup: catalogue)
+    monkeypatch.setattr(performing, "agents_of", lambda setup: catalogue)
     what = scenario(
         ego(place("harbour_1_0", 20), place("harbour_1_0", 120), agent="faulty"), seconds=2.0
     )

@@ -204,3 +204,18 @@ def test_a_cancel_between_queue_and_slot_is_kept(
 
     monkeypatch.setattr(slot, "_attempt", late)
     assert run(executor, "hangs").report.status is RunStatus.CANCELLED
+
+
+def test_ends_are_waited_for_in_number(executor: LocalExecutor) -> None:
+    for number in range(3):
+        executor.submit(RunSpec(run_id=str(number), document="sleep 0.05"))
+    assert [end.report.run_id for end in executor.wait(30.0, count=3)] == ["0", "1", "2"]
+    executor.submit(RunSpec(run_id="3", document="sleep 0"))
+    # Fewer than wanted come after the time, or when the executor is woken.
+    assert len(executor.wait(2.0, count=2)) == 1
+    timer = threading.Timer(0.2, executor.wake)
+    timer.start()
+    begun = time.monotonic()
+    assert executor.wait(30.0, count=2) == ()
+    assert time.monotonic() - begun < 15.0
+    timer.join()

@@ -97,10 +97,9 @@ def evaluation(
 
 
 def append(database: Database, campaign_id: str, *records: EvaluationRecord) -> None:
-    for record in records:
-        document = str(record.number) if record.document_sha256 else ""
-        with database.write() as transaction:
-            transaction.evaluations.append(campaign_id, record, document=document, active_s=0.5)
+    entries = [(record, str(record.number) if record.document_sha256 else "") for record in records]
+    with database.write() as transaction:
+        transaction.evaluations.append(campaign_id, entries, active_s=0.5 * len(entries))
 
 
 def test_a_campaign_is_read_as_it_was_stored(database: Database) -> None:

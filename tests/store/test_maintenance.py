@@ -55,7 +55,7 @@ def test_every_contradiction_is_found(
     Path(traces.prepare("0123456789ab")).write_bytes(b"stray")
     with database.engine.begin() as connection:
         connection.execute(text("DELETE FROM reports WHERE run_seq = 3"))
-        connection.execute(text("INSERT INTO reports VALUES (4, '{}')"))
+        connection.execute(text("INSERT INTO reports (run_seq, body) VALUES (4, '{}')"))
         connection.execute(text("UPDATE batches SET queued = 7"))
     assert kinds(database, traces) == {
         "missing_trace",

@@ -1,36 +1,115 @@
 from __future__ import annotations
 
 import sqlite3
+import subprocess
+import sys
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import text
+from sqlalchemy import Engine, create_engine, inspect, text
+from sqlalchemy.dialects import postgresql
+from sqlalchemy.schema import CreateIndex
 
 from drivora_service.errors import StoreError
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.migration import schema_version
+from drivora_service.store.migration import (
+    _give_postgresql_the_conditions,
+    newest_revision,
+    schema_version,
+    upgrade,
+)
 from drivora_service.store.records import JobFilter
 from drivora_service.store.tables import Base
 
 DATA = Path(__file__).parent / "data"
+UNUSED = ("alembic", "sqlalchemy.dialects.postgresql")
+"""What a new database of SQLite needs not, and takes long to import."""
 
 
-def test_the_migrated_schema_is_that_of_the_models(database: Database) -> None:
-    with database.engine.connect() as connection:
+@pytest.fixture
+def migrated(tmp_path: Path) -> Iterator[Engine]:
+    """A database that all migrations have made, one after another."""
+    engine = create_engine(f"sqlite:///{tmp_path / 'migrated.sqlite3'}")
+    upgrade(engine)
+    yield engine
+    engine.dispose()
+
+
+def test_the_migrated_schema_is_that_of_the_models(migrated: Engine) -> None:
+    with migrated.connect() as connection:
         context = MigrationContext.configure(
             connection, opts={"compare_type": True, "compare_server_default": True}
         )
         assert compare_metadata(context, Base.metadata) == []
 
 
-def test_partial_indices_are_migrated_with_their_conditions(database: Database) -> None:
+def schema(engine: Engine) -> dict[str, list[str]]:
+    """Columns, keys, constraints and indices by table."""
+    found = inspect(engine)
+    described: dict[str, list[str]] = {}
+    for table in found.get_table_names():
+        parts: list[Any] = [
+            *found.get_columns(table),
+            *found.get_indexes(table),
+            *found.get_foreign_keys(table),
+            *found.get_unique_constraints(table),
+            *found.get_check_constraints(table),
+            found.get_pk_constraint(table),
+        ]
+        for part in parts:
+            # A number as a default is the same in quotes.
+            if isinstance(part.get("default"), str):
+                part["default"] = part["default"].strip("'")
+            options = part.get("dialect_options", {})
+            part["dialect_options"] = {name: str(value) for name, value in options.items()}
+        described[table] = sorted(map(repr, parts))
+    return described
+
+
+def test_a_new_database_has_the_schema_of_one_that_was_migrated(
+    database: Database, migrated: Engine
+) -> None:
+    assert schema(database.engine) == schema(migrated)
+    assert schema_version(database.engine) == schema_version(migrated) == newest_revision()
+    assert len(schema(migrated)) > 10
+
+
+def test_postgresql_gets_the_conditions_of_partial_indices() -> None:
+    _give_postgresql_the_conditions()
+    dialect = postgresql.dialect()  # type: ignore[no-untyped-call]
+    made = [
+        str(CreateIndex(index).compile(dialect=dialect))
+        for table in Base.metadata.tables.values()
+        for index in table.indexes
+        if index.dialect_options["sqlite"]["where"] is not None
+    ]
+    assert len(made) >= 4
+    assert all(" WHERE " in statement for statement in made)
+
+
+def test_a_new_database_is_made_without_migrations(tmp_path: Path) -> None:
+    program = (
+        "import sys\n"
+        "from drivora_service.store.database import open_database\n"
+        "open_database('sqlite:///new.sqlite3').close()\n"
+        f"print([name for name in {UNUSED} if name in sys.modules])"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    assert ended.stdout.strip() == "[]"
+
+
+def test_partial_indices_are_migrated_with_their_conditions(migrated: Engine) -> None:
     query = text("SELECT name FROM sqlite_master WHERE type = 'index' AND sql LIKE '%WHERE%'")
-    with database.engine.connect() as connection:
+    with migrated.connect() as connection:
         found = set(connection.scalars(query))
     wanted = {
         index.name

@@ -29,7 +29,7 @@ from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import AccelerationControl, Observation
 from drivora_service.agents.plugin import AgentPlugin
-from drivora_service.feedback.measurement import FeedbackChoice, Measurement
+from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
 from drivora_service.metrics import driving_score
 from drivora_service.metrics.built_in import measure
 from drivora_service.networks.catalogue import shipped_networks
@@ -41,7 +41,7 @@ from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.simulation import step_kernels, trace_assembly
-from drivora_service.worker import performing
+from drivora_service.worker import measuring, performing
 from drivora_service.worker.integrity import judging_code
 from drivora_service.worker.setup import WorkerSetup
 from tests.simulation.episodes import ego, place, scenario
@@ -178,7 +178,16 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
         step_kernels, "make_frame", max, "drivora_service.simulation.step_kernels.make_frame"
     ),
     "the source of a kernel": lambda: replaced(
-        step_kernels.make_frame, "py_func", max, "the kernel drivora_service.simulation"
+        step_kernels.make_frame, "function", max, "the kernel drivora_service.simulation"
+    ),
+    "the source of the machine code of a kernel": lambda: replaced(
+        vars(step_kernels.make_frame)["dispatcher"],
+        "py_func",
+        max,
+        "the kernel drivora_service.simulation",
+    ),
+    "the machine code of a kernel": lambda: replaced(
+        step_kernels.make_frame, "dispatcher", max, "the kernel drivora_service.simulation"
     ),
     "the code of a function": code_of_a_function,
     "the defaults of a function": default_of_a_function,
@@ -192,6 +201,8 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_change_is_found_and_named(name: str) -> None:
+    # A kernel has machine code that could be exchanged once it has been called.
+    assert step_kernels.make_frame.dispatcher is not None  # type: ignore[attr-defined]
     code = judging_code()
     assert code.changes() == ()
     change = CHANGES[name]()
@@ -287,7 +298,7 @@ def drive(monkeypatch: pytest.MonkeyPatch) -> Callable[..., RunReport]:
         )
         plugin = AgentPlugin(entry=entry, create=lambda parameters: Meddler(do))
         catalogue = AgentCatalogue((*BUILT_IN, plugin))
-        monkeypatch.setattr(performing, "_agents", lambda setup: catalogue)
+        monkeypatch.setattr(performing, "agents_of", lambda setup: catalogue)
         judging_code.cache_clear()
         start, end = place("harbour_1_0", 20), place("harbour_1_0", 120)
         what = scenario(ego(start, end, agent="meddler"), seconds=1.0)
@@ -368,6 +379,45 @@ def test_judging_neither_uses_nor_changes_the_global_random_states(
     third = drive(lambda: None, feedback=FeedbackChoice(name="general"))
     assert third.status is RunStatus.FINISHED
     assert random.getstate() == states[0]
+
+
+def test_the_judging_itself_is_checked_where_other_packages_have_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Guest:
+        objectives = ("one",)
+
+        def measure(self, run: RunView) -> Measurement:
+            return Measurement(objectives={"one": 1.0})
+
+    start, end = place("harbour_1_0", 20), place("harbour_1_0", 120)
+    document = canonical_json(scenario(ego(start, end, agent="idm"), seconds=1.0))
+    make: Callable[[FeedbackChoice], Feedback] = measuring.make_feedback
+    monkeypatch.setattr(
+        performing, "make_feedback", lambda c: Guest() if c.name == "guest" else make(c)
+    )
+    judging_code.cache_clear()
+    code = judging_code()
+    changes, checks = code.changes, [0]
+
+    def counted() -> tuple[str, ...]:
+        checks[0] += 1
+        return changes()
+
+    monkeypatch.setattr(code, "changes", counted)
+
+    def checked(**more: Any) -> int:
+        checks[0] = 0
+        spec = RunSpec(run_id="run", document=document, **more)
+        assert performing.perform(spec, SETUP).status is RunStatus.FINISHED
+        return checks[0]
+
+    assert checked() == 1
+    assert checked(feedback=FeedbackChoice(name="behavexplor")) == 2
+    assert checked() == 1
+    assert checked(feedback=FeedbackChoice(name="guest")) == 2
+    # It may have left a thread: the judging of later runs is checked as well.
+    assert checked() == 2
 
 
 def test_a_check_takes_a_small_part_of_a_run(drive: Callable[..., RunReport]) -> None:

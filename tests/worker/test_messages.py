@@ -12,6 +12,7 @@ import pytest
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
+from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.worker import channel
@@ -29,9 +30,11 @@ from drivora_service.worker.messages import (
     Leftovers,
     NotReady,
     Started,
+    candidate_of,
     frame_of,
     frame_of_report,
     message_of,
+    note_of_candidate,
     report_of,
 )
 
@@ -230,3 +233,40 @@ def test_the_worker_is_told_of_the_end_of_its_slot() -> None:
     with pytest.raises(ChannelClosedError):
         receive(theirs)
     theirs.close()
+
+
+SOURCE = CandidateSource(space=SpaceSource(seed="{}", options="{}"), values=(0.1, 2.0))
+CANDIDATE = Candidate(values=(1 / 3, -5e-324), document='{"a": "hard"}', prepare_s=0.1)
+
+
+def test_a_candidate_arrives_as_it_was_left() -> None:
+    for left in (CANDIDATE, replace(CANDIDATE, document="", problem="/ego: too near")):
+        assert candidate_of(note_of_candidate(left, "run-1"), SOURCE, "run-1") == left
+
+
+def test_a_candidate_of_another_run_is_not_taken() -> None:
+    for note in (b"", note_of_candidate(CANDIDATE, "run-10"), note_of_candidate(CANDIDATE, "")):
+        assert candidate_of(note, SOURCE, "run-1") is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"values": (1.0,)}, "1 genes; asked were 2"),
+        ({"values": (1.0, math.inf)}, "an invalid candidate"),
+        ({"prepare_s": math.nan}, "an invalid candidate"),
+        ({"problem": "both"}, "both or neither"),
+        ({"document": ""}, "both or neither"),
+    ],
+)
+def test_a_candidate_that_no_worker_leaves_is_refused(
+    changes: dict[str, object], said: str
+) -> None:
+    changed = replace(CANDIDATE, **changes)  # type: ignore[arg-type]  # by name
+    with pytest.raises(ProtocolError, match=said):
+        candidate_of(note_of_candidate(changed, "run"), SOURCE, "run")
+
+
+def test_a_candidate_that_is_no_json_is_refused() -> None:
+    with pytest.raises(ProtocolError, match="an invalid candidate"):
+        candidate_of(b"run\n{", SOURCE, "run")

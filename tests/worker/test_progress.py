@@ -34,11 +34,33 @@ def test_values_are_checked() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="files are sealed on Linux only")
-def test_its_size_cannot_be_changed() -> None:
+def test_it_cannot_be_made_smaller() -> None:
     reader = BoardReader()
-    for size in (0, 1 << 20):
-        with pytest.raises(PermissionError):
-            os.ftruncate(reader.fileno(), size)
+    with pytest.raises(PermissionError):
+        os.ftruncate(reader.fileno(), 0)
+    reader.close()
+
+
+def test_a_note_replaces_the_one_before_and_leaves_the_cells() -> None:
+    reader = BoardReader()
+    board = ProgressBoard(reader.fileno())
+    board.cells[:] = [RunPhase.SIMULATING, 17, 2, 5, 1]
+    before = reader.read()
+    assert reader.note(100) == b""
+    for note in (b"a long one", b"short", b"x" * 100_000):
+        board.leave(note)
+        assert reader.note(100_000) == note
+    assert reader.read() == before
+    reader.close()
+    assert reader.note(100) == b""
+
+
+def test_a_note_that_is_too_long_is_not_read() -> None:
+    reader = BoardReader()
+    ProgressBoard(reader.fileno()).leave(b"x" * 101)
+    assert reader.note(100) == b""
+    os.pwrite(reader.fileno(), b"\xff" * 8, 40)
+    assert reader.note(1 << 40) == b""
     reader.close()
 
 

@@ -11,6 +11,8 @@ from drivora_service.agents.idm_mobil import incentive
 from drivora_service.agents.pdm_closed import proposals, scoring
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.avoidability import braking, evasion, risk
+from drivora_service.simulation import step_kernels
+from drivora_service.simulation.sumo import is_started
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.warm_up import warm_up
 
@@ -28,5 +30,7 @@ def test_the_kernels_of_agents_and_oracles_are_compiled() -> None:
         risk._beside,
         risk._hidden,
         risk._will_meet,
+        step_kernels.write_placements,
     )
-    assert all(kernel.signatures for kernel in kernels)
+    assert all(kernel.dispatcher.signatures for kernel in kernels)
+    assert is_started()

@@ -20,7 +20,7 @@ from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
-from drivora_service.worker import performing
+from drivora_service.worker import catalogues, performing
 from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.ads import FAULT_STEP
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
@@ -53,14 +53,14 @@ def catalogue(agents: Path) -> Iterator[AgentCatalogue]:
 def perform(agents: Path) -> Iterator[Perform]:
     """Performs a run as a worker does."""
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents)
-    performing._agents.cache_clear()
+    catalogues.agents_of.cache_clear()
 
     def perform_run(what: Scenario) -> RunReport:
         return performing.perform(RunSpec(run_id="run", document=canonical_json(what)), setup)
 
     yield perform_run
-    performing._agents(setup).close()
-    performing._agents.cache_clear()
+    catalogues.agents_of(setup).close()
+    catalogues.agents_of.cache_clear()
     assert left_behind(agents) == []
 
 
@@ -179,7 +179,7 @@ def worker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Perform]:
     def perform_run(what: Scenario) -> RunReport:
         with pytest.MonkeyPatch.context() as patch:
             # The same object in every run, else it would count as a change by the agent.
-            patch.setattr(performing, "_agents", its_agents)
+            patch.setattr(performing, "agents_of", its_agents)
             spec = RunSpec(run_id="run", document=canonical_json(what))
             return performing.perform(spec, setup)
 
@@ -271,10 +271,10 @@ def test_a_command_that_cannot_be_started_is_told_of(agents: Path, perform: Perf
 def test_a_call_ends_before_the_slot_would_end_the_worker(agents: Path) -> None:
     add_agent(agents, "hangs", step=3000.0)
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents, agent_deadline_s=1.4)
-    performing._agents.cache_clear()
+    catalogues.agents_of.cache_clear()
     document = canonical_json(one_ego("hangs"))
     report = performing.perform(RunSpec(run_id="run", document=document), setup)
-    performing._agents.cache_clear()
+    catalogues.agents_of.cache_clear()
     assert failure_of(report).cause == "agent_hung"
     assert "within 0.7 s" in failure_of(report).message
 

@@ -1,0 +1,44 @@
+"""Keeps the logs of workers short while code under test may write to them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+
+import structlog
+
+from drivora_service.execution.worker_log import WorkerLog
+from drivora_service.fault_log import FaultLog
+
+_LOOK_S = 0.05
+"""Seconds between two looks: a process can write some 600 MB/s."""
+
+
+class LogKeeper:
+    """A thread that cuts logs that are too long; one for all slots, which look less often."""
+
+    def __init__(self, logs: Callable[[], Iterable[WorkerLog]]) -> None:
+        """Starts the thread.
+
+        Args:
+            logs: Returns the logs there are at present.
+        """
+        self._logs = logs
+        self._faults = FaultLog(structlog.get_logger(__name__))
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._keep, name="log-keeper", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._closing.set()
+        self._thread.join()
+
+    def _keep(self) -> None:
+        while not self._closing.wait(_LOOK_S):
+            for log in self._logs():
+                try:
+                    log.cut()
+                except OSError as error:
+                    # Such as a full disk, which the log itself may have filled.
+                    self._faults.error("log_not_cut", error=str(error))

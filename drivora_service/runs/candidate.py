@@ -1,0 +1,47 @@
+"""Candidates of a search: the genes that a worker decodes, and the scenario that they encode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpaceSource:
+    """A gene space in text: the same source gives the same space on every machine.
+
+    Attributes:
+        seed: Canonical JSON text of the seed scenario.
+        options: JSON text of the options of the space.
+    """
+
+    seed: str
+    options: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CandidateSource:
+    """Genes, and the space in which they are decoded.
+
+    Attributes:
+        values: (d,) genes as proposed.
+    """
+
+    space: SpaceSource
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """Decoded genes.
+
+    Attributes:
+        values: (d,) genes, repaired.
+        document: Canonical JSON text of the scenario; "" if there is none.
+        problem: Why there is none, or "".
+        prepare_s: Seconds of repairing, decoding and checking.
+    """
+
+    values: tuple[float, ...]
+    document: str = ""
+    problem: str = ""
+    prepare_s: float = 0.0

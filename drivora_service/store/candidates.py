@@ -1,0 +1,53 @@
+"""Candidates of searches in the queue: their genes before, and what they decode to after a run.
+
+A run of a candidate has the seed scenario of its space as its document until it ends.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import replace
+
+from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
+from drivora_service.shapes import adapter, to_json
+
+
+def source_to_json(source: CandidateSource) -> str:
+    """Writes genes and their space, with the hash of its seed scenario in place of the scenario."""
+    return json.dumps(
+        {
+            "seed_sha256": hashlib.sha256(source.space.seed.encode()).hexdigest(),
+            "options": source.space.options,
+            "values": source.values,
+        }
+    )
+
+
+def source_from_json(text: str, seed: str) -> CandidateSource:
+    """Reads what :func:`source_to_json` wrote.
+
+    Args:
+        text: The JSON text.
+        seed: Canonical JSON text of the seed scenario.
+    """
+    content = json.loads(text)
+    return CandidateSource(
+        space=SpaceSource(seed=seed, options=content["options"]), values=tuple(content["values"])
+    )
+
+
+def candidate_to_json(candidate: Candidate) -> str:
+    """Writes a candidate without its document, which is stored as the document of its run."""
+    return to_json(Candidate, replace(candidate, document="")).decode()
+
+
+def candidate_from_json(text: str, document: str) -> Candidate:
+    """Reads what :func:`candidate_to_json` wrote.
+
+    Args:
+        text: The JSON text.
+        document: The document of the run.
+    """
+    candidate: Candidate = adapter(Candidate).validate_json(text)
+    return candidate if candidate.problem else replace(candidate, document=document)

@@ -1,0 +1,153 @@
+"""Runs in the queue: the columns on which their changes depend, and the queries for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cache
+from typing import Any, cast
+
+from sqlalchemy import Select, Table, bindparam, select
+
+from drivora_service.runs.lifecycle import RunState
+from drivora_service.runs.report import RunStatus
+from drivora_service.store.facets import Facet
+from drivora_service.store.tables import AttemptRow, DocumentRow, RunRow
+
+RUNS = cast("Table", RunRow.__table__)
+ATTEMPTS = cast("Table", AttemptRow.__table__)
+_DOCUMENTS = cast("Table", DocumentRow.__table__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueuedRun:
+    """The columns of a run without a result on which its changes depend."""
+
+    seq: int
+    id: str
+    batch_seq: int
+    document_sha256: str
+    agent: str
+    town: str
+    keeps_trace: bool
+    attempts: int
+    not_before: datetime | None
+    state: RunState
+
+    @property
+    def facet(self) -> Facet:
+        """Its facet."""
+        return facet_after(self, self.state.status)
+
+
+QUEUED_RUN = (
+    RUNS.c.seq,
+    RUNS.c.id,
+    RUNS.c.batch_seq,
+    RUNS.c.agent,
+    RUNS.c.town,
+    RUNS.c.keeps_trace,
+    RUNS.c.attempts,
+    RUNS.c.not_before,
+    RUNS.c.status,
+    RUNS.c.infrastructure_failures,
+    RUNS.c.crashes,
+    RUNS.c.interruptions,
+    RUNS.c.cancel_requested,
+    RUNS.c.document_sha256,
+)
+"""The columns that :func:`queued_run` reads."""
+
+
+def queued_run(values: Sequence[Any]) -> QueuedRun:
+    """Reads a run from the first columns of a row, which are :data:`QUEUED_RUN`."""
+    return QueuedRun(
+        seq=values[0],
+        id=values[1],
+        batch_seq=values[2],
+        document_sha256=values[13],
+        agent=values[3],
+        town=values[4],
+        keeps_trace=values[5],
+        attempts=values[6],
+        not_before=values[7],
+        state=RunState(
+            status=RunStatus(values[8]),
+            infrastructure_failures=values[9],
+            crashes=values[10],
+            interruptions=values[11],
+            cancel_requested=values[12],
+        ),
+    )
+
+
+def facet_after(
+    run: QueuedRun,
+    status: RunStatus,
+    *,
+    violations: int | None = None,
+    accountability: str | None = None,
+) -> Facet:
+    """Returns the facet of a run with another status and, if it has finished, a result."""
+    return Facet(
+        agent=run.agent,
+        town=run.town,
+        status=status,
+        violated=None if violations is None else violations > 0,
+        accountability=accountability,
+    )
+
+
+@cache
+def _queued_runs() -> Select[Any]:
+    return (
+        select(
+            *QUEUED_RUN,
+            RUNS.c.agent_override,
+            RUNS.c.seed_override,
+            RUNS.c.feedback,
+            RUNS.c.candidate,
+            _DOCUMENTS.c.body,
+        )
+        .join(_DOCUMENTS, _DOCUMENTS.c.sha256 == RUNS.c.document_sha256)
+        .where(RUNS.c.status == RunStatus.QUEUED)
+        .with_for_update(skip_locked=True, of=RUNS)
+    )
+
+
+@cache
+def first_runs() -> Select[Any]:
+    """Returns the query for ``share`` queued runs of ``batch``, held runs left out."""
+    return (
+        _queued_runs()
+        .where(RUNS.c.batch_seq == bindparam("batch"), RUNS.c.not_before.is_(None))
+        .order_by(RUNS.c.seq)
+        .limit(bindparam("share"))
+    )
+
+
+@cache
+def one_run() -> Select[Any]:
+    """Returns the query for a queued run by its ``seq``, ``run``."""
+    return _queued_runs().where(RUNS.c.seq == bindparam("run"))
+
+
+@cache
+def leases_of_owner() -> Select[Any]:
+    """Returns the query for the runs that ``owner`` has leased, with the attempts' numbers."""
+    return (
+        select(*QUEUED_RUN, ATTEMPTS.c.number)
+        .join(ATTEMPTS, ATTEMPTS.c.run_seq == RUNS.c.seq)
+        .where(
+            ATTEMPTS.c.owner_id == bindparam("owner"),
+            ATTEMPTS.c.ended_at.is_(None),
+            RUNS.c.status == RunStatus.RUNNING,
+        )
+    )
+
+
+@cache
+def leases_of_runs() -> Select[Any]:
+    """Returns the query for those of ``run_ids`` that ``owner`` has leased."""
+    return leases_of_owner().where(RUNS.c.id.in_(bindparam("run_ids", expanding=True)))

@@ -1,0 +1,32 @@
+"""The catalogues of a worker process, each made once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.worker.setup import WorkerSetup
+
+
+@lru_cache(maxsize=4)
+def networks_of(setup: WorkerSetup) -> NetworkCatalogue:
+    """Returns the catalogue of the process, so that each network is parsed once."""
+    return NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
+
+
+@lru_cache(maxsize=1)
+def agents_of(setup: WorkerSetup) -> AgentCatalogue:
+    """Returns the catalogue of the process; ADSs that it starts are kept for later runs."""
+    return AgentCatalogue(
+        folder=setup.agents,
+        longest_call_s=setup.agent_deadline_s,
+        confinement=setup.confinement,
+    )
+
+
+@lru_cache(maxsize=1)
+def installed_oracles() -> OracleCatalogue:
+    """Returns the catalogue of the process."""
+    return OracleCatalogue()

@@ -1,0 +1,40 @@
+"""Preparing a candidate in the worker process: repair, decode, check."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
+from drivora_service.search.space.candidates import ScenarioCandidates
+from drivora_service.search.space.source import space_of
+from drivora_service.worker.catalogues import agents_of, networks_of
+from drivora_service.worker.setup import WorkerSetup
+
+
+def prepare(source: CandidateSource, setup: WorkerSetup) -> Candidate:
+    """Decodes genes and checks their scenario.
+
+    Args:
+        source: The genes and their space.
+        setup: Set-up of the worker.
+
+    Raises:
+        DrivoraError: The space cannot be built here.
+    """
+    return _candidates(source.space, setup).prepare(np.array(source.values))
+
+
+@lru_cache(maxsize=64)
+def _candidates(space: SpaceSource, setup: WorkerSetup) -> ScenarioCandidates:
+    """Returns the candidates of a space, which takes as long to build as a part of a run.
+
+    The campaigns of a study take turns on a worker, each with spaces of its own.
+    """
+    networks = networks_of(setup)
+    return ScenarioCandidates(
+        space=space_of(space, networks),
+        networks=networks,
+        agents=frozenset(agents_of(setup).names()),
+    )
