@@ -25,6 +25,7 @@ from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.shared_pool import SharedPool
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
@@ -35,6 +36,8 @@ from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.traces import TraceFolder
+from drivora_service.studies.command_studies import CommandSetup, CommandStudies
+from drivora_service.studies.folder import StudyFolder
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _NO_LIMIT = 1 << 60
@@ -177,6 +180,31 @@ def create_command_app(
     campaigns = CommandCampaigns(
         database, campaign_folder, catalogues, evaluating, on_error=on_error
     )
+
+    @contextlib.contextmanager
+    def pooling(wanted: int | None) -> Iterator[SharedPool]:
+        with (
+            tempfile.TemporaryDirectory(prefix="drivora-") as folder,
+            LocalExecutor(
+                slots=workers or wanted or settings.workers,
+                setup=worker_setup(settings),
+                folder=Path(folder),
+                limits=run_limits(settings),
+            ) as executor,
+            SharedPool(executor) as pool,
+        ):
+            yield pool
+
+    studies = CommandStudies(
+        CommandSetup(
+            database=database,
+            folder=lambda study_id: StudyFolder(settings.studies_dir, study_id),
+            campaign_folder=campaign_folder,
+            catalogues=catalogues,
+            pool=pooling,
+            on_error=on_error,
+        )
+    )
     stopping = threading.Event()
 
     @asynccontextmanager
@@ -185,12 +213,13 @@ def create_command_app(
             yield
         finally:
             stopping.set()
+            studies.close()
             campaigns.close()
             runs.close()
             database.close()
 
     def faults() -> Mapping[str, str]:
-        return {"workers": campaigns.fault or runs.fault}
+        return {"workers": campaigns.fault or studies.fault or runs.fault}
 
     context = ApiContext(
         opened=database,
@@ -203,10 +232,11 @@ def create_command_app(
         campaign_folder=campaign_folder,
         wake=runs.wake,
         campaigns=campaigns,
+        studies=studies,
         reserve=runs.reserve,
         faults=faults,
         storage_fault=lambda: "",
         stopping=stopping.is_set,
         is_service=False,
     )
-    return create_api(context, lifespan)
+    return create_api(context, lifespan, on_demand=True)

@@ -6,32 +6,20 @@ from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from importlib.metadata import version
 
-from fastapi import Depends, FastAPI
+from fastapi import FastAPI
 from fastapi.responses import HTMLResponse
 
 from drivora_service.api.answer_memory import AnswerMemory
 from drivora_service.api.body_limit import BodyLimit
 from drivora_service.api.context import ApiContext
 from drivora_service.api.docs_page import docs_page
-from drivora_service.api.documentation import install_openapi, problem_answer
+from drivora_service.api.documentation import install_openapi
 from drivora_service.api.load_guard import LoadGuard
 from drivora_service.api.methods import HeadAsGet, MethodTable
 from drivora_service.api.origin_guard import OriginGuard
 from drivora_service.api.problems import install_problem_handlers
-from drivora_service.api.query_guard import refuse_unknown_parameters
 from drivora_service.api.request_times import RequestTimes, TimedRequests
-from drivora_service.api.routes import (
-    batches,
-    campaigns,
-    catalogues,
-    comparisons,
-    evaluations,
-    health,
-    jobs,
-    networks,
-    runs,
-    scenarios,
-)
+from drivora_service.api.resources import Resources, ResourcesOnDemand
 from drivora_service.api.write_gate import WriteGate
 from drivora_service.api_paths import PREFIX
 
@@ -41,12 +29,15 @@ _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 
 
-def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI:
+def create_api(
+    context: ApiContext, lifespan: Lifespan | None = None, *, on_demand: bool = False
+) -> FastAPI:
     """Builds the application.
 
     Args:
         context: Everything below the HTTP layer.
         lifespan: Startup before the first request and shutdown after the last.
+        on_demand: Whether the routes of a resource are added by the first request for it.
     """
     api = FastAPI(
         title="Drivora",
@@ -61,36 +52,18 @@ def create_api(context: ApiContext, lifespan: Lifespan | None = None) -> FastAPI
     )
     api.state.context = context
     times = api.state.request_times = RequestTimes()
-    modules = (
-        scenarios,
-        jobs,
-        batches,
-        runs,
-        campaigns,
-        comparisons,
-        evaluations,
-        networks,
-        catalogues,
-    )
-    for module in modules:
-        api.include_router(
-            module.router,
-            prefix=PREFIX,
-            dependencies=[Depends(refuse_unknown_parameters)],
-            responses={422: problem_answer(422), 503: problem_answer(503)},
-        )
-    api.include_router(health.router)
-    api.include_router(health.router, prefix=PREFIX, include_in_schema=False)
+    methods = MethodTable()
+    resources = Resources(api, methods)
+    if on_demand:
+        api.add_middleware(ResourcesOnDemand, resources=resources)
+    else:
+        resources.add_all()
 
     @api.get("/docs", include_in_schema=False)
     def docs() -> HTMLResponse:
         return HTMLResponse(docs_page(api.openapi()), headers={"Content-Security-Policy": _NOTHING})
 
-    methods = MethodTable()
     methods.add(api.routes)
-    for module in (*modules, health):
-        methods.add(module.router.routes, PREFIX)
-    methods.add(health.router.routes)
     install_problem_handlers(api, methods)
     install_openapi(api, tokens_needed=context.tokens is not None)
     # The last added is the outermost.

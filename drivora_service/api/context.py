@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drivora_service.networks.catalogue import NetworkCatalogue
     from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.store.database import Database
+    from drivora_service.studies.host import StudyHost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +52,7 @@ class ApiContext:
         campaign_folder: Returns the folder of a campaign, by its id.
         wake: Tells the dispatcher that there is work.
         campaigns: Runs campaigns.
+        studies: Runs studies.
         reserve: Gets ready for so many runs; returns the process that they are for, "" for any
             server.
         faults: Returns the conditions of readiness by name, each with its fault and what to do, or
@@ -70,6 +72,7 @@ class ApiContext:
     campaign_folder: Callable[[str], CampaignFolder]
     wake: Callable[[], None]
     campaigns: CampaignHost
+    studies: StudyHost
     reserve: Callable[[int], str]
     faults: Callable[[], Mapping[str, str]]
     storage_fault: Callable[[], str]

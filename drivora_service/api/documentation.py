@@ -13,9 +13,10 @@ from drivora_service.api import problems
 from drivora_service.api.conditional import JSON
 from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
-from drivora_service.api.observations import NDJSON, PARQUET
+from drivora_service.api.observations import CSV, NDJSON, PARQUET
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.studies.documents import StudyDocument
 
 _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
@@ -67,6 +68,15 @@ def observations_answers(example: str, *errors: int) -> dict[int | str, dict[str
     return _with_errors({"description": "One frame a step", "content": content}, errors)
 
 
+def table_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer with a table, and the errors."""
+    content = {
+        CSV: {"schema": {"type": "string"}, "example": example},
+        PARQUET: {"schema": {"type": "string", "format": "binary"}},
+    }
+    return _with_errors({"description": "The table", "content": content}, errors)
+
+
 def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
     """Documents a body that is one scenario."""
     content = {"schema": _SCENARIO_REF, "example": example}
@@ -105,6 +115,17 @@ def campaign_body(example: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def study_body(example: Mapping[str, Any]) -> dict[str, Any]:
+    """Documents a body that is one study."""
+    content = {"schema": {"$ref": _SCHEMAS + "StudyDocument"}, "example": example}
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {"application/json": content, "application/yaml": content},
+        }
+    }
+
+
 def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
     """Makes the application's OpenAPI document complete.
 
@@ -126,7 +147,12 @@ def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
             if not tokens_needed:
                 _make_tokens_optional(document["paths"])
             schemas = document.setdefault("components", {}).setdefault("schemas", {})
-            for model in (ScenarioDocument, CampaignDocument, problems.ProblemDetails):
+            for model in (
+                ScenarioDocument,
+                CampaignDocument,
+                StudyDocument,
+                problems.ProblemDetails,
+            ):
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema

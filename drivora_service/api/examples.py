@@ -38,6 +38,15 @@ CAMPAIGN: dict[str, Any] = {
     "budget": {"simulations": 200},
     "seed": 1,
 }
+STUDY: dict[str, Any] = {
+    "name": "tee, two methods",
+    "scenarios": [{"label": "tee", "document": SCENARIO}],
+    "agents": [{"name": "idm"}, {"name": "idm-mobil"}],
+    "methods": [{"name": "random"}, {"name": "avfuzzer"}],
+    "repetitions": 20,
+    "space": {"vehicles": 3, "walkers": 1},
+    "budget": {"simulations": 200},
+}
 
 HEALTH = RECORDED + "health.json"
 READINESS = RECORDED + "readiness.json"
@@ -81,6 +90,15 @@ EVALUATION_SCENARIO = RECORDED + "evaluation-scenario.json"
 EVALUATION_FRAME = RECORDED + "evaluation-frame.ndjson"
 FAILURES = RECORDED + "failures.json"
 COMPARISON = RECORDED + "comparison.json"
+
+QUEUED_STUDY = RECORDED + "queued-study.json"
+PAUSED_STUDY = RECORDED + "paused-study.json"
+RESUMED_STUDY = RECORDED + "resumed-study.json"
+CANCELLED_STUDY = RECORDED + "cancelled-study.json"
+FINISHED_STUDY = RECORDED + "finished-study.json"
+STUDIES = RECORDED + "studies.json"
+STUDY_COMPARISON = RECORDED + "study-comparison.json"
+STUDY_TABLE = RECORDED + "study-campaigns.csv"
 
 
 def read_recorded(example: str) -> Any:

@@ -46,6 +46,13 @@ _EVALUATION = (
     "GET /campaigns/{campaign_id}/evaluations/{number}/scenario",
     "GET /campaigns/{campaign_id}/evaluations/{number}/observations",
 )
+_STUDY = (
+    "GET /studies/{study_id}",
+    "GET /studies/{study_id}/comparison",
+    "POST /studies/{study_id}:pause",
+    "POST /studies/{study_id}:resume",
+    "POST /studies/{study_id}:cancel",
+)
 _NETWORK = ("GET /networks/{name}", "GET /networks/{name}/geometry")
 _THIS_CAMPAIGN = {"campaign_id": "$request.path.campaign_id"}
 
@@ -74,10 +81,12 @@ _LINKS = (
         values={**_THIS_CAMPAIGN, "number": _body("/items/0/evaluation")},
         targets=_EVALUATION,
     ),
+    _Link(source="POST /studies", values={"study_id": _body("/id")}, targets=_STUDY),
+    _Link(source="GET /studies", values={"study_id": _body("/items/0/id")}, targets=_STUDY),
     _Link(source="GET /networks", values={"name": _body("/items/0/name")}, targets=_NETWORK),
     *(
         _Link(source=f"GET {path}", values={"page_token": _body("/next_page_token")}, targets=())
-        for path in ("/jobs", "/runs", "/batches", "/campaigns")
+        for path in ("/jobs", "/runs", "/batches", "/campaigns", "/studies")
     ),
     *(
         _Link(

@@ -16,6 +16,7 @@ from drivora_service.api.problems import ApiError
 
 NDJSON = "application/x-ndjson"
 PARQUET = "application/vnd.apache.parquet"
+CSV = "text/csv"
 
 _CHUNK_BYTES = 64 * 1024
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.space.options import SpaceOptions
 
@@ -62,7 +61,6 @@ class Campaign:
     Attributes:
         name: Display name.
         agent: The ADS of every ego; ``None``: as in the scenario.
-        scenario: The seed scenario.
         budget: Number of simulations; invalid candidates do not count.
         oracles: Oracles whose violations are failures.
         seed: Seed of every random draw of the search.
@@ -73,7 +71,6 @@ class Campaign:
 
     name: str
     tester: TesterChoice
-    scenario: ScenarioDocument
     budget: int
     agent: AgentChoice | None = None
     space: SpaceOptions = field(default_factory=SpaceOptions)

@@ -44,24 +44,30 @@ def confirm_failures(
     """
     open_numbers = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.OPEN}
     expected: dict[int, str] = {}
-    for record in journal.evaluations():
+    for record in journal.evaluations(violating=True):
         if record.number in open_numbers:
             expected[record.number] = record.report.trace_sha256
     if traces is not None and expected:
         traces.mkdir(parents=True, exist_ok=True)
-    for number in expected:
-        spec = RunSpec(
-            run_id=f"{run_prefix}-{number}-again",
-            document=journal.document(number),
-            trace_path="" if traces is None else str(traces.resolve() / trace_name(number)),
-        )
-        evaluator.submit(number, spec)
+    evaluator.submit(
+        [
+            (
+                number,
+                RunSpec(
+                    run_id=f"{run_prefix}-{number}-again",
+                    document=journal.document(number),
+                    trace_path="" if traces is None else str(traces.resolve() / trace_name(number)),
+                ),
+            )
+            for number in expected
+        ]
+    )
     while expected:
         request = requested()
         if request is not CampaignRequest.NONE:
             return request
         for answer in evaluator.wait(_POLL_S):
-            refuse_lost(answer.number, answer.report)
+            refuse_lost(answer)
             same = _is_same(answer.report, expected.pop(answer.number))
             confirmation = Confirmation.CONFIRMED if same else Confirmation.FLAKY
             kept = traces is not None and answer.report.trace_sha256

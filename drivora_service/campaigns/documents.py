@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields as dataclass_fields
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, JsonValue
+from pydantic import AfterValidator, Field, JsonValue, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.campaign import (
@@ -25,6 +26,7 @@ _DEFAULTS = SpaceOptions()
 MAX_ACTORS = 64
 MAX_BUDGET = 1_000_000
 MAX_LOOKAHEAD = 1024
+MAX_SEEDS = 1000
 
 
 def _count(low: int, high: int) -> Any:
@@ -46,6 +48,18 @@ def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
+def _no_second_name(seeds: tuple[SeedDocument, ...]) -> tuple[SeedDocument, ...]:
+    names = [seed.name for seed in seeds]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise PydanticCustomError(
+                "repeated_name",
+                "found the name {name} more than once; give each scenario another",
+                {"name": repr(name)},
+            )
+    return seeds
+
+
 PluginName = Annotated[str, Field(strict=True, pattern=fields.NAME_PATTERN)]
 Actors = Annotated[int, _count(0, MAX_ACTORS)]
 Egos = Annotated[int, _count(1, fields.MAX_EGOS)]
@@ -57,6 +71,7 @@ Delay = Annotated[float, _number("s", 0.0, 600.0)]
 Simulations = Annotated[int, _count(1, MAX_BUDGET)]
 Workers = Annotated[int, _count(1, 1024)]
 Lookahead = Annotated[int, _count(1, MAX_LOOKAHEAD)]
+OracleNames = Annotated[tuple[PluginName, ...], Field(min_length=1), AfterValidator(_no_repetition)]
 
 
 class TesterDocument(EntityDocument):
@@ -122,6 +137,15 @@ class SpaceDocument(EntityDocument):
     )
 
 
+class SeedDocument(EntityDocument):
+    """One of several seed scenarios."""
+
+    name: Annotated[str, Field(strict=True, min_length=1, max_length=200)] = Field(
+        description="For results by seed scenario."
+    )
+    scenario: ScenarioDocument = Field(description="The scenario.")
+
+
 class BudgetDocument(EntityDocument):
     """The budget of the campaign."""
 
@@ -141,14 +165,24 @@ class CampaignDocument(EntityDocument):
     agent: AgentDocument | None = Field(
         None, description="The ADS of every ego; without it, as in the scenario."
     )
-    scenario: ScenarioDocument = Field(description="The seed scenario.")
+    scenario: ScenarioDocument | None = Field(None, description="The seed scenario.")
+    scenarios: (
+        Annotated[
+            tuple[SeedDocument, ...], Field(max_length=MAX_SEEDS), AfterValidator(_no_second_name)
+        ]
+        | None
+    ) = Field(
+        None,
+        validate_default=True,
+        description="Several seed scenarios, in place of one; they take turns.",
+    )
     space: SpaceDocument = Field(
         default_factory=SpaceDocument, description="The variable parts and their ranges."
     )
     budget: BudgetDocument = Field(description="The budget.")
-    oracles: Annotated[
-        tuple[PluginName, ...], Field(min_length=1), AfterValidator(_no_repetition)
-    ] = Field(DEFAULT_ORACLES, description="Oracles whose violations are failures.")
+    oracles: OracleNames = Field(
+        DEFAULT_ORACLES, description="Oracles whose violations are failures."
+    )
     seed: fields.Seed = Field(0, description="Seed of every random draw of the search.")
     workers: Workers | None = Field(
         None, description="Worker processes; without it, as many as the installation has."
@@ -158,6 +192,28 @@ class CampaignDocument(EntityDocument):
         description="Number of candidates that may wait for their results. It determines the "
         "search, the number of workers does not; it should be a few times that number.",
     )
+
+    @field_validator("scenarios")
+    @classmethod
+    def _in_place_of_one(
+        cls, scenarios: tuple[SeedDocument, ...] | None, info: ValidationInfo
+    ) -> tuple[SeedDocument, ...] | None:
+        # A scenario with problems of its own is not among the data.
+        if "scenario" in info.data and (info.data["scenario"] is None) is not bool(scenarios):
+            found = "both" if scenarios else "neither"
+            raise PydanticCustomError(
+                "seed_scenarios",
+                "found {found} of `scenario` and `scenarios`; give the seed scenario, or several",
+                {"found": found},
+            )
+        return scenarios
+
+    @property
+    def seeds(self) -> Mapping[str, ScenarioDocument]:
+        """The seed scenarios by their names, in order; a single one has the name ""."""
+        if self.scenario is not None:
+            return {"": self.scenario}
+        return {one.name: one.scenario for one in self.scenarios or ()}
 
 
 def to_campaign(document: CampaignDocument) -> Campaign:
@@ -177,7 +233,6 @@ def to_campaign(document: CampaignDocument) -> Campaign:
             feedback=tester.feedback,
         ),
         agent=None if agent is None else AgentChoice(name=agent.name, parameters=agent.parameters),
-        scenario=document.scenario,
         space=SpaceOptions(**space),
         budget=document.budget.simulations,
         oracles=document.oracles,

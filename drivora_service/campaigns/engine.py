@@ -18,8 +18,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from drivora_service.campaigns.candidates import Candidate, Candidates
-from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.evaluator import Answer, Evaluator
 from drivora_service.campaigns.journal import Journal
 from drivora_service.campaigns.judging import (
     evaluation_of,
@@ -27,12 +26,12 @@ from drivora_service.campaigns.judging import (
     status_of,
     violations_of,
 )
+from drivora_service.campaigns.turns import SearchPart, Turn, Turns
 from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.encoding import report_from_json, report_to_json
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.search.tester import EvaluationStatus, Proposal, Tester
+from drivora_service.runs.candidate import CandidateSource
+from drivora_service.runs.report import RunSpec
+from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
 
 _POLL_S = 0.5
@@ -40,6 +39,9 @@ _POLL_S = 0.5
 
 _SPARE_INVALID = 100
 """Number of invalid candidates that a campaign may propose beyond its budget."""
+
+_COMPARED_EVERY = 50
+"""Of so many replayed evaluations one is decoded again and compared."""
 
 _LOG = 4000
 """Number of characters of a tester's traceback that are kept."""
@@ -56,18 +58,16 @@ class Search:
 
     Attributes:
         run_prefix: Prefix of the ids of the runs; the number follows.
-        feedback: The feedback that the tester asks for.
-        kind_of: Returns the kind of failure of a violation.
+        parts: The search from each seed scenario.
+        feedback: The feedback that the testers ask for.
     """
 
     run_prefix: str
-    tester: Tester
-    candidates: Candidates
+    parts: tuple[SearchPart, ...]
     feedback: FeedbackChoice
     oracles: frozenset[str]
     budget: int
     lookahead: int
-    kind_of: Callable[[Verdict], str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,13 +84,13 @@ class Told:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Waiting:
-    """A candidate that has not been told yet, and its stored evaluation if there is one."""
+    """A proposal that has not been told yet, and its stored evaluation if there is one."""
 
     number: int
+    turn: Turn
     proposal: Proposal
-    candidate: Candidate
+    asked_sha256: str
     stored: EvaluationRecord | None
-    prepare_s: float
 
 
 class Engine:
@@ -117,8 +117,9 @@ class Engine:
         self._search, self._evaluator, self._journal = search, evaluator, journal
         self._requested, self._on_told = requested, on_told
         self._stored = journal.evaluations()
+        self._turns = Turns(search.parts)
         self._waiting: deque[_Waiting] = deque()
-        self._reports: dict[int, RunReport] = {}
+        self._answers: dict[int, Answer] = {}
         self._next = 0
         self._valid = self._invalid = self._judged = self._failed = 0
         self._search_s = 0.0
@@ -134,6 +135,12 @@ class Engine:
             PluginError: The tester raised.
             SearchError: The tester violated its protocol.
         """
+        try:
+            return self._run()
+        finally:
+            self._journal.flush()
+
+    def _run(self) -> CampaignRequest:
         self._ask()
         while self._waiting:
             request = self._await(self._waiting[0])
@@ -145,35 +152,59 @@ class Engine:
 
     def _ask(self) -> None:
         search = self._search
-        room = min(search.lookahead - len(self._waiting), search.budget - self._valid)
-        if room < 1:
-            return
-        for proposal in self._proposals(room):
-            begun = time.perf_counter()
-            candidate = search.candidates.prepare(proposal.values)
-            waiting = _Waiting(
-                number=self._next,
-                proposal=replace(proposal, values=candidate.values),
-                candidate=candidate,
-                stored=next(self._stored, None),
-                prepare_s=time.perf_counter() - begun,
-            )
-            self._next += 1
-            self._take(waiting)
-            self._waiting.append(waiting)
+        new: list[tuple[int, RunSpec]] = []
+        self._turns.begin()
+        while (room := min(search.lookahead - len(self._waiting), search.budget - self._valid)) > 0:
+            turn = self._turns.next()
+            if turn is None:
+                break
+            # With several seed scenarios one candidate a turn, so that they stay abreast.
+            wanted = room if len(search.parts) == 1 else 1
+            proposals = self._proposals(turn.part, wanted)
+            if len(proposals) < wanted:
+                turn.is_dry = True
+            for proposal in proposals:
+                waiting = _Waiting(
+                    number=self._next,
+                    turn=turn,
+                    proposal=turn.take(proposal, self._next),
+                    asked_sha256=_sha256(proposal.values.tobytes()),
+                    stored=next(self._stored, None),
+                )
+                self._next += 1
+                # Whether it is valid is found by the worker, and counts once it is told.
+                self._valid += 1
+                if waiting.stored is None:
+                    new.append((waiting.number, self._spec(waiting)))
+                else:
+                    self._compare(waiting, waiting.stored)
+                self._waiting.append(waiting)
+        if new:
+            self._evaluator.submit(new)
 
-    def _proposals(self, room: int) -> tuple[Proposal, ...]:
-        """Asks the tester, and checks its proposals.
+    def _spec(self, waiting: _Waiting) -> RunSpec:
+        return RunSpec(
+            run_id=f"{self._search.run_prefix}-{waiting.number}",
+            document="",
+            feedback=self._search.feedback,
+            candidate=CandidateSource(
+                space=waiting.turn.part.candidates.source,
+                values=tuple(waiting.proposal.values.tolist()),
+            ),
+        )
+
+    def _proposals(self, part: SearchPart, room: int) -> tuple[Proposal, ...]:
+        """Asks a tester, and checks its proposals.
 
         Raises:
             CampaignError: It proposes too many candidates, or values that are no finite numbers.
         """
-        proposals = self._timed("asked", lambda: self._search.tester.ask(room))
+        proposals = self._timed("asked", lambda: part.tester.ask(room))
         if len(proposals) > room:
             raise CampaignError(
                 f"the tester was asked for at most {room} candidates and proposed {len(proposals)}"
             )
-        genes = self._search.candidates.genes
+        genes = part.candidates.genes
         for proposal in proposals:
             values = proposal.values
             if values.shape != (len(genes),) or not np.isfinite(values).all():
@@ -184,51 +215,36 @@ class Engine:
                 )
         return proposals
 
-    def _take(self, waiting: _Waiting) -> None:
-        """Counts a new candidate, and has it evaluated unless the journal has its evaluation."""
-        if waiting.stored is not None:
-            _compare(waiting, waiting.stored)
-        if waiting.candidate.problem:
-            self._invalid += 1
-            if self._invalid > self._search.budget + _SPARE_INVALID:
-                raise CampaignError(
-                    f"{self._invalid} of {self._next} candidates were no valid scenarios, the last "
-                    f"one because: {waiting.candidate.problem}. Vary fewer parts, or start with "
-                    "another scenario"
-                )
-            return
-        self._valid += 1
-        if waiting.stored is None:
-            spec = RunSpec(
-                run_id=f"{self._search.run_prefix}-{waiting.number}",
-                document=waiting.candidate.document,
-                feedback=self._search.feedback,
-            )
-            self._evaluator.submit(waiting.number, spec)
-
     def _await(self, waiting: _Waiting) -> CampaignRequest:
         """Waits for the result of a candidate, or a request to stop."""
         if waiting.stored is not None:
             return CampaignRequest.NONE
         while True:
             request = self._requested()
-            known = waiting.candidate.problem or waiting.number in self._reports
-            if known or request is not CampaignRequest.NONE:
+            if waiting.number in self._answers or request is not CampaignRequest.NONE:
                 return request
+            self._journal.write_due()
             for answer in self._evaluator.wait(_POLL_S):
-                self._reports[answer.number] = answer.report
+                self._answers[answer.number] = answer
 
     def _tell(self, waiting: _Waiting) -> None:
         record = waiting.stored
         if record is None:
-            record = self._record(waiting)
-            self._journal.append(record, waiting.candidate.document)
+            answer = self._answers.pop(waiting.number)
+            refuse_lost(answer)
+            record = self._record(waiting, answer)
+            document = "" if answer.candidate is None else answer.candidate.document
+            self._journal.append(record, document)
         # Also for a replayed evaluation: its time was counted before the campaign was resumed.
         self._search_s = 0.0
-        self._timed("told", lambda: self._search.tester.tell(evaluation_of(record)))
+        evaluation = waiting.turn.of_tester(evaluation_of(record))
+        self._timed("told", lambda: waiting.turn.part.tester.tell(evaluation))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED
         self._on_told(Told(record=record, replayed=waiting.stored is not None))
+        if record.status is EvaluationStatus.INVALID:
+            waiting.turn.valid -= 1
+            self._count_invalid(record)
         if (
             self._failed >= _MAX_INITIAL_FAILURES
             and not self._judged
@@ -239,31 +255,71 @@ class Engine:
                 f"{record.report.failure.message}"
             )
 
-    def _record(self, waiting: _Waiting) -> EvaluationRecord:
-        if waiting.candidate.problem:
-            failure = RunFailure(cause="invalid_document", message=waiting.candidate.problem)
-            run_id = f"{self._search.run_prefix}-{waiting.number}"
-            report = RunReport(run_id=run_id, status=RunStatus.INVALID, failure=failure)
-            status = EvaluationStatus.INVALID
-        else:
-            report = self._reports.pop(waiting.number)
-            refuse_lost(waiting.number, report)
-            # As it is read from the journal: a replayed evaluation must be told identically.
-            report = report_from_json(report_to_json(report))
-            status = status_of(report)
+    def _count_invalid(self, record: EvaluationRecord) -> None:
+        """Takes an invalid candidate, which is not simulated, out of the budget.
+
+        Raises:
+            CampaignError: There are too many.
+        """
+        self._valid -= 1
+        self._invalid += 1
+        if self._invalid > self._search.budget + _SPARE_INVALID:
+            why = "" if record.report.failure is None else record.report.failure.message
+            raise CampaignError(
+                f"{self._invalid} of {record.number + 1} candidates were no valid scenarios, the "
+                f"last one because: {why}. Vary fewer parts, or start with another scenario"
+            )
+
+    def _record(self, waiting: _Waiting, answer: Answer) -> EvaluationRecord:
+        candidate, report = answer.candidate, answer.report
+        if candidate is None:
+            raise CampaignError(
+                f"evaluation {waiting.number} has no scenario: its worker ended while it decoded "
+                "the genes. Resume the campaign to try it again"
+            )
+        status = EvaluationStatus.INVALID if candidate.problem else status_of(report)
         violations = violations_of(report, self._search.oracles)
-        document = waiting.candidate.document
         return EvaluationRecord(
             number=waiting.number,
-            proposal=waiting.proposal,
+            proposal=replace(waiting.proposal, values=np.array(candidate.values)),
             status=status,
-            document_sha256=_sha256(document),
+            document_sha256=_sha256(candidate.document.encode()),
             report=report,
             violations=violations,
-            failure_kinds=tuple(self._search.kind_of(verdict) for verdict in violations),
+            failure_kinds=tuple(map(waiting.turn.part.kind_of, violations)),
             search_s=self._search_s,
-            prepare_s=waiting.prepare_s,
+            prepare_s=candidate.prepare_s,
+            asked_sha256=waiting.asked_sha256,
+            seed_number=waiting.turn.place,
         )
+
+    def _compare(self, waiting: _Waiting, stored: EvaluationRecord) -> None:
+        """Checks that a proposal is that of its stored evaluation.
+
+        What it decodes to is compared now and then: it depends on versions that are checked, and
+        takes as long as a part of a simulation.
+
+        Raises:
+            CampaignError: It is another one.
+        """
+        new, old = waiting.proposal, stored.proposal
+        problem = ""
+        if (new.origin, new.generation, new.parents) != (old.origin, old.generation, old.parents):
+            problem = "another origin"
+        elif stored.asked_sha256 not in ("", waiting.asked_sha256):
+            problem = "other values"
+        elif not stored.asked_sha256 or waiting.number % _COMPARED_EVERY == 0:
+            candidate = waiting.turn.part.candidates.prepare(new.values)
+            if candidate.values != tuple(old.values.tolist()):
+                problem = "other values"
+            elif _sha256(candidate.document.encode()) != stored.document_sha256:
+                problem = "another scenario"
+        if problem:
+            raise CampaignError(
+                f"evaluation {waiting.number} has {problem} than the stored one: the program, a "
+                "plug-in or the road network has changed since. Resume the campaign with the "
+                "original versions, or start a new one"
+            )
 
     def _timed(self, call: str, work: Callable[[], T]) -> T:
         """Calls the tester and attributes its exceptions to it."""
@@ -282,27 +338,5 @@ class Engine:
             self._search_s += time.perf_counter() - begun
 
 
-def _compare(waiting: _Waiting, stored: EvaluationRecord) -> None:
-    """Checks that a candidate equals the one of its stored evaluation.
-
-    Raises:
-        CampaignError: It does not.
-    """
-    new, old = waiting.proposal, stored.proposal
-    if not np.array_equal(new.values, old.values):
-        what = "other values"
-    elif (new.origin, new.generation, new.parents) != (old.origin, old.generation, old.parents):
-        what = "another origin"
-    elif _sha256(waiting.candidate.document) != stored.document_sha256:
-        what = "another scenario"
-    else:
-        return
-    raise CampaignError(
-        f"evaluation {waiting.number} has {what} than the stored one: the program, a plug-in or "
-        "the road network has changed since. Resume the campaign with the original versions, or "
-        "start a new one"
-    )
-
-
-def _sha256(document: str) -> str:
-    return hashlib.sha256(document.encode()).hexdigest() if document else ""
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest() if data else ""

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from drivora_service.execution.executor import Limits
+from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.worker.setup import WorkerSetup
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """The end of a run, with the number under which it was submitted."""
+    """The end of a run.
+
+    Attributes:
+        number: Number under which it was submitted.
+        report: As it is read from JSON, so that a stored one is the same.
+        candidate: What a worker made of the genes of the spec; ``None`` if it did not get so far,
+            or the spec has a document.
+    """
 
     number: int
     report: RunReport
+    candidate: Candidate | None = None
 
 
 class Evaluator(Protocol):
@@ -27,8 +36,8 @@ class Evaluator(Protocol):
     closed before. Crashes are confirmed and lost attempts repeated before: the answer is final.
     """
 
-    def submit(self, number: int, spec: RunSpec) -> None:
-        """Queues a run; first in, first out."""
+    def submit(self, runs: Sequence[tuple[int, RunSpec]]) -> None:
+        """Queues runs, each under its number; first in, first out."""
         ...
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:

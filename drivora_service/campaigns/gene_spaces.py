@@ -26,11 +26,16 @@ class GeneSpaces:
             catalogues: Catalogues for the names in a campaign.
         """
         self._catalogues = catalogues
-        self._known: OrderedDict[str, GeneSpace] = OrderedDict()
+        self._known: OrderedDict[str, tuple[GeneSpace, ...]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def of(self, record: CampaignRecord) -> GeneSpace | None:
-        """Returns the genes of a campaign; ``None`` if its network is no longer available."""
+    def of(self, record: CampaignRecord, place: int) -> GeneSpace | None:
+        """Returns the genes of a campaign; ``None`` if its network is no longer available.
+
+        Args:
+            record: The campaign.
+            place: Place of the seed scenario in it, from 0.
+        """
         with self._lock:
             if record.id not in self._known:
                 built = self._build(record)
@@ -41,12 +46,12 @@ class GeneSpaces:
                 if len(self._known) > _MOST:
                     self._known.popitem(last=False)
             self._known.move_to_end(record.id)
-            return self._known[record.id]
+            return self._known[record.id][place]
 
-    def _build(self, record: CampaignRecord) -> GeneSpace | None:
-        from drivora_service.campaigns.searched_space import searched_space_of
+    def _build(self, record: CampaignRecord) -> tuple[GeneSpace, ...] | None:
+        from drivora_service.campaigns.searched_space import searched_spaces_of
 
         try:
-            return searched_space_of(record, self._catalogues).space
+            return tuple(one.space for one in searched_spaces_of(record, self._catalogues))
         except (CampaignError, InvalidDocument, NetworkError, SearchError):
             return None

@@ -13,17 +13,31 @@ from drivora_service.store.campaign_records import Confirmation, EvaluationRecor
 class Journal(Protocol):
     """The record of a campaign, from which it can be resumed."""
 
-    def evaluations(self) -> Iterator[EvaluationRecord]:
-        """Yields the evaluations in order; may be read while more are appended."""
+    def evaluations(self, *, violating: bool = False) -> Iterator[EvaluationRecord]:
+        """Yields the evaluations in order; may be read while more are appended.
+
+        Args:
+            violating: Only those with a failure.
+        """
         ...
 
     def append(self, record: EvaluationRecord, document: str) -> None:
-        """Writes the next evaluation, durably when the call returns.
+        """Takes the next evaluation.
+
+        It is durable after :meth:`flush`, or once :meth:`write_due` was called some time after.
 
         Args:
             record: The evaluation; its number is the previous one plus 1.
             document: Canonical JSON text of the scenario; "" if there is none.
         """
+        ...
+
+    def write_due(self) -> None:
+        """Writes evaluations that have waited long enough to be written together."""
+        ...
+
+    def flush(self) -> None:
+        """Writes every evaluation that waits, durably when the call returns."""
         ...
 
     def document(self, number: int) -> str:
@@ -66,9 +80,10 @@ class MemoryJournal:
         self._documents: dict[int, str] = {}
         self._failures = [failure for record in evaluations for failure in failures_of(record)]
 
-    def evaluations(self) -> Iterator[EvaluationRecord]:
+    def evaluations(self, *, violating: bool = False) -> Iterator[EvaluationRecord]:
         """Yields the evaluations in order."""
-        return iter(tuple(self._evaluations))
+        found = tuple(self._evaluations)
+        return (record for record in found if record.violations or not violating)
 
     def append(self, record: EvaluationRecord, document: str) -> None:
         """Keeps the next evaluation; documents only of those with failures."""
@@ -78,6 +93,12 @@ class MemoryJournal:
         if record.violations:
             self._documents[record.number] = document
             self._failures += failures_of(record)
+
+    def write_due(self) -> None:
+        """Does nothing: evaluations are kept at once."""
+
+    def flush(self) -> None:
+        """Does nothing: evaluations are kept at once."""
 
     def document(self, number: int) -> str:
         """Returns the scenario of an evaluation that was appended here and has failures.

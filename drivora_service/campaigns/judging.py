@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
+from drivora_service.campaigns.evaluator import Answer
 from drivora_service.errors import CampaignError
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunReport, RunStatus
@@ -19,17 +20,18 @@ def status_of(report: RunReport) -> EvaluationStatus:
     return EvaluationStatus.FAILED
 
 
-def refuse_lost(number: int, report: RunReport) -> None:
+def refuse_lost(answer: Answer) -> None:
     """Refuses a report without a result of the candidate, which must not affect the search.
 
     Raises:
         CampaignError: The workers were lost repeatedly, or the run was cancelled.
     """
+    report = answer.report
     if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
         why = "" if report.failure is None else f": {report.failure.message}"
         raise CampaignError(
-            f"evaluation {number} was lost ({report.status}){why}. Resume the campaign to try it "
-            "again"
+            f"evaluation {answer.number} was lost ({report.status}){why}. Resume the campaign to "
+            "try it again"
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 from drivora_service.campaigns.evaluator import Answer, EvaluatorContext, EvaluatorPlugin
 from drivora_service.execution.executor import Executor
@@ -19,10 +20,11 @@ class LocalEvaluator:
         self._runs = Runs(executor)
         self._numbers: dict[str, int] = {}
 
-    def submit(self, number: int, spec: RunSpec) -> None:
-        """Queues a run, which starts when a slot is free; first in, first out."""
-        self._numbers[spec.run_id] = number
-        self._runs.submit(spec)
+    def submit(self, runs: Sequence[tuple[int, RunSpec]]) -> None:
+        """Queues runs, which start when slots are free; first in, first out."""
+        for number, spec in runs:
+            self._numbers[spec.run_id] = number
+            self._runs.submit(spec)
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
         """Returns the answers since the last call; waits for one, ``timeout`` seconds at most.
@@ -35,11 +37,15 @@ class LocalEvaluator:
             left = None if until is None else until - time.monotonic()
             if left is not None and left <= 0.0:
                 break
-            reports = self._runs.wait(left)
-            if reports:
+            ends = self._runs.wait(left)
+            if ends:
                 return tuple(
-                    Answer(number=self._numbers.pop(report.run_id), report=report)
-                    for report in reports
+                    Answer(
+                        number=self._numbers.pop(end.report.run_id),
+                        report=end.report,
+                        candidate=end.candidate,
+                    )
+                    for end in ends
                 )
         return ()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from importlib.metadata import version
 
 import numpy as np
@@ -11,10 +12,11 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine import Search
 from drivora_service.campaigns.failure_kinds import FailureKinds
 from drivora_service.campaigns.reading import ValidCampaign
-from drivora_service.campaigns.scenario_candidates import ScenarioCandidates
 from drivora_service.campaigns.shuffling import ShuffledFeedback
+from drivora_service.campaigns.turns import SearchPart
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
 from drivora_service.search.catalogue import components_named
+from drivora_service.search.space.candidates import ScenarioCandidates
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.tester import Tester, TesterContext
 
@@ -36,54 +38,66 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         InvalidDocument: The gene space cannot be built, or the tester cannot search it.
     """
     campaign = valid.campaign
-    try:
-        space = ScenarioSpace(valid.seed, valid.network, campaign.space)
-    except (SearchError, NetworkError) as error:
-        raise _refusal("/space", "space", error) from error
-    try:
-        tester = _tester(valid, catalogues, space)
-    except SearchError as error:
-        raise _refusal("/tester", "tester", error) from error
+    agents = frozenset(catalogues.agents.names())
+    parts = []
+    for place, seed in enumerate(valid.seeds):
+        named = f"seed scenario {seed.name!r}: " if seed.name else ""
+        try:
+            space = ScenarioSpace(seed.scenario, seed.network, campaign.space)
+        except (SearchError, NetworkError) as error:
+            raise _refusal("/space", "space", named, error) from error
+        try:
+            tester = _tester(valid, catalogues, space, place)
+        except SearchError as error:
+            raise _refusal("/tester", "tester", named, error) from error
+        parts.append(
+            SearchPart(
+                tester=tester,
+                candidates=ScenarioCandidates(
+                    space=space, networks=catalogues.networks, agents=agents
+                ),
+                kind_of=FailureKinds(seed.network),
+            )
+        )
     return Search(
         run_prefix=run_prefix,
-        tester=tester,
-        candidates=ScenarioCandidates(
-            space=space,
-            networks=catalogues.networks,
-            agents=frozenset(catalogues.agents.names()),
-        ),
+        parts=tuple(parts),
         feedback=catalogues.testers.plugin(campaign.tester.name).feedback,
         oracles=frozenset(campaign.oracles),
         budget=campaign.budget,
         lookahead=campaign.lookahead,
-        kind_of=FailureKinds(valid.network),
     )
 
 
 def search_versions() -> dict[str, str]:
     """Returns the versions of the software that determines a search, by name."""
-    packages = ("drivora", "numpy", "scipy", "scikit-learn", "pymoo", "libsumo")
+    packages = ("drivora", "numpy", "scipy", "libsumo")
     return {name: version(name) for name in packages}
 
 
-def _tester(valid: ValidCampaign, catalogues: Catalogues, space: ScenarioSpace) -> Tester:
+def _tester(
+    valid: ValidCampaign, catalogues: Catalogues, space: ScenarioSpace, place: int
+) -> Tester:
+    """Makes the tester of the seed scenario at a place."""
     campaign, choice = valid.campaign, valid.campaign.tester
     context = TesterContext(
         space=space.genes,
-        random=_generator(campaign.seed, _SEARCH),
-        budget=campaign.budget,
+        random=_generator(campaign.seed, _SEARCH, place),
+        budget=math.ceil(campaign.budget / len(valid.seeds)),
         conflicts=space.conflicts,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)
     if choice.feedback is FeedbackMode.SHUFFLED:
-        return ShuffledFeedback(tester, _generator(campaign.seed, _SHUFFLE))
+        return ShuffledFeedback(tester, _generator(campaign.seed, _SHUFFLE, place))
     return tester
 
 
-def _generator(seed: int, stream: int) -> np.random.Generator:
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(stream,)))
+def _generator(seed: int, stream: int, place: int) -> np.random.Generator:
+    # That of the first seed scenario is the same with and without others.
+    key = (stream, place) if place else (stream,)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
 
 
-def _refusal(pointer: str, code: str, error: Exception) -> InvalidDocument:
-    return InvalidDocument((Problem(pointer=pointer, code=code, message=str(error)),))
+def _refusal(pointer: str, code: str, named: str, error: Exception) -> InvalidDocument:
+    return InvalidDocument((Problem(pointer=pointer, code=code, message=f"{named}{error}"),))

@@ -8,11 +8,14 @@ import os
 import shutil
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from drivora_service.campaigns.evaluator import Answer
+from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.scenario.canonical import from_canonical
 from drivora_service.store.campaign_records import CampaignRecord
 from drivora_service.store.database import Database
 from drivora_service.store.records import NewRun
@@ -50,14 +53,15 @@ class QueueEvaluator:
         """
         self._database, self._campaign, self._traces = database, campaign, traces
         self._most, self._on_queued = most, on_queued
+        self._has_several_seeds = bool(campaign.document.get("scenarios"))
         self._held: deque[tuple[int, RunSpec]] = deque()
         self._open: dict[str, tuple[int, RunSpec]] = {}
         with database.write() as transaction:
             self._batch_id = transaction.campaign_runs.open(campaign.id)
 
-    def submit(self, number: int, spec: RunSpec) -> None:
-        """Queues a run, or holds it back until there is room for it."""
-        self._held.append((number, spec))
+    def submit(self, runs: Sequence[tuple[int, RunSpec]]) -> None:
+        """Queues runs, or holds them back until there is room for them."""
+        self._held += runs
         self._queue()
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
@@ -93,10 +97,11 @@ class QueueEvaluator:
         self._on_queued()
 
     def _run(self, number: int, spec: RunSpec) -> NewRun:
+        document = spec.document if spec.candidate is None else spec.candidate.space.seed
         return NewRun(
-            document=spec.document,
-            scenario_sha256=hashlib.sha256(spec.document.encode()).hexdigest(),
-            town=self._campaign.town,
+            document=document,
+            scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
+            town=_town_of(document) if self._has_several_seeds else self._campaign.town,
             agent=self._campaign.agent,
             agent_override=spec.agent,
             seed_override=spec.seed,
@@ -105,19 +110,25 @@ class QueueEvaluator:
             feedback=spec.feedback,
             keeps_trace=bool(spec.trace_path),
             run_id=spec.run_id,
+            candidate=spec.candidate,
         )
 
     def _answers(self) -> tuple[Answer, ...]:
         with self._database.read() as transaction:
             ended = transaction.campaign_runs.ended(list(self._open))
-            reports = transaction.jobs.reports(ended) if ended else {}
-        return tuple(self._answer(report) for report in reports.values())
+        return tuple(self._answer(report, candidate) for report, candidate in ended)
 
-    def _answer(self, report: RunReport) -> Answer:
+    def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:
         number, spec = self._open.pop(report.run_id)
         if spec.trace_path and report.trace_sha256:
             _share(self._traces.path(report.run_id), Path(spec.trace_path))
-        return Answer(number=number, report=report)
+        return Answer(number=number, report=report, candidate=candidate)
+
+
+@lru_cache(maxsize=64)
+def _town_of(document: str) -> str:
+    """Returns the road network of a scenario; before a run it is one of few seed scenarios."""
+    return from_canonical(document).map_region.town
 
 
 def _share(written: Path, wanted: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
@@ -12,7 +13,12 @@ from pydantic import BaseModel, ValidationError
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.campaigns.campaign import Campaign
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.documents import CampaignDocument, TesterDocument, to_campaign
+from drivora_service.campaigns.documents import (
+    MAX_SEEDS,
+    CampaignDocument,
+    TesterDocument,
+    to_campaign,
+)
 from drivora_service.errors import (
     InvalidDocument,
     OracleError,
@@ -38,23 +44,56 @@ M = TypeVar("M", bound=BaseModel)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SeedScenario:
+    """A scenario from which a campaign searches.
+
+    Attributes:
+        name: Its name in the document; "" of a single one.
+        scenario: The scenario, driven by the campaign's agent.
+        network: Its road network.
+    """
+
+    name: str
+    scenario: Scenario
+    network: RoadNetwork
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ValidCampaign:
     """A campaign that can be run.
 
     Attributes:
         document: The document, with defaults filled in.
-        seed: The seed scenario, driven by the campaign's agent.
-        network: The road network of the scenario.
+        seeds: The seed scenarios, at least one.
         notes: Notes on how the document was interpreted.
         versions: Versions of the packages and ADSs from outside Drivora that it names, by name.
     """
 
     document: CampaignDocument
     campaign: Campaign
-    seed: Scenario
-    network: RoadNetwork
+    seeds: tuple[SeedScenario, ...]
     notes: tuple[str, ...]
     versions: Mapping[str, str]
+
+    @property
+    def agent(self) -> str:
+        """The names of the agents of all egos, for lists."""
+        egos = [ego for seed in self.seeds for ego in seed.scenario.ego_vehicles]
+        return _listed(sorted({ego.agent.name for ego in egos}), "agents")
+
+    @property
+    def town(self) -> str:
+        """The names of the road networks, for lists."""
+        return _listed([network.name for network in self._networks], "road networks")
+
+    @property
+    def network_sha256(self) -> str:
+        """The hash of the road networks; see :func:`hash_of_networks`."""
+        return hash_of_networks(self._networks)
+
+    @property
+    def _networks(self) -> tuple[RoadNetwork, ...]:
+        return tuple({seed.network.name: seed.network for seed in self.seeds}.values())
 
     def notes_for(self, workers: int | None) -> tuple[str, ...]:
         """Returns the notes, and one more if the search cannot keep all workers busy.
@@ -70,6 +109,24 @@ class ValidCampaign:
             f"a lookahead of {most} keeps at most {most} of {workers} workers busy; a greater "
             "lookahead keeps more busy, and changes the search",
         )
+
+
+def hash_of_networks(networks: Collection[RoadNetwork]) -> str:
+    """Returns the hash of a road network; of several, that of their names and hashes."""
+    if len(networks) == 1:
+        (network,) = networks
+        return network.sha256
+    lines = sorted(f"{network.name} {network.sha256}\n" for network in networks)
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+_LONGEST_LIST = 100
+"""Characters of a column for lists."""
+
+
+def _listed(names: Sequence[str], what: str) -> str:
+    text = ", ".join(names)
+    return text if len(text) <= _LONGEST_LIST else f"{len(names)} {what}"
 
 
 def read_campaign(
@@ -92,7 +149,7 @@ def read_campaign(
     document, structural = _structure(content)
     tester = document.tester if document else _part(TesterDocument, content, "tester")
     agent = document.agent if document else _part(AgentDocument, content, "agent")
-    scenario, inside = _scenario(content, catalogues, "" if agent is None else agent.name)
+    found, inside = _scenarios(content, catalogues, "" if agent is None else agent.name)
     # An odd value is of a wrong type as well, which is not reported again.
     known = {problem.pointer for problem in odd}
     problems = [
@@ -107,21 +164,29 @@ def read_campaign(
     if isinstance(names, list | tuple):
         wrong = {problem.pointer for problem in problems}
         problems += _check_oracles(names, catalogues.oracles, wrong)
-    if problems or document is None or scenario is None:
+    if problems or document is None:
         raise InvalidDocument(in_document_order(problems, content))
     campaign = to_campaign(document)
-    seed = _driven_by(campaign, scenario.scenario)
+    seeds = tuple(
+        SeedScenario(name=name, scenario=_driven_by(campaign, one.scenario), network=one.network)
+        for name, one in zip(document.seeds, found, strict=True)
+    )
     return ValidCampaign(
         document=document,
         campaign=campaign,
-        seed=seed,
-        network=scenario.network,
-        notes=scenario.notes,
-        versions=_versions(campaign, seed, catalogues),
+        seeds=seeds,
+        notes=tuple(
+            f"{seed.name}: {note}" if seed.name else note
+            for seed, one in zip(seeds, found, strict=True)
+            for note in one.notes
+        ),
+        versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
     )
 
 
-def _versions(campaign: Campaign, seed: Scenario, catalogues: Catalogues) -> dict[str, str]:
+def _versions(
+    campaign: Campaign, seeds: Sequence[Scenario], catalogues: Catalogues
+) -> dict[str, str]:
     tester = campaign.tester
     found = {
         **catalogues.testers.versions(tester.name),
@@ -130,8 +195,8 @@ def _versions(campaign: Campaign, seed: Scenario, catalogues: Catalogues) -> dic
     }
     for oracle in campaign.oracles:
         found |= catalogues.oracles.versions(oracle)
-    for ego in seed.ego_vehicles:
-        found |= catalogues.agents.versions(ego.agent.name)
+    for name in sorted({ego.agent.name for seed in seeds for ego in seed.ego_vehicles}):
+        found |= catalogues.agents.versions(name)
     return found
 
 
@@ -141,34 +206,58 @@ def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, lis
         return CampaignDocument.model_validate(content), []
     except ValidationError as error:
         problems = structural_problems(error, CampaignDocument)
-    if isinstance(content.get("scenario"), Mapping):
-        # The check of the scenario finds these, and more.
-        problems = [p for p in problems if not p.pointer.startswith("/scenario/")]
-    return None, problems
+    # The checks of the scenarios find these, and more.
+    checked = tuple(f"{pointer}/" for pointer, _ in _scenario_parts(content))
+    return None, [p for p in problems if not p.pointer.startswith(checked)]
 
 
-def _scenario(
+def _scenario_parts(content: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yields the pointers and contents of the seed scenarios that are objects."""
+    if isinstance(scenario := content.get("scenario"), Mapping):
+        yield "/scenario", scenario
+    several = content.get("scenarios")
+    if isinstance(several, Sequence) and not isinstance(several, str):
+        for place, one in enumerate(several[:MAX_SEEDS]):
+            if isinstance(one, Mapping) and isinstance(scenario := one.get("scenario"), Mapping):
+                yield f"/scenarios/{place}/scenario", scenario
+
+
+def _scenarios(
     content: Mapping[str, Any], catalogues: Catalogues, driven_by: str
-) -> tuple[ValidScenario | None, list[Problem]]:
-    """Returns the scenario, or ``None``, and its problems.
+) -> tuple[list[ValidScenario], list[Problem]]:
+    """Returns the valid seed scenarios, and the problems of the others.
 
     Args:
         content: The campaign.
         catalogues: Catalogues for the names.
         driven_by: The campaign's own agent, "" if it has none.
     """
-    scenario = content.get("scenario")
-    if not isinstance(scenario, Mapping):
-        return None, []
-    if "file" in scenario:
-        message = "found a file; only the command line reads files: put the scenario itself here"
-        return None, [Problem(pointer="/scenario/file", code="scenario_file", message=message)]
+    found: list[ValidScenario] = []
+    problems: list[Problem] = []
+    for pointer, scenario in _scenario_parts(content):
+        valid, inside = _scenario(pointer, scenario, catalogues, driven_by)
+        found += [] if valid is None else [valid]
+        problems += inside
+    return found, problems
+
+
+def _scenario(
+    pointer: str, scenario: Mapping[str, Any], catalogues: Catalogues, driven_by: str
+) -> tuple[ValidScenario | None, list[Problem]]:
+    """Returns the scenario, or ``None``, and its problems."""
+    for key in ("file", "folder"):
+        if key in scenario:
+            message = (
+                f"found a {key}; only the command line reads files: put the scenario itself here"
+            )
+            problem = Problem(pointer=f"{pointer}/{key}", code="scenario_file", message=message)
+            return None, [problem]
     try:
         agents = catalogues.agents.availability()
         return validate_data(scenario, catalogues.networks, agents, driven_by=driven_by), []
     except InvalidDocument as error:
         return None, [
-            replace(problem, pointer=f"/scenario{problem.pointer}") for problem in error.problems
+            replace(problem, pointer=f"{pointer}{problem.pointer}") for problem in error.problems
         ]
 
 

@@ -21,19 +21,22 @@ _EXAMPLE: dict[str, Any] = {
     "oracles": ["collision", "red_light"],
     "seed": 1,
 }
-_SCENARIO_FILE: dict[str, Any] = {
-    "type": "object",
-    "description": "The scenario's file; only the command line reads files.",
-    "properties": {
-        "file": {
-            "type": "string",
-            "minLength": 1,
-            "description": "Path relative to the campaign's file.",
-        }
-    },
-    "required": ["file"],
-    "additionalProperties": False,
-}
+
+
+def _place(key: str, description: str) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "description": f"{description}; only the command line reads files.",
+        "properties": {
+            key: {
+                "type": "string",
+                "minLength": 1,
+                "description": "Path relative to the campaign's file.",
+            }
+        },
+        "required": [key],
+        "additionalProperties": False,
+    }
 
 
 def schema_path() -> Path:
@@ -44,11 +47,21 @@ def schema_path() -> Path:
 def campaign_schema() -> dict[str, Any]:
     """Returns the schema (JSON Schema, draft 2020-12) of a file, which may name its scenario's."""
     schema = CampaignDocument.model_json_schema()
-    scenario = schema["properties"]["scenario"]
-    schema["properties"]["scenario"] = {
+    properties = schema["properties"]
+    for key in ("scenario", "scenarios"):
+        given, _null = properties[key].pop("anyOf")
+        properties[key] = {"description": properties[key]["description"], **given}
+    scenario = properties["scenario"]
+    properties["scenario"] = {
         "description": scenario.pop("description"),
-        "anyOf": [scenario, _SCENARIO_FILE],
+        "anyOf": [
+            scenario,
+            _place("file", "The scenario's file"),
+            _place("folder", "The folder of several seed scenarios, which take turns"),
+        ],
     }
+    properties["scenarios"]["minItems"] = 1
+    schema["oneOf"] = [{"required": ["scenario"]}, {"required": ["scenarios"]}]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": f"urn:drivora:campaign:{VERSION}",

@@ -1,4 +1,4 @@
-"""The road network and the gene space of a stored campaign."""
+"""The road networks and the gene spaces of a stored campaign."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class SearchedSpace:
     space: GeneSpace
 
 
-def searched_space_of(record: CampaignRecord, catalogues: Catalogues) -> SearchedSpace:
-    """Returns the network and the genes of a campaign.
+def searched_spaces_of(record: CampaignRecord, catalogues: Catalogues) -> tuple[SearchedSpace, ...]:
+    """Returns the network and the genes of each seed scenario of a campaign.
 
     Raises:
         InvalidDocument: A name in it is no longer available.
@@ -30,10 +30,15 @@ def searched_space_of(record: CampaignRecord, catalogues: Catalogues) -> Searche
         SearchError: Its space can no longer be built.
     """
     valid = read_campaign(record.document, catalogues)
-    if valid.network.sha256 != record.network_sha256:
+    if valid.network_sha256 != record.network_sha256:
         raise CampaignError(
             f"the road network {record.town!r} has changed since campaign {record.id} was made: "
             "its gene space is no longer known; restore the old network, or leave the campaign out"
         )
-    space = ScenarioSpace(valid.seed, valid.network, valid.campaign.space)
-    return SearchedSpace(network=valid.network, space=space.genes)
+    return tuple(
+        SearchedSpace(
+            network=seed.network,
+            space=ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes,
+        )
+        for seed in valid.seeds
+    )

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from drivora_service.campaigns.arithmetic import use_one_thread
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher, conduct
 from drivora_service.campaigns.documents import campaign_text
@@ -34,9 +35,9 @@ def new_campaign(valid: ValidCampaign) -> NewCampaign:
         name=campaign.name,
         document=campaign_text(valid.document),
         tester=campaign.tester.name,
-        agent=", ".join(sorted({ego.agent.name for ego in valid.seed.ego_vehicles})),
-        town=valid.network.name,
-        network_sha256=valid.network.sha256,
+        agent=valid.agent,
+        town=valid.town,
+        network_sha256=valid.network_sha256,
         budget=campaign.budget,
         versions={**search_versions(), **valid.versions},
     )
@@ -75,6 +76,7 @@ def run_stored(
     from drivora_service.campaigns.preparing import prepare_search
     from drivora_service.campaigns.reading import read_campaign
 
+    use_one_thread()
     lock = folder.lock()
     try:
         with database.write() as transaction:
@@ -127,7 +129,7 @@ def hand_over(database: Database, campaign_id: str, folder: CampaignFolder) -> C
 
 
 def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
-    if record.network_sha256 != valid.network.sha256:
+    if record.network_sha256 != valid.network_sha256:
         raise CampaignError(
             f"the road network {record.town!r} has changed since campaign {record.id} was made; "
             "restore the old network, or start a new campaign"

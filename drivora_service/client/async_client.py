@@ -34,7 +34,12 @@ from drivora_service.client.flows import (
     asking,
     listing_items,
 )
-from drivora_service.client.following import batch_runs, expecting_workers, followed_campaign
+from drivora_service.client.following import (
+    batch_runs,
+    expecting_workers,
+    followed_campaign,
+    followed_study,
+)
 from drivora_service.client.operations import AwaitedOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import AsyncApplicationTransport
@@ -44,6 +49,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.api.schemas.runs import Run
+    from drivora_service.api.schemas.studies import Study
 
 T = TypeVar("T")
 
@@ -159,6 +165,20 @@ class AsyncClient(AwaitedOperations):
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
         return await self._result(followed_campaign(campaign_id, self._terms, on_progress))
+
+    async def follow_study(
+        self, study_id: str, *, on_progress: Callable[[Study], None] = ignore_progress
+    ) -> Study:
+        """Waits until no campaign of a study runs or waits, and returns the study.
+
+        Args:
+            study_id: Which study.
+            on_progress: Called with the study at every poll, the last one included.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return await self._result(followed_study(study_id, self._terms, on_progress))
 
     async def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None

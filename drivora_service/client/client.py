@@ -33,7 +33,12 @@ from drivora_service.client.flows import (
     asking,
     listing_items,
 )
-from drivora_service.client.following import batch_runs, expecting_workers, followed_campaign
+from drivora_service.client.following import (
+    batch_runs,
+    expecting_workers,
+    followed_campaign,
+    followed_study,
+)
 from drivora_service.client.operations import BlockingOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.transport import ApplicationTransport
@@ -43,6 +48,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.api.schemas.runs import Run
+    from drivora_service.api.schemas.studies import Study
 
 T = TypeVar("T")
 
@@ -160,6 +166,20 @@ class Client(BlockingOperations):
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
         return self._result(followed_campaign(campaign_id, self._terms, on_progress))
+
+    def follow_study(
+        self, study_id: str, *, on_progress: Callable[[Study], None] = ignore_progress
+    ) -> Study:
+        """Waits until no campaign of a study runs or waits, and returns the study.
+
+        Args:
+            study_id: Which study.
+            on_progress: Called with the study at every poll, the last one included.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return self._result(followed_study(study_id, self._terms, on_progress))
 
     def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None

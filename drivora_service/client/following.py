@@ -1,4 +1,4 @@
-"""Following batches and campaigns until they have ended."""
+"""Following batches, campaigns and studies until they have ended."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from drivora_service.client.calls import campaigns, catalogues, jobs, runs
+from drivora_service.client.calls import campaigns, catalogues, jobs, runs, studies
 from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, asking
 from drivora_service.errors import ServiceUnavailable
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.api.schemas.runs import Run
+    from drivora_service.api.schemas.studies import Study
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
 _LOCAL_SHARE, _LOCAL_SHORTEST_S, _LOCAL_LONGEST_S = 0.05, 0.05, 0.25
@@ -155,5 +156,31 @@ def followed_campaign(
         if campaign.state not in (CampaignState.QUEUED, CampaignState.RUNNING):
             return campaign
         if pace.is_still((campaign.state, campaign.counts, campaign.kinds)):
+            yield from expecting_workers(terms)
+        yield pace.wait(answer.retry_after_s)
+
+
+def followed_study(
+    study_id: str, terms: Terms, on_progress: Callable[[Study], None]
+) -> Flow[Study]:
+    """Waits until no campaign of a study runs or waits, and returns the study.
+
+    Args:
+        study_id: Id of the study.
+        terms: How the service is asked.
+        on_progress: Called with the study at every poll, the last one included.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    pace = _Pace(is_local=terms.service.is_local)
+    while True:
+        pace.look()
+        answer = yield from asking(studies.study(study_id), terms)
+        study = answer.value
+        on_progress(study)
+        if not study.state.is_active:
+            return study
+        if pace.is_still((study.campaigns, study.counts)):
             yield from expecting_workers(terms)
         yield pace.wait(answer.retry_after_s)

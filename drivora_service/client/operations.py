@@ -13,6 +13,7 @@ from drivora_service.client.calls import campaigns as campaign_calls
 from drivora_service.client.calls import catalogues as catalogue_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import runs as run_calls
+from drivora_service.client.calls import studies as study_calls
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -137,6 +138,16 @@ class Operations:
     failures = Listed(campaign_calls.failures)
     figures = Answered(campaign_calls.figures)
     compare_campaigns = Answered(campaign_calls.compare_campaigns)
+
+    post_study = Answered(study_calls.post_study)
+    studies = Listed(study_calls.studies)
+    study = Answered(study_calls.study)
+    pause_study = Answered(study_calls.pause_study)
+    resume_study = Answered(study_calls.resume_study)
+    cancel_study = Answered(study_calls.cancel_study)
+    compare_study = Answered(study_calls.compare_study)
+    study_table = Answered(study_calls.study_table)
+    save_study_table = Saved(study_calls.study_table)
 
     networks = Answered(catalogue_calls.networks)
     network = Answered(catalogue_calls.network)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import CampaignDocument
-from drivora_service.campaigns.searched_space import SearchedSpace, searched_space_of
+from drivora_service.campaigns.searched_space import SearchedSpace, searched_spaces_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
 from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.store.campaign_records import (
@@ -17,12 +17,14 @@ from drivora_service.store.campaign_records import (
     Confirmation,
     EvaluationRecord,
     Failure,
+    SeedFindings,
 )
 from drivora_service.store.database import Database
 from drivora_service.studies.comparing import (
     check_genes,
     confirmed_evaluations,
     network_coverage,
+    networks_of,
 )
 from drivora_service.studies.figures import CampaignFigures, Subject, figures_of
 from drivora_service.studies.situations import count_situations
@@ -74,6 +76,7 @@ class CampaignReport:
     Attributes:
         figures: ``None`` if its gene space is no longer known; ``note`` says why.
         groups: Groups of failures, in the order in which they were found.
+        seeds: Findings by seed scenario; empty if there is only one.
         privileged: Egos with full observations, not limited by the perception model.
     """
 
@@ -83,6 +86,7 @@ class CampaignReport:
     groups: tuple[FailureGroup, ...]
     note: str
     privileged: tuple[str, ...] = ()
+    seeds: tuple[SeedFindings, ...] = ()
 
 
 def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
@@ -94,12 +98,13 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
         failures = transaction.evaluations.failures(campaign_id)
+        seeds = transaction.campaign_views.seeds(campaign_id)
     document = CampaignDocument.model_validate(record.document)
     groups = group(failures)
     figures, note = None, ""
     privileged: set[str] = set()
     try:
-        searched = searched_space_of(record, catalogues)
+        searched = searched_spaces_of(record, catalogues)
         evaluations = check_genes(confirmed_evaluations(database, record.id), searched, record)
         privileged.update(ego for one in evaluations for ego in one.report.privileged)
         figures = _figures(database, record, document, searched, groups, evaluations)
@@ -112,6 +117,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
         groups=groups,
         note=note,
         privileged=tuple(sorted(privileged)),
+        seeds=seeds,
     )
 
 
@@ -130,7 +136,7 @@ def _figures(
     database: Database,
     record: CampaignRecord,
     document: CampaignDocument,
-    searched: SearchedSpace,
+    searched: Sequence[SearchedSpace],
     groups: Sequence[FailureGroup],
     records: Sequence[EvaluationRecord],
 ) -> CampaignFigures:
@@ -145,12 +151,12 @@ def _figures(
     figures = figures_of(
         subject,
         records,
-        searched.space,
+        [one.space for one in searched],
         groups=len(numbers) if are_grouped else None,
         situations=situations,
         budget=record.budget,
     )
     if not figures.simulations:
         return figures
-    covered = network_coverage(database, record.id, searched.network)
+    covered = network_coverage(database, record.id, networks_of(searched))
     return replace(figures, network_coverage=covered)

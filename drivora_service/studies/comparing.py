@@ -93,7 +93,7 @@ def compare_stored(
         InvalidDocument: A name in a campaign is no longer available.
     """
     # Imported here: importing this module shall not import the testers and the clustering.
-    from drivora_service.campaigns.searched_space import searched_space_of
+    from drivora_service.campaigns.searched_space import searched_spaces_of
 
     campaigns = compared_campaigns(records, catalogues.testers)
     check_comparable([campaign.subject for campaign in campaigns], baseline)
@@ -106,8 +106,8 @@ def compare_stored(
         evaluations = [confirmed_evaluations(database, c.record.id) for c in here]
         if equal_time:
             limits[scenario] = min(duration_s(one) for one in evaluations)
-        searched = searched_space_of(here[0].record, catalogues)
-        for found in _figures(database, here, evaluations, searched, limits.get(scenario)):
+        searched = searched_spaces_of(here[0].record, catalogues)
+        for found in figures_together(database, here, evaluations, searched, limits.get(scenario)):
             figures[found.campaign] = found
     ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
     return Comparison(
@@ -149,38 +149,53 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
 
 
 def network_coverage(
-    database: Database, campaign_id: str, network: RoadNetwork, *, until: int | None = None
+    database: Database,
+    campaign_id: str,
+    networks: Sequence[RoadNetwork],
+    *,
+    until: int | None = None,
 ) -> float:
-    """Returns the share of the network that a campaign's simulations used.
+    """Returns the share of its networks, taken together, that a campaign's simulations used.
 
     Args:
         database: Holds their scenarios.
         campaign_id: Id of the campaign.
-        network: Its road network.
+        networks: Its road networks.
         until: Number of the last evaluation that counts; ``None``: all count.
     """
-    from drivora_service.studies.road_coverage import RoadCoverage
+    from drivora_service.studies.road_coverage import RoadCoverage, covered_share
 
-    coverage = RoadCoverage(network)
+    coverages = {network.name: RoadCoverage(network) for network in networks}
     after = -1
     while True:
         with database.read() as transaction:
             page = transaction.evaluations.documents(campaign_id, after=after, limit=_PAGE)
-        coverage.add(
-            [from_canonical(text) for number, text in page if until is None or number <= until]
-        )
+        scenarios = [
+            from_canonical(text) for number, text in page if until is None or number <= until
+        ]
+        for town, coverage in coverages.items():
+            coverage.add([one for one in scenarios if one.map_region.town == town])
         if len(page) < _PAGE:
-            return coverage.share
+            return covered_share(tuple(coverages.values()))
         after = page[-1][0]
 
 
-def _figures(
+def figures_together(
     database: Database,
     campaigns: Sequence[Compared],
     evaluations: Sequence[Sequence[EvaluationRecord]],
-    searched: SearchedSpace,
+    searched: Sequence[SearchedSpace],
     limit: float | None,
 ) -> list[CampaignFigures]:
+    """Returns the figures of campaigns on one scenario, whose failures are grouped together.
+
+    Args:
+        database: Holds the scenarios of their evaluations.
+        campaigns: The campaigns.
+        evaluations: The evaluations of each.
+        searched: What all of them searched, seed by seed.
+        limit: Seconds of one worker after which evaluations do not count; ``None``: all count.
+    """
     counted = [one if limit is None else within_time(one, limit) for one in evaluations]
     violations = [[verdict for record in one for verdict in record.violations] for one in counted]
     from drivora_service.campaigns.grouping import Grouping
@@ -191,13 +206,13 @@ def _figures(
         figures_of(
             campaign.subject,
             check_genes(records, searched, campaign.record),
-            searched.space,
+            [one.space for one in searched],
             groups=groups,
             situations=places,
             network_coverage=network_coverage(
                 database,
                 campaign.record.id,
-                searched.network,
+                networks_of(searched),
                 until=records[-1].number if records else -1,
             ),
             time_limit_s=limit,
@@ -209,8 +224,15 @@ def _figures(
     ]
 
 
+def networks_of(searched: Sequence[SearchedSpace]) -> tuple[RoadNetwork, ...]:
+    """Returns the road networks of several spaces, each once."""
+    return tuple({one.network.name: one.network for one in searched}.values())
+
+
 def check_genes(
-    records: Sequence[EvaluationRecord], searched: SearchedSpace, campaign: CampaignRecord
+    records: Sequence[EvaluationRecord],
+    searched: Sequence[SearchedSpace],
+    campaign: CampaignRecord,
 ) -> Sequence[EvaluationRecord]:
     """Returns the evaluations, after a check that their genes are those of the current space.
 
@@ -218,9 +240,9 @@ def check_genes(
         CampaignError: They are not.
     """
     for record in records:
-        if record.status is not EvaluationStatus.INVALID and not searched.space.within(
-            record.proposal.values
-        ):
+        if record.status is not EvaluationStatus.INVALID and not searched[
+            record.seed_number
+        ].space.within(record.proposal.values):
             raise CampaignError(
                 f"evaluation {record.number} of campaign {campaign.id} has other genes than the "
                 "same campaign would have now: the program has changed since. Compare it with the "

@@ -46,7 +46,8 @@ class CampaignFigures(Shape):
             they were not counted.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
         found: For each different failure, simulations up to it, ascending.
-        gene_coverage: Share of all combinations of two genes' levels that were tried.
+        gene_coverage: Share of all combinations of two genes' levels that were tried; with several
+            seed scenarios the mean of theirs.
         simulation_s: Seconds of all runs in their workers.
         own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
         network_coverage: Share of the network's drivable lanes, by length, on which actors were
@@ -104,7 +105,7 @@ class Subject:
 def figures_of(
     subject: Subject,
     records: Sequence[EvaluationRecord],
-    space: GeneSpace,
+    spaces: Sequence[GeneSpace],
     *,
     groups: int | None = None,
     situations: int | None = None,
@@ -117,7 +118,7 @@ def figures_of(
     Args:
         subject: The campaign.
         records: Its evaluations in order.
-        space: Its genes.
+        spaces: Its genes, by seed scenario.
         groups: Groups of similar failures, if known.
         situations: Situations in which they occurred, if known.
         network_coverage: See :class:`CampaignFigures`.
@@ -150,7 +151,6 @@ def figures_of(
             # By its part: an actor of the seed scenario may be called anything.
             oracles.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
     failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
-    values = np.array([r.proposal.values for r in simulated]).reshape(len(simulated), len(space))
     return CampaignFigures(
         campaign=subject.campaign,
         method=subject.method,
@@ -170,7 +170,7 @@ def figures_of(
         situations=situations,
         first_failure=first,
         found=tuple(sorted(found.values())),
-        gene_coverage=pairwise_coverage(values, space),
+        gene_coverage=_mean_coverage(simulated, spaces),
         simulation_s=sum(r.report.wall_time_s for r in simulated),
         own_s=sum(r.search_s + r.prepare_s for r in records),
         network_coverage=network_coverage,
@@ -178,6 +178,14 @@ def figures_of(
         time_limit_s=time_limit_s,
         budget=budget,
     )
+
+
+def _mean_coverage(records: Sequence[EvaluationRecord], spaces: Sequence[GeneSpace]) -> float:
+    shares = []
+    for number, space in enumerate(spaces):
+        rows = [r.proposal.values for r in records if r.seed_number == number]
+        shares.append(pairwise_coverage(np.array(rows).reshape(len(rows), len(space)), space))
+    return sum(shares) / len(shares)
 
 
 def cost_s(record: EvaluationRecord) -> float:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 
 from drivora_service.campaigns.campaign import FeedbackMode
+from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.store.campaign_records import Confirmation
 from drivora_service.studies.campaign_report import CampaignReport, FailureGroup
@@ -31,6 +32,8 @@ def report_markdown(
     lines += ["", "## Results", "", *_table(("", ""), _outcome(report))]
     if report.note:
         lines += ["", f"Coverage and times are not known: {report.note}"]
+    if report.seeds:
+        lines += ["", "## Seed scenarios", "", *_by_seed(report)]
     lines += ["", "## Failures", "", *_failures(report)]
     for group in report.groups:
         lines += ["", *_group(report, group, pictures or {}, options)]
@@ -39,7 +42,7 @@ def report_markdown(
 
 def _searched(report: CampaignReport) -> list[tuple[str, str]]:
     record, document = report.record, report.document
-    tester, scenario = document.tester, document.scenario
+    tester = document.tester
     rows = [("method", tester.name)]
     if tester.parameters:
         rows.append(("its parameters", _plain(tester.parameters)))
@@ -55,7 +58,7 @@ def _searched(report: CampaignReport) -> list[tuple[str, str]]:
         rows.append(("egos with full observations", ", ".join(report.privileged)))
     rows += [
         ("road network", f"{record.town} ({record.network_sha256[:8]})"),
-        ("seed scenario", f"{len(scenario.ego_vehicles)} ego(s), seed {scenario.seed}"),
+        _seeds(document),
         ("space", ", ".join(f"{name} {_plain(value)}" for name, value in space.items())),
         ("failures are violations of", ", ".join(document.oracles)),
         ("budget", f"{record.budget} simulations"),
@@ -64,6 +67,40 @@ def _searched(report: CampaignReport) -> list[tuple[str, str]]:
         ("versions", ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items()))),
     ]
     return rows
+
+
+def _seeds(document: CampaignDocument) -> tuple[str, str]:
+    if document.scenario is None:
+        return "seed scenarios", f"{len(document.seeds)}, in turns"
+    scenario = document.scenario
+    return "seed scenario", f"{len(scenario.ego_vehicles)} ego(s), seed {scenario.seed}"
+
+
+def _by_seed(report: CampaignReport) -> list[str]:
+    titles = (
+        "seed scenario",
+        "road network",
+        "simulations",
+        "with a failure",
+        "at fault",
+        "avoidable",
+        "kinds",
+        "first failure",
+    )
+    rows = [
+        (
+            seed.name,
+            seed.town,
+            str(seed.simulations),
+            str(seed.violating),
+            str(seed.at_fault),
+            str(seed.avoidable),
+            str(seed.kinds),
+            "none" if seed.first_failure is None else f"evaluation {seed.first_failure}",
+        )
+        for seed in report.seeds
+    ]
+    return _table(titles, rows)
 
 
 def _outcome(report: CampaignReport) -> list[tuple[str, str]]:

@@ -53,9 +53,13 @@ class RoadCoverage:
     @property
     def share(self) -> float:
         """The covered share of the drivable lanes' length; 0 if there are none."""
+        return covered_share((self,))
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """The length of the covered cells and of all, metres."""
         sizes = np.repeat(self._lengths / np.maximum(self._counts, 1), self._counts)
-        whole = float(sizes.sum())
-        return float(sizes[self.covered].sum()) / whole if whole else 0.0
+        return float(sizes[self.covered].sum()), float(sizes.sum())
 
     @property
     def covered(self) -> NDArray[np.bool_]:
@@ -167,3 +171,10 @@ def _roads_between(network: RoadNetwork, start: int, end: int) -> tuple[Road, ..
 def _middle(network: RoadNetwork, lane: int) -> RoutePoint:
     x, y, yaw = network.lanes[lane].position_at(0.5 * float(network.lanes[lane].arc[-1]))
     return RoutePoint(x=x, y=y, yaw=yaw)
+
+
+def covered_share(coverages: Sequence[RoadCoverage]) -> float:
+    """Returns the covered share of the drivable lanes' length of several networks together."""
+    lengths = [coverage.lengths for coverage in coverages]
+    whole = sum(of_all for _, of_all in lengths)
+    return sum(covered for covered, _ in lengths) / whole if whole else 0.0

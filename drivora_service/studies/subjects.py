@@ -123,7 +123,7 @@ def _conditions(campaign: Compared) -> dict[str, Any]:
 
 def _agent_parameters(document: CampaignDocument) -> list[Mapping[str, Any]]:
     """Returns the different parameters of the egos' agents."""
-    egos = document.scenario.ego_vehicles
+    egos = [ego for scenario in document.seeds.values() for ego in scenario.ego_vehicles]
     agents = [ego.agent if document.agent is None else document.agent for ego in egos]
     different: list[Mapping[str, Any]] = []
     for agent in agents:
@@ -135,7 +135,7 @@ def _agent_parameters(document: CampaignDocument) -> list[Mapping[str, Any]]:
 
 def _scenario_names(documents: Sequence[CampaignDocument]) -> list[str]:
     hashes = [_scenario_hash(document) for document in documents]
-    towns = [document.scenario.map_region.town for document in documents]
+    towns = [_towns(document) for document in documents]
     of_town: dict[str, set[str]] = defaultdict(set)
     for town, digest in zip(towns, hashes, strict=True):
         of_town[town].add(digest)
@@ -146,12 +146,22 @@ def _scenario_names(documents: Sequence[CampaignDocument]) -> list[str]:
 
 
 def _scenario_hash(document: CampaignDocument) -> str:
-    """Returns the identity of a seed scenario, regardless of its agents."""
+    """Returns the identity of the seed scenarios, regardless of their agents."""
     drivers = {"agent": True, "config_path": True}
-    content = document.scenario.model_dump(
-        mode="json", exclude={"ego_vehicles": {"__all__": drivers}}
-    )
+    contents = [
+        scenario.model_dump(mode="json", exclude={"ego_vehicles": {"__all__": drivers}})
+        for scenario in document.seeds.values()
+    ]
+    content = contents[0] if document.scenario is not None else contents
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _towns(document: CampaignDocument) -> str:
+    towns = sorted({scenario.map_region.town for scenario in document.seeds.values()})
+    if document.scenario is not None:
+        return towns[0]
+    where = towns[0] if len(towns) == 1 else f"{len(towns)} networks"
+    return f"{len(document.seeds)} scenarios of {where}"
 
 
 def _method_names(documents: Sequence[CampaignDocument], testers: TesterCatalogue) -> list[str]:

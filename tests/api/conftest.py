@@ -28,6 +28,8 @@ from drivora_service.campaigns.stored import hand_over
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import Database, Transaction, open_database
 from drivora_service.store.traces import TraceFolder
+from drivora_service.studies.folder import StudyFolder
+from drivora_service.studies.service_studies import ServiceStudies
 
 BODY_LIMIT = 200_000
 
@@ -126,6 +128,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
         def folder(campaign_id: str) -> CampaignFolder:
             return CampaignFolder(tmp_path / "campaigns", campaign_id)
 
+        campaigns = Unattended(database, folder, woken)
         context = ApiContext(
             opened=lambda: database,
             revision=database.changes.value,
@@ -136,7 +139,13 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=folder,
             wake=lambda: woken.append(1),
-            campaigns=Unattended(database, folder, woken),
+            campaigns=campaigns,
+            studies=ServiceStudies(
+                database,
+                campaigns,
+                folder=lambda study_id: StudyFolder(tmp_path / "studies", study_id),
+                campaign_folder=folder,
+            ),
             reserve=lambda _runs: "",
             faults=lambda: {"workers": "there are none"},
             storage_fault=storage_fault,

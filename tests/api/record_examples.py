@@ -115,6 +115,7 @@ def record_examples() -> dict[str, str]:
             recording.catalogues()
             recording.queue()
             recording.campaigns()
+            recording.studies()
             recording.state()
         return recording.files
 
@@ -209,6 +210,41 @@ class _Recording:
             self._finished(f"/campaigns/{campaign}")
         wanted = "campaign=study-*&measure=at_fault&measure=kinds"
         self._keep(examples.COMPARISON, self._get(f"/campaigns:compare?{wanted}"))
+
+    def studies(self) -> None:
+        """Records a study, what may befall one that waits, its comparison and a table of it."""
+        campaign = _searching(name="", simulations=8)
+        study: dict[str, Any] = {
+            "name": "braking too late",
+            "scenarios": [{"label": "late braking", "document": campaign["scenario"]}],
+            "agents": [campaign["agent"]],
+            "methods": [{"name": "random"}, {"name": "avfuzzer"}],
+            "repetitions": 2,
+            "seed": 4,
+            "space": campaign["space"],
+            "oracles": campaign["oracles"],
+            "budget": campaign["budget"],
+        }
+        # One campaign runs at a time: the study waits for this one.
+        first = self._post("/campaigns", _searching(name="first", simulations=100_000))
+        other = self._post("/studies", study)
+        cancelled = self._post(f"/studies/{other['id']}:cancel")
+        posted = self._post("/studies", study)
+        self._keep(examples.QUEUED_STUDY, posted)
+        one = f"/studies/{posted['id']}"
+        self._keep(examples.PAUSED_STUDY, self._post(f"{one}:pause"))
+        self._keep(examples.RESUMED_STUDY, self._post(f"{one}:resume"))
+        self._post(f"/campaigns/{first['id']}:cancel")
+        self._wait(one, lambda found: found["state"] not in ("queued", "running"))
+        self._keep(examples.FINISHED_STUDY, self._get(one))
+        self._keep(examples.STUDIES, self._get("/studies?limit=1"))
+        comparison = self._get(f"{one}/comparison?measure=failing")
+        self._keep(examples.STUDY_COMPARISON, comparison)
+        table = self._client.get(f"{PREFIX}{one}/tables/campaigns")
+        table.raise_for_status()
+        lines = table.text.splitlines(keepends=True)[:2]
+        self._keep(examples.STUDY_TABLE, re.sub(r"[0-9.]+\n$", "20.0\n", "".join(lines)))
+        self._keep(examples.CANCELLED_STUDY, cancelled)
 
     def state(self) -> None:
         """Records the figures of the service, and what it says when its traces have gone."""

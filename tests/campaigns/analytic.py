@@ -5,22 +5,27 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from drivora_service.campaigns.candidates import Candidate
 from drivora_service.campaigns.engine import Engine, Search, Told
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.campaigns.journal import Journal
+from drivora_service.campaigns.turns import SearchPart
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
+from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import Evaluation, Proposal, Tester
 from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
 from drivora_service.testing.gene_spaces import small_space
+from drivora_service.worker.preparing import prepare
+from drivora_service.worker.setup import WorkerSetup
 
 NO_REQUEST = CampaignRequest.NONE
 
@@ -39,12 +44,28 @@ class Values:
     def genes(self) -> GeneSpace:
         return self._space
 
+    @property
+    def source(self) -> SpaceSource:
+        return SpaceSource(seed="", options=json.dumps(self._invalid_below))
+
     def prepare(self, values: FloatArray) -> Candidate:
         repaired = values.copy()
         repaired[self._grid] = np.round(repaired[self._grid], 2)
-        if self._space.to_unit(repaired)[self._grid] < self._invalid_below:
-            return Candidate(values=repaired, problem="/npc_vehicles/0: too near")
-        return Candidate(values=repaired, document=json.dumps(repaired.tolist()))
+        invalid = self._space.to_unit(repaired)[self._grid] < self._invalid_below
+        return Candidate(
+            values=tuple(repaired.tolist()),
+            document="" if invalid else json.dumps(repaired.tolist()),
+            problem="/npc_vehicles/0: too near" if invalid else "",
+            prepare_s=0.01,
+        )
+
+
+def decode(source: CandidateSource) -> Candidate:
+    """Prepares a candidate of this world, or of a real space."""
+    if source.space.seed:
+        return prepare(source, WorkerSetup(shipped_networks=shipped_networks()))
+    values = Values(invalid_below=json.loads(source.space.options))
+    return values.prepare(np.array(source.values))
 
 
 def perform(spec: RunSpec) -> RunReport:
@@ -105,9 +126,9 @@ class Computed:
         self.submitted: list[int] = []
         self.most_under_way = 0
 
-    def submit(self, number: int, spec: RunSpec) -> None:
-        self._queue.append((number, spec))
-        self.submitted.append(number)
+    def submit(self, runs: Sequence[tuple[int, RunSpec]]) -> None:
+        self._queue += runs
+        self.submitted += [number for number, _ in runs]
         self.most_under_way = max(self.most_under_way, len(self._queue))
 
     def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
@@ -115,10 +136,22 @@ class Computed:
             return ()
         place = int(self._random.integers(min(self._slots, len(self._queue))))
         number, spec = self._queue.pop(place)
-        return (Answer(number=number, report=self._work(spec)),)
+        if spec.candidate is None:
+            return (Answer(number=number, report=_as_stored(self._work(spec))),)
+        candidate = decode(spec.candidate)
+        if candidate.problem:
+            failure = RunFailure(cause="invalid_document", message=candidate.problem)
+            report = RunReport(run_id=spec.run_id, status=RunStatus.INVALID, failure=failure)
+        else:
+            report = self._work(replace(spec, document=candidate.document, candidate=None))
+        return (Answer(number=number, report=_as_stored(report), candidate=candidate),)
 
     def close(self) -> None:
         self._queue.clear()
+
+
+def _as_stored(report: RunReport) -> RunReport:
+    return report_from_json(report_to_json(report))
 
 
 @dataclass(slots=True)
@@ -164,16 +197,18 @@ def climber(seed: int = 5) -> Climber:
     return Climber(space=small_space(), random=np.random.default_rng(seed))
 
 
+def part_of(tester: Tester, candidates: Values) -> SearchPart:
+    return SearchPart(tester=tester, candidates=candidates, kind_of=lambda verdict: verdict.oracle)
+
+
 def search_of(tester: Tester, **changes: object) -> Search:
     fields: dict[str, object] = {
         "run_prefix": "test",
-        "tester": tester,
-        "candidates": Values(invalid_below=0.1),
+        "parts": (part_of(tester, Values(invalid_below=0.1)),),
         "feedback": FeedbackChoice(name="general"),
         "oracles": frozenset({"collision"}),
         "budget": 60,
         "lookahead": 8,
-        "kind_of": lambda verdict: verdict.oracle,
     }
     return Search(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
 
@@ -185,9 +220,12 @@ def run(
     evaluator: Computed | None = None,
     requested: Callable[[], CampaignRequest] = lambda: NO_REQUEST,
     on_told: Callable[[Told], None] = lambda _told: None,
+    candidates: Values | None = None,
     **changes: object,
 ) -> CampaignRequest:
     """Runs a campaign of the climber in the computed world."""
+    if candidates is not None:
+        changes["parts"] = (part_of(tester or climber(), candidates),)
     search = search_of(tester or climber(), **changes)
     engine = Engine(search, evaluator or Computed(), journal, requested=requested, on_told=on_told)
     return engine.run()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drivora_service.campaigns.engine import Told
+from drivora_service.campaigns.evaluator import Answer
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.errors import CampaignError, PluginError
 from drivora_service.geometry.arrays import FloatArray
@@ -120,7 +121,7 @@ def test_values_are_told_as_they_were_repaired() -> None:
     tester = climber()
     run(MemoryJournal(), tester=tester, candidates=Values())
     assert all(
-        np.array_equal(e.proposal.values, Values().prepare(e.proposal.values).values)
+        tuple(e.proposal.values.tolist()) == Values().prepare(e.proposal.values).values
         for e in tester.told
     )
 
@@ -256,9 +257,9 @@ def test_a_lost_run_does_not_become_part_of_the_search(
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda p: replace(p, values=np.roll(p.values, 1)), "other values"),
-        (lambda p: replace(p, origin="crossover"), "another origin"),
-        (lambda p: replace(p, parents=(0, 1)), "another origin"),
+        (lambda r: replace(r, asked_sha256="0" * 64), "other values"),
+        (lambda r: replace(r, proposal=replace(r.proposal, origin="x")), "another origin"),
+        (lambda r: replace(r, proposal=replace(r.proposal, parents=(0, 1))), "another origin"),
     ],
 )
 def test_a_journal_of_another_program_is_refused(
@@ -266,16 +267,60 @@ def test_a_journal_of_another_program_is_refused(
 ) -> None:
     assert callable(change)
     stored = list(whole[:20])
-    stored[9] = replace(stored[9], proposal=change(stored[9].proposal))
+    stored[9] = change(stored[9])
     with pytest.raises(CampaignError, match=f"evaluation 9 has {said}"):
         run(MemoryJournal(stored))
 
 
-def test_a_journal_with_another_scenario_is_refused(whole: list[EvaluationRecord]) -> None:
-    stored = list(whole[:20])
-    stored[9] = replace(stored[9], document_sha256="0" * 64)
-    with pytest.raises(CampaignError, match="evaluation 9 has another scenario"):
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda r: replace(r, document_sha256="0" * 64), "another scenario"),
+        (lambda r: replace(r, proposal=_rolled(r.proposal)), "other values"),
+    ],
+)
+@pytest.mark.parametrize("number", [0, 50])
+def test_a_journal_of_a_program_that_decodes_otherwise_is_refused(
+    whole: list[EvaluationRecord], number: int, change: object, said: str
+) -> None:
+    assert callable(change)
+    stored = list(whole)
+    stored[number] = change(stored[number])
+    with pytest.raises(CampaignError, match=f"evaluation {number} has {said}"):
         run(MemoryJournal(stored))
+
+
+def _rolled(proposal: Proposal) -> Proposal:
+    return replace(proposal, values=np.roll(proposal.values, 1))
+
+
+def test_a_journal_without_hashes_of_proposals_is_compared_by_decoding(
+    whole: list[EvaluationRecord],
+) -> None:
+    stored = [replace(record, asked_sha256="") for record in whole[:20]]
+    journal = MemoryJournal(stored)
+    run(journal)
+    assert sequence(list(journal.evaluations())) == sequence(whole)
+    stored[9] = replace(stored[9], proposal=_rolled(stored[9].proposal))
+    with pytest.raises(CampaignError, match="evaluation 9 has other values"):
+        run(MemoryJournal(stored))
+
+
+def test_a_candidate_that_no_worker_has_decoded_does_not_become_part_of_the_search(
+    whole: list[EvaluationRecord],
+) -> None:
+    class Forgetful(Computed):
+        def wait(self, timeout: float | None = None) -> tuple[Answer, ...]:
+            return tuple(
+                replace(answer, candidate=None) if answer.number == 23 else answer
+                for answer in super().wait(timeout)
+            )
+
+    journal = MemoryJournal()
+    with pytest.raises(CampaignError, match="evaluation 23 has no scenario"):
+        run(journal, evaluator=Forgetful())
+    run(journal)
+    assert sequence(list(journal.evaluations())) == sequence(whole)
 
 
 def test_the_time_of_the_tester_is_measured(whole: list[EvaluationRecord]) -> None:

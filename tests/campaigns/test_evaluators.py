@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
@@ -10,15 +12,28 @@ from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.local_evaluator import LOCAL, LocalEvaluator
 from drivora_service.errors import UnknownName
 from drivora_service.execution.local import LocalExecutor
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.testing.evaluator_contract import EvaluatorContract
 from drivora_service.testing.gene_spaces import small_space
-from tests.campaigns.analytic import Computed, perform
+from tests.campaigns.analytic import Computed, Values, decode, perform
 
 
 class TestComputed(EvaluatorContract):
     def create(self, context: EvaluatorContext) -> Evaluator:
         return Computed(slots=context.workers, work=self.work)
+
+    def source(self) -> CandidateSource:
+        space = Values(invalid_below=0.5).source
+        genes = small_space()
+        values = genes.from_unit(np.full(len(genes), 0.6))
+        return CandidateSource(space=space, values=tuple(values.tolist()))
+
+    def invalid_source(self) -> CandidateSource:
+        return replace(self.source(), values=tuple(small_space().lows.tolist()))
+
+    def decoded(self, source: CandidateSource) -> Candidate:
+        return decode(source)
 
     def document(self, number: int) -> str:
         values = small_space().lows.copy()
@@ -57,8 +72,8 @@ def on_tasks(folder: Path) -> LocalEvaluator:
 def test_a_crash_is_confirmed_before_it_is_answered(tmp_path: Path) -> None:
     evaluator = on_tasks(tmp_path)
     try:
-        evaluator.submit(3, RunSpec(run_id="crash", document="segfault"))
-        evaluator.submit(4, RunSpec(run_id="fine", document="sleep 0"))
+        evaluator.submit([(3, RunSpec(run_id="crash", document="segfault"))])
+        evaluator.submit([(4, RunSpec(run_id="fine", document="sleep 0"))])
         answers: dict[int, RunStatus] = {}
         while len(answers) < 2:
             answers.update({a.number: a.report.status for a in evaluator.wait(60.0)})
@@ -73,7 +88,7 @@ def test_a_crash_is_confirmed_before_it_is_answered(tmp_path: Path) -> None:
 def test_waiting_ends_in_time_while_a_run_goes_on(tmp_path: Path) -> None:
     evaluator = on_tasks(tmp_path)
     try:
-        evaluator.submit(0, RunSpec(run_id="long", document="hangs"))
+        evaluator.submit([(0, RunSpec(run_id="long", document="hangs"))])
         assert evaluator.wait(0.2) == ()
     finally:
         evaluator.close()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sklearn.cluster import DBSCAN
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.failure_kinds import FailureKinds, junction_of, relation
@@ -105,13 +106,23 @@ def test_groups_are_within_an_oracle() -> None:
     assert Grouping().label(verdicts) == (0, 0, 0)
 
 
-@pytest.mark.parametrize(("least", "label"), [(1, 0), (2, -1)])
-def test_a_failure_without_neighbours_is_a_group_if_one_is_enough(least: int, label: int) -> None:
-    grouping = Grouping(least=least)
+def test_a_failure_without_neighbours_is_a_group() -> None:
     alone = violation(location=(0.0, 90.0), time=30.0)
-    assert grouping.label([alone]) == (label,)
+    assert Grouping().label([alone]) == (0,)
     far = violation(location=(80.0, 0.0), time=5.0)
-    assert set(grouping.label([alone, far])) == ({0, 1} if least == 1 else {-1})
+    assert Grouping().label([alone, far]) == (0, 1)
+
+
+@pytest.mark.parametrize("count", [2, 30, 300])
+def test_groups_are_those_of_dbscan_with_single_failures_as_cores(count: int) -> None:
+    random = np.random.default_rng(count)
+    verdicts = [
+        violation(location=(float(x), float(y)), time=float(t), ego_speed=float(v))
+        for x, y, t, v in random.uniform(0.0, 30.0, (count, 4))
+    ]
+    points = scale(situation_features(verdicts)) / 2.0
+    expected = DBSCAN(eps=0.15, min_samples=1).fit_predict(points)
+    assert Grouping().label(verdicts) == tuple(expected.tolist())
 
 
 def test_small_differences_are_not_stretched() -> None:

@@ -18,7 +18,7 @@ def test_genes_are_known_again_once_what_was_missing_is_back(
         with study.database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
     spaces = GeneSpaces(catalogues)
-    assert spaces.of(replace(record, network_sha256="another network")) is None
-    known = spaces.of(record)
+    assert spaces.of(replace(record, network_sha256="another network"), 0) is None
+    known = spaces.of(record, 0)
     assert known is not None
-    assert spaces.of(record) is known
+    assert spaces.of(record, 0) is known

@@ -11,7 +11,12 @@ from drivora_service.campaigns.confirming import confirm_failures, group_failure
 from drivora_service.campaigns.journal import Journal, MemoryJournal
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import Conflict
-from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, NewCampaign
+from drivora_service.store.campaign_records import (
+    CampaignRequest,
+    Confirmation,
+    EvaluationRecord,
+    NewCampaign,
+)
 from drivora_service.store.database import Database
 from tests.campaigns.analytic import Computed, run, sequence
 
@@ -31,6 +36,10 @@ def records() -> list[EvaluationRecord]:
 
 
 def stored(database: Database) -> StoreJournal:
+    return StoreJournal(database, stored_id(database))
+
+
+def stored_id(database: Database) -> str:
     campaign = NewCampaign(
         name="computed",
         document="{}",
@@ -41,7 +50,12 @@ def stored(database: Database) -> StoreJournal:
         budget=60,
     )
     with database.write() as transaction:
-        return StoreJournal(database, transaction.campaigns.create(campaign).id)
+        return transaction.campaigns.create(campaign).id
+
+
+def append_now(journal: Journal, record: EvaluationRecord) -> None:
+    journal.append(record, "[]")
+    journal.flush()
 
 
 def test_what_was_appended_is_read_again(journal: Journal, records: list[EvaluationRecord]) -> None:
@@ -71,10 +85,10 @@ def test_more_than_a_page_is_read(database: Database) -> None:
 
 
 def test_numbers_follow_one_another(journal: Journal, records: list[EvaluationRecord]) -> None:
-    journal.append(records[0], "[]")
+    append_now(journal, records[0])
     for wrong in (records[0], records[2]):
         with pytest.raises((Conflict, ValueError)):
-            journal.append(wrong, "[]")
+            append_now(journal, wrong)
     assert len(list(journal.evaluations())) == 1
 
 
@@ -123,3 +137,46 @@ def test_failures_are_run_again_and_grouped_without_changing_the_search(
     again = Computed()
     confirm_failures(journal, again, run_prefix="test", traces=None)
     assert again.submitted == []
+
+
+def test_evaluations_are_written_together_once_the_first_has_waited(
+    database: Database, records: list[EvaluationRecord]
+) -> None:
+    now = 0.0
+    journal = StoreJournal(database, stored_id(database), clock=lambda: now)
+    before = database.changes.value()
+    for record in records[:5]:
+        journal.append(record, "[]" if record.document_sha256 else "")
+    journal.write_due()
+    assert database.changes.value() == before
+    now = 0.19
+    journal.write_due()
+    assert database.changes.value() == before
+    now = 0.21
+    journal.write_due()
+    assert database.changes.value() != before
+    assert sequence(list(journal.evaluations())) == sequence(records[:5])
+
+    # The longer a campaign runs, the longer they wait, up to two seconds.
+    for number, (begin, wait) in enumerate(((10.0, 1.0), (1000.0, 2.0)), start=5):
+        before, now = database.changes.value(), begin
+        journal.append(records[number], "[]" if records[number].document_sha256 else "")
+        now = begin + wait - 0.01
+        journal.write_due()
+        assert database.changes.value() == before
+        now = begin + wait + 0.01
+        journal.write_due()
+        assert database.changes.value() != before
+
+
+def test_a_request_is_seen_soon(database: Database) -> None:
+    now = 0.0
+    campaign_id = stored_id(database)
+    journal = StoreJournal(database, campaign_id, clock=lambda: now)
+    assert journal.requested() is CampaignRequest.NONE
+    with database.write() as transaction:
+        transaction.campaigns.begin(campaign_id)
+        transaction.campaigns.ask_for(campaign_id, CampaignRequest.PAUSE)
+    assert journal.requested() is CampaignRequest.NONE
+    now = 0.6
+    assert journal.requested() is CampaignRequest.PAUSE

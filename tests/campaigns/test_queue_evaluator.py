@@ -85,11 +85,11 @@ class TestQueue(EvaluatorContract):
         self, evaluator: Evaluator, tmp_path: Path
     ) -> None:
         wanted = tmp_path / "kept" / "one.parquet"
-        evaluator.submit(0, self.spec(0))
-        evaluator.submit(
-            1,
-            RunSpec(run_id="contract-1-again", document=self.document(0), trace_path=str(wanted)),
+        evaluator.submit([(0, self.spec(0))])
+        again = RunSpec(
+            run_id="contract-1-again", document=self.document(0), trace_path=str(wanted)
         )
+        evaluator.submit([(1, again)])
         first, second = sorted(self.collect(evaluator, 2), key=lambda answer: answer.number)
         assert first.report.trace_sha256 == second.report.trace_sha256
         assert second.report.measurement is None
@@ -130,7 +130,7 @@ def again(database: Database, tmp_path: Path) -> QueueEvaluator:
 
 
 def test_runs_are_those_of_a_campaign(database: Database, evaluate: QueueEvaluator) -> None:
-    evaluate.submit(4, spec(4))
+    evaluate.submit([(4, spec(4))])
     (job,) = jobs(database)
     assert (job.id, job.item, job.town, job.agent) == ("campaign-4", 4, "tee-town", "idm")
     with database.read() as transaction:
@@ -141,8 +141,8 @@ def test_runs_are_those_of_a_campaign(database: Database, evaluate: QueueEvaluat
 def test_the_choice_of_feedback_and_of_a_trace_reach_the_worker(
     database: Database, evaluate: QueueEvaluator
 ) -> None:
-    evaluate.submit(0, spec(0))
-    evaluate.submit(1, RunSpec(run_id="campaign-1", document="{1}", trace_path="/somewhere"))
+    evaluate.submit([(0, spec(0))])
+    evaluate.submit([(1, RunSpec(run_id="campaign-1", document="{1}", trace_path="/somewhere"))])
     owner = register(database)
     with database.write() as transaction:
         first, second = transaction.queue.claim(owner, 2, trace_path=lambda run_id: f"T {run_id}")
@@ -156,14 +156,14 @@ def test_what_is_queued_runs_or_has_ended_is_not_queued_again(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path
 ) -> None:
     for number in range(3):
-        evaluate.submit(number, spec(number))
+        evaluate.submit([(number, spec(number))])
     owner = register(database)
     assert claim(database, owner, 2) == ("campaign-0", "campaign-1")
     finish(database, owner, finished("campaign-1"))
     before = [(job.id, job.status, job.attempts) for job in jobs(database)]
     successor = again(database, tmp_path)
     for number in range(3):
-        successor.submit(number, spec(number))
+        successor.submit([(number, spec(number))])
     assert [(job.id, job.status, job.attempts) for job in jobs(database)] == before
     assert [answer.number for answer in successor.wait(60.0)] == [1]
     finish(database, owner, finished("campaign-0"))
@@ -175,7 +175,7 @@ def test_what_is_queued_runs_or_has_ended_is_not_queued_again(
 def test_a_run_without_a_result_is_repeated(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path, how: str
 ) -> None:
-    evaluate.submit(0, spec(0))
+    evaluate.submit([(0, spec(0))])
     owner = register(database)
     if how == "cancelled":
         with database.write() as transaction:
@@ -187,7 +187,7 @@ def test_a_run_without_a_result_is_repeated(
     (answer,) = evaluate.wait(60.0)
     assert answer.report.status in (RunStatus.CANCELLED, RunStatus.INFRASTRUCTURE_FAILED)
     successor = again(database, tmp_path)
-    successor.submit(0, spec(0))
+    successor.submit([(0, spec(0))])
     assert claim(database, owner, 5) == ("campaign-0",)
     finish(database, owner, finished("campaign-0", "collision"))
     (answer,) = successor.wait(60.0)
@@ -199,15 +199,15 @@ def test_a_run_of_another_scenario_is_no_answer(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path
 ) -> None:
     for number in range(3):
-        evaluate.submit(number, spec(number))
+        evaluate.submit([(number, spec(number))])
     owner = register(database)
     claim(database, owner, 2)
     finish(database, owner, finished("campaign-0"))
     successor = again(database, tmp_path)
-    successor.submit(0, spec(0, "{new 0}"))
-    successor.submit(2, spec(2, "{new 2}"))
+    successor.submit([(0, spec(0, "{new 0}"))])
+    successor.submit([(2, spec(2, "{new 2}"))])
     with pytest.raises(Conflict, match="campaign-1 is running with another scenario"):
-        successor.submit(1, spec(1, "{new 1}"))
+        successor.submit([(1, spec(1, "{new 1}"))])
     with database.read() as transaction:
         documents = [transaction.jobs.document(f"campaign-{number}") for number in range(3)]
     assert documents == ["{new 0}", "{1}", "{new 2}"]
@@ -221,7 +221,7 @@ def test_no_more_runs_wait_than_the_campaign_has_workers(
         database, campaign(database), TraceFolder(tmp_path / "traces"), most=2
     )
     for number in range(4):
-        evaluator.submit(number, spec(number))
+        evaluator.submit([(number, spec(number))])
     owner = register(database)
     assert claim(database, owner, 10) == ("campaign-0", "campaign-1")
     finish(database, owner, finished("campaign-0"))
@@ -234,9 +234,9 @@ def test_campaigns_take_turns_and_everything_else_goes_first(
 ) -> None:
     other = QueueEvaluator(database, campaign(database, "other"), TraceFolder(tmp_path / "traces"))
     for number in range(3):
-        evaluate.submit(number, spec(number))
+        evaluate.submit([(number, spec(number))])
     for number in range(3):
-        other.submit(number, RunSpec(run_id=f"other-{number}", document=f"{{{number}}}"))
+        other.submit([(number, RunSpec(run_id=f"other-{number}", document=f"{{{number}}}"))])
     owner = register(database)
     assert sorted(claim(database, owner, 2)) == ["campaign-0", "other-0"]
     ci = submit(database, 2, priority=Priority.CI)
@@ -259,7 +259,7 @@ def test_the_runs_of_a_campaign_rest_and_end_with_it(
     state: CampaignState,
     batch_state: BatchState,
 ) -> None:
-    evaluate.submit(0, spec(0))
+    evaluate.submit([(0, spec(0))])
     record = the_campaign(database)
     with database.write() as transaction:
         transaction.campaigns.end(record.id, state)
@@ -274,7 +274,7 @@ def test_the_runs_of_a_campaign_rest_and_end_with_it(
 def test_a_campaign_that_waits_is_cancelled_with_its_runs(
     database: Database, evaluate: QueueEvaluator
 ) -> None:
-    evaluate.submit(0, spec(0))
+    evaluate.submit([(0, spec(0))])
     record = the_campaign(database)
     with database.write() as transaction:
         transaction.campaigns.end(record.id, CampaignState.PAUSED)
@@ -286,7 +286,7 @@ def test_a_missing_trace_does_not_stop_the_report(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path
 ) -> None:
     wanted = tmp_path / "campaign" / "trace.parquet"
-    evaluate.submit(0, RunSpec(run_id="campaign-0", document="{0}", trace_path=str(wanted)))
+    evaluate.submit([(0, RunSpec(run_id="campaign-0", document="{0}", trace_path=str(wanted)))])
     owner = register(database)
     claim(database, owner, 1)
     finish(database, owner, finished("campaign-0", trace="b" * 64))

@@ -17,6 +17,8 @@ from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.errors import InvalidDocument
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.options import SpaceOptions
 from tests.oracles.installing import install_oracles
 
@@ -39,13 +41,40 @@ def drop(key: str) -> Change:
     return lambda content: content.pop(key)
 
 
+def several(*names: str, keep: bool = False, change: Change = lambda _: None) -> Change:
+    """A change that gives several seed scenarios, and changes the second."""
+
+    def apply(content: dict[str, Any]) -> None:
+        scenario = content["scenario"] if keep else content.pop("scenario")
+        content["scenarios"] = [
+            {"name": name, "scenario": copy.deepcopy(scenario)} for name in names
+        ]
+        if len(names) > 1:
+            change(content["scenarios"][1]["scenario"])
+
+    return apply
+
+
 EGO_MODEL = ("scenario", "ego_vehicles", 0, "model")
 WRONG: dict[str, tuple[Change, str, str]] = {
     "no name": (drop("name"), "/name", "missing"),
     "empty name": (put("name", value=""), "/name", "at least 1"),
     "no tester": (drop("tester"), "/tester", "missing"),
     "no budget": (drop("budget"), "/budget", "missing"),
-    "no scenario": (drop("scenario"), "/scenario", "missing"),
+    "no scenario": (drop("scenario"), "/scenarios", "neither of `scenario` and `scenarios`"),
+    "one scenario and several": (several("a", keep=True), "/scenarios", "both of `scenario`"),
+    "scenarios of one name": (several("a", "b", "a"), "/scenarios", "the name 'a' more than once"),
+    "no scenarios": (several(), "/scenarios", "neither of `scenario`"),
+    "a scenario among several": (
+        several("a", "b", change=put("ego_vehicles", 0, "model", value="tank")),
+        "/scenarios/1/scenario/ego_vehicles/0/model",
+        "tank",
+    ),
+    "a file among several": (
+        several("a", "b", change=put("file", value="x.json")),
+        "/scenarios/1/scenario/file",
+        "only the command line reads files",
+    ),
     "unknown key": (put("bugdet", value=1), "/bugdet", "did you mean 'budget'"),
     "unknown tester": (put("tester", "name", value="randon"), "/tester/name", "'random'"),
     "tester as text": (put("tester", value="random"), "/tester", "an object"),
@@ -177,7 +206,7 @@ def test_yaml_and_json_mean_the_same(content: dict[str, Any], catalogues: Catalo
     from_json = read_campaign(json.dumps(content), catalogues)
     from_yaml = read_campaign(yaml.safe_dump(content), catalogues, "yaml")
     assert from_json.campaign == from_yaml.campaign
-    assert from_json.seed == from_yaml.seed
+    assert from_json.seeds == from_yaml.seeds
 
 
 def test_a_campaign_is_read_back_as_it_was_written(
@@ -187,7 +216,7 @@ def test_a_campaign_is_read_back_as_it_was_written(
     content["workers"] = 2
     first = read_campaign(content, catalogues)
     again = read_campaign(campaign_text(first.document), catalogues)
-    assert (again.campaign, again.seed) == (first.campaign, first.seed)
+    assert (again.campaign, again.seeds) == (first.campaign, first.seeds)
     assert again.campaign.tester.feedback is FeedbackMode.SHUFFLED
 
 
@@ -214,7 +243,7 @@ def test_the_campaigns_agent_overrides_that_of_the_scenario(
 ) -> None:
     (ego,) = content["scenario"]["ego_vehicles"]
     ego["agent"] = {"name": "driver-of-last-year"}
-    assert read_campaign(content, catalogues).seed.ego_vehicles[0].agent.name == "idm"
+    assert read_campaign(content, catalogues).seeds[0].scenario.ego_vehicles[0].agent.name == "idm"
     del ego["agent"]
     assert read_campaign(content, catalogues).notes == ()
     del content["agent"]
@@ -228,7 +257,7 @@ def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalog
     second |= {"id": "ego_1", "agent": {"name": "sumo-krauss"}, "start_time": 10.0}
     second["route"] = [{"x": 3.01, "y": 104.32, "yaw": 91.51}, {"x": 2.2, "y": 140.0, "yaw": 91.0}]
     content["scenario"]["ego_vehicles"].append(second)
-    seed = read_campaign(content, catalogues).seed
+    seed = read_campaign(content, catalogues).seeds[0].scenario
     assert [ego.agent.name for ego in seed.ego_vehicles] == ["idm", "idm"]
     assert all(ego.agent.parameters == {"speed_factor": 0.5} for ego in seed.ego_vehicles)
 
@@ -254,9 +283,51 @@ def test_a_search_is_the_same_each_time(content: dict[str, Any], catalogues: Cat
     def candidates() -> list[str]:
         valid = read_campaign(content, catalogues)
         search = prepare_search(valid, catalogues, run_prefix="x")
-        return [search.candidates.prepare(p.values).document for p in search.tester.ask(3)]
+        (part,) = search.parts
+        return [part.candidates.prepare(p.values).document for p in part.tester.ask(3)]
 
     first = candidates()
     assert first == candidates()
     assert len(set(first)) == 3
     assert '"name":"idm"' in first[0]
+
+
+def test_several_seed_scenarios_have_parts_of_their_own(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    alone = prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="x")
+    later = put("max_sim_time", value=7.5)
+    several("first", "second", change=later)(content)
+    valid = read_campaign(content, catalogues)
+    assert [seed.name for seed in valid.seeds] == ["first", "second"]
+    assert valid.town == "tee-town"
+    assert read_campaign(campaign_text(valid.document), catalogues).seeds == valid.seeds
+    search = prepare_search(valid, catalogues, run_prefix="x")
+    first, second = search.parts
+    (only,) = alone.parts
+    assert first.candidates.source == only.candidates.source
+    assert '"max_sim_time":7.5' in second.candidates.source.seed
+    mine, others, its = (part.tester.ask(2) for part in (first, second, only))
+    # The first draws what it would draw alone, the second something else.
+    assert [p.values.tolist() for p in mine] == [p.values.tolist() for p in its]
+    assert [p.values.tolist() for p in mine] != [p.values.tolist() for p in others]
+
+
+def test_the_networks_of_several_seed_scenarios_are_named_together(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    alone = read_campaign(content, catalogues).network_sha256
+    (seed,) = generate_seeds(
+        catalogues.networks.get("old-town"),
+        count=1,
+        min_length=50.0,
+        max_length=400.0,
+        seed=1,
+        agent="idm",
+    )
+    several("here", "there")(content)
+    assert read_campaign(content, catalogues).network_sha256 == alone
+    content["scenarios"][1]["scenario"] = json.loads(document_text(seed))
+    valid = read_campaign(content, catalogues)
+    assert valid.town == "tee-town, old-town"
+    assert valid.network_sha256 != alone

@@ -78,10 +78,10 @@ def test_valid_campaigns_survive_writing_and_reading(
     text = campaign_text(first.document)
     again = read(text, catalogues)
     assert again is not None
-    assert (again.document, again.campaign, again.seed) == (
+    assert (again.document, again.campaign, again.seeds) == (
         first.document,
         first.campaign,
-        first.seed,
+        first.seeds,
     )
     assert campaign_text(again.document) == text
     other = read(yaml.safe_dump(json.loads(text)), catalogues, format="yaml")

@@ -28,6 +28,8 @@ BEYOND_THE_SCHEMA = frozenset(
         "scenario of another town",
         "unknown model",
         "scenario in a file",
+        "a scenario among several",
+        "scenarios of one name",
         "NaN",
     }
 )

@@ -21,6 +21,7 @@ _GIVEN: Mapping[str, Any] = {
     "documents": [{}],
     "campaigns": ["a"],
     "number": 1,
+    "table": "failures",
 }
 _METHODS = {
     name: value

@@ -24,7 +24,7 @@ def _compiled_modules() -> list[str]:
     return [
         ".".join(path.relative_to(_REPOSITORY).with_suffix("").parts)
         for path in (_REPOSITORY / "drivora_service").rglob("*.py")
-        if "drivora_service.compilation" in path.read_text(encoding="utf-8")
+        if "drivora_service.compilation import compiled" in path.read_text(encoding="utf-8")
     ]
 
 

@@ -36,9 +36,10 @@ database = "none"
 [warnings]
 enabled = false
 
-# A document that its schema accepts may still be off the road, and campaigns not comparable.
+# A document that its schema accepts may still be off the road or name what there is not, and
+# campaigns may not be comparable.
 [[operations]]
-include-path-regex = "(/jobs|/batches|/campaigns|:validate|:compare)$"
+include-path-regex = "(/jobs|/batches|/campaigns|/studies|:validate|:compare)$"
 
 [operations.checks.positive_data_acceptance]
 expected-statuses = ["2xx", "401", "403", "404", "409", "422", "429", "503"]

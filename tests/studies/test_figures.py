@@ -83,7 +83,7 @@ def test_simulations_are_told_apart_by_what_the_ego_is_accountable_for() -> None
         record(5, "red_light:b"),
         record(6),
     ]
-    figures = figures_of(SUBJECT, records, SPACE)
+    figures = figures_of(SUBJECT, records, [SPACE])
     assert (figures.failing, figures.at_fault) == (6, 4)
     assert (figures.avoidable, figures.unavoidable, figures.undetermined) == (2, 1, 1)
 
@@ -97,7 +97,7 @@ def test_everything_is_counted_once() -> None:
         record(4, status=EvaluationStatus.FAILED),
         record(5, "collision:a", at_fault=None),
     ]
-    figures = figures_of(SUBJECT, records, SPACE, groups=2)
+    figures = figures_of(SUBJECT, records, [SPACE], groups=2)
     assert figures.simulations == 5
     assert figures.invalid_share == pytest.approx(1 / 6)
     assert figures.failed_share == pytest.approx(1 / 5)
@@ -115,13 +115,13 @@ def test_everything_is_counted_once() -> None:
 def test_collisions_are_told_apart_by_what_the_other_was_and_not_by_its_name() -> None:
     names = ("vehicle_0", "van", "lead", "bus_0")
     records = [record(n, "collision:a", counterpart=name) for n, name in enumerate(names)]
-    assert figures_of(SUBJECT, records, SPACE).oracles == 1
+    assert figures_of(SUBJECT, records, [SPACE]).oracles == 1
     stood = record(4, "collision:a", counterpart="parked_van", role="npc_obstacle")
-    assert figures_of(SUBJECT, [*records, stood], SPACE).oracles == 2
+    assert figures_of(SUBJECT, [*records, stood], [SPACE]).oracles == 2
 
 
 def test_a_campaign_without_failures_has_no_first_one() -> None:
-    figures = figures_of(SUBJECT, [record(0), record(1)], SPACE)
+    figures = figures_of(SUBJECT, [record(0), record(1)], [SPACE])
     assert figures.first_failure is None
     assert (figures.failing, figures.kinds, figures.found) == (0, 0, ())
 
@@ -133,11 +133,11 @@ def test_equal_time_counts_the_methods_own_time() -> None:
 
 def test_what_comes_after_the_time_limit_does_not_count() -> None:
     records = [record(0), record(1, "collision:a"), record(2, "red_light:b"), record(3)]
-    figures = figures_of(SUBJECT, records, SPACE, time_limit_s=0.25)
+    figures = figures_of(SUBJECT, records, [SPACE], time_limit_s=0.25)
     assert (figures.simulations, figures.found, figures.time_limit_s) == (2, (2,), 0.25)
     assert figures.first_failure_s == pytest.approx(0.24)
     # The time that all took leaves nothing out.
-    assert figures_of(SUBJECT, records, SPACE, time_limit_s=duration_s(records)).simulations == 4
+    assert figures_of(SUBJECT, records, [SPACE], time_limit_s=duration_s(records)).simulations == 4
 
 
 def test_coverage_counts_pairs_of_levels_that_occur() -> None:

@@ -33,7 +33,7 @@ def record(seed: int, **changes: Any) -> CampaignRecord:
         document=json.loads(campaign_text(document)),
         tester=document.tester.name,
         agent="idm",
-        town=document.scenario.map_region.town,
+        town=", ".join(one.map_region.town for one in document.seeds.values()),
         network_sha256="0" * 64,
         budget=document.budget.simulations,
         versions={},

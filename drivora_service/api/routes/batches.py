@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
@@ -16,6 +16,7 @@ from drivora_service.api.documentation import answers, batch_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken, RunOverrides
 from drivora_service.api.problems import problem_items
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.batches import (
     Batch,
     BatchItem,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from drivora_service.scenario.validation import ValidScenario
     from drivora_service.store.database import Transaction
 
-router = APIRouter(tags=["batches"])
+router = resource_router("batches")
 
 _POLL_AFTER_S = "2"
 MOST_REJECTED = 1000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
@@ -13,6 +13,7 @@ from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, campaign_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import Campaign, CampaignValidation, campaign_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from drivora_service.campaigns.reading import ValidCampaign
     from drivora_service.store.database import Transaction
 
-router = APIRouter(tags=["campaigns"])
+router = resource_router("campaigns")
 
 _POLL_AFTER_S = "2"
 
@@ -91,8 +92,9 @@ def validate_campaign(
     return CampaignValidation(
         valid=True,
         tester=valid.campaign.tester.name,
-        town=valid.network.name,
-        genes=len(search.candidates.genes),
+        town=valid.town,
+        seeds=len(valid.seeds),
+        genes=max(len(part.candidates.genes) for part in search.parts),
         notes=valid.notes_for(valid.campaign.workers),
     )
 
@@ -109,6 +111,7 @@ def list_campaigns(
     state: Annotated[
         list[CampaignState] | None, Query(description="In any of these states.")
     ] = None,
+    study: Annotated[str, Query(max_length=40, description="Of this study.")] = "",
     limit: Limit = 50,
     page_token: PageToken = "",
 ) -> Response:
@@ -116,7 +119,9 @@ def list_campaigns(
     wanted = frozenset(state or ())
     stored = frozenset(_STORED_AS.get(one, one) for one in wanted)
     with context.database.read() as transaction:
-        page = transaction.campaigns.page(states=stored, limit=limit, page_token=page_token)
+        page = transaction.campaigns.page(
+            states=stored, study_id=study, limit=limit, page_token=page_token
+        )
     seen = (_as_seen(context, campaign) for campaign in page.items)
     items = tuple(campaign for campaign in seen if not wanted or campaign.state in wanted)
     body = Page(items=items, next_page_token=page.next_page_token)
@@ -210,7 +215,8 @@ def _campaign(
     record = _as_seen(context, transaction.campaigns.get(campaign_id))
     kinds = transaction.campaign_views.kinds(campaign_id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
-    return campaign_of(record, kinds, PREFIX, notes=notes)
+    seeds = transaction.campaign_views.seeds(campaign_id)
+    return campaign_of(record, kinds, seeds, PREFIX, notes=notes)
 
 
 def _as_seen(context: ApiContext, campaign: C) -> C:

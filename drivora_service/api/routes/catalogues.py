@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
     Agent,
     AgentList,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from drivora_service.oracles.catalogue import OracleEntry
     from drivora_service.search.catalogue import TesterCatalogue
 
-router = APIRouter(tags=["catalogues"], dependencies=[Depends(reader)])
+router = resource_router("catalogues", Depends(reader))
 
 
 @router.get("/agents", response_model=AgentList, responses=answers(examples.AGENTS, 401, 403))

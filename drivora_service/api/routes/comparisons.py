@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.comparisons import Figures
 from drivora_service.api.security import reader
 from drivora_service.shapes import combine
 from drivora_service.studies.comparing import Comparison, compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
 
-router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
+router = resource_router("campaigns", Depends(reader))
 
 
 @router.get(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Depends, Path, Query, Request, Response
+from fastapi import Depends, Path, Query, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
@@ -13,6 +13,7 @@ from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Limit, PageToken, Steps
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
     Failure,
@@ -39,7 +40,7 @@ from drivora_service.store.records import Page
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
 
-router = APIRouter(tags=["campaigns"], dependencies=[Depends(reader)])
+router = resource_router("campaigns", Depends(reader))
 
 _MOST_ANCESTORS = 500
 
@@ -104,7 +105,7 @@ def get_evaluation(
         summary,
         record,
         lineage,
-        context.gene_spaces.of(campaign),
+        context.gene_spaces.of(campaign, record.seed_number),
         f"{PREFIX}/campaigns/{campaign_id}/evaluations/{number}",
         run_url=run_url,
         has_trace=trace.is_file(),

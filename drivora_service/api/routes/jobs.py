@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
@@ -12,6 +12,7 @@ from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunOverrides
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides, new_run
@@ -22,7 +23,7 @@ from drivora_service.store.records import Page, RunSummary
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
 
-router = APIRouter(tags=["jobs"])
+router = resource_router("jobs")
 
 _POLL_AFTER_S = "1"
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, cache_headers, is_known, json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
     LaneGeometry,
     Network,
@@ -20,7 +21,7 @@ from drivora_service.api_paths import PREFIX
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 
-router = APIRouter(tags=["networks"], dependencies=[Depends(reader)])
+router = resource_router("networks", Depends(reader))
 
 
 @router.get("/networks", response_model=NetworkList, responses=answers(examples.NETWORKS, 401, 403))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
@@ -10,6 +10,7 @@ from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Limit, PageToken, Steps
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
 from drivora_service.api_paths import PREFIX
@@ -19,7 +20,7 @@ from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.store.records import Page, RunSummary
 
-router = APIRouter(tags=["runs"], dependencies=[Depends(reader)])
+router = resource_router("runs", Depends(reader))
 
 
 @router.get(

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import hashlib
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import Depends, Request
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.parameters import RunOverrides
+from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.service import Validation
 from drivora_service.api.security import submitter
 from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
 
-router = APIRouter(tags=["scenarios"])
+router = resource_router("scenarios")
 
 
 @router.post(

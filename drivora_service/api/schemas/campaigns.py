@@ -21,6 +21,7 @@ from drivora_service.store.campaign_records import (
     EvaluationRecord,
     EvaluationSummary,
     FailureKind,
+    SeedFindings,
 )
 
 
@@ -30,6 +31,7 @@ class Campaign(CampaignRecord):
 
     Attributes:
         kinds: Failures by kind, first found first.
+        seeds: Findings by seed scenario; empty if there is only one.
         notes: Warnings; in the answer to posting only.
         evaluations_url: Address of its evaluations.
         failures_url: Address of its failures.
@@ -37,6 +39,7 @@ class Campaign(CampaignRecord):
     """
 
     kinds: tuple[FailureKind, ...]
+    seeds: tuple[SeedFindings, ...] = ()
     notes: tuple[str, ...] = ()
     evaluations_url: str
     failures_url: str
@@ -49,7 +52,10 @@ class CampaignValidation(Schema):
     valid: bool
     tester: str
     town: str
-    genes: int = Field(description="Numbers that describe a candidate.")
+    seeds: int = Field(description="Seed scenarios.")
+    genes: int = Field(
+        description="Numbers that describe a candidate; the most, if seed scenarios differ."
+    )
     notes: tuple[str, ...] = Field(description="Warnings.")
 
 
@@ -139,6 +145,7 @@ class Failure(campaign_records.Failure):
 def campaign_of(
     campaign: CampaignRecord,
     kinds: tuple[FailureKind, ...],
+    seeds: tuple[SeedFindings, ...],
     base: str,
     *,
     notes: tuple[str, ...] = (),
@@ -149,6 +156,7 @@ def campaign_of(
         Campaign,
         campaign,
         kinds=kinds,
+        seeds=seeds,
         notes=notes,
         evaluations_url=f"{url}/evaluations",
         failures_url=f"{url}/failures",

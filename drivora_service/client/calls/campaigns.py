@@ -70,12 +70,18 @@ def validate_campaign(
 
 
 def campaigns(
-    states: Collection[CampaignState] = (), *, limit: int | None = None
+    states: Collection[CampaignState] = (), *, study_id: str = "", limit: int | None = None
 ) -> Listing[CampaignSummary]:
-    """Returns campaigns in any of some states, or all; newest first; at most ``limit``."""
+    """Returns campaigns in any of some states, or all; newest first; at most ``limit``.
+
+    Args:
+        states: States of the campaigns; empty: any.
+        study_id: Study of the campaigns; "": any, or none.
+        limit: How many at most; ``None``: all.
+    """
     from drivora_service.store.campaign_records import CampaignSummary
 
-    query = {"state": sorted(states)}
+    query = {"state": sorted(states), "study": study_id}
     return listing(f"{PREFIX}/campaigns", CampaignSummary, limit, query=query)
 
 

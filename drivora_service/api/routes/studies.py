@@ -1,0 +1,231 @@
+"""Studies: post, follow, pause, resume and cancel them."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Depends, Query, Request, Response
+from fastapi.responses import StreamingResponse
+
+from drivora_service.api import bodies, examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import ApiContext, Context
+from drivora_service.api.documentation import answers, study_body, table_answers
+from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.observations import CSV, PARQUET
+from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.problems import ApiError
+from drivora_service.api.resource_router import resource_router
+from drivora_service.api.schemas.studies import Study, StudyInList, study_in_list, study_of
+from drivora_service.api.security import reader, submitter
+from drivora_service.api_paths import PREFIX
+from drivora_service.shapes import to_json
+from drivora_service.store.campaign_records import CampaignRequest
+from drivora_service.store.records import Page
+from drivora_service.studies.comparison import measure
+from drivora_service.studies.storing import stop_study, store_study
+from drivora_service.studies.study_comparison import StudyComparison, compare_study
+from drivora_service.studies.table_names import TableName
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
+
+router = resource_router("studies")
+
+_POLL_AFTER_S = "2"
+
+
+@router.post(
+    "/studies",
+    status_code=202,
+    response_model=Study,
+    responses=answers(examples.QUEUED_STUDY, 401, 403, 409, 413, 415, 422, status=202),
+    openapi_extra=study_body(examples.STUDY),
+    dependencies=[Depends(submitter)],
+)
+def post_study(
+    request: Request,
+    context: Context,
+    body: bodies.RawBody,
+    idempotency_key: IdempotencyKey = "",
+) -> Response:
+    """Queues the campaigns of the study in the body; `Location` is its address."""
+    form = bodies.document_format(request)
+
+    def prepare() -> Work:
+        # Imported here: it needs the code of all agents, oracles and testers.
+        from drivora_service.studies.reading import read_study
+
+        valid = read_study(body, context.catalogues, form)
+
+        def commit(transaction: Transaction) -> Answer:
+            study_id = store_study(transaction, valid, context.studies)
+            study = _study(context, transaction, study_id, valid.notes)
+            headers = {"Location": f"{PREFIX}/studies/{study_id}", "Retry-After": _POLL_AFTER_S}
+            return Answer(status=202, headers=headers, body=to_json(Study, study).decode())
+
+        return Work(commit=commit)
+
+    response = done_once(request, context, idempotency_key, body, prepare)
+    context.studies.wake()
+    return response
+
+
+@router.get(
+    "/studies",
+    response_model=Page[StudyInList],
+    responses=answers(examples.STUDIES, 401, 403, 422),
+    dependencies=[Depends(reader)],
+)
+def list_studies(
+    request: Request, context: Context, limit: Limit = 50, page_token: PageToken = ""
+) -> Response:
+    """Lists studies, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.studies.page(limit=limit, page_token=page_token)
+    items = tuple(
+        study_in_list(study, has_process=context.studies.has_process(study.id))
+        for study in page.items
+    )
+    body = Page(items=items, next_page_token=page.next_page_token)
+    return json_answer(request, Page[StudyInList], body)
+
+
+@router.get(
+    "/studies/{study_id:id}",
+    response_model=Study,
+    responses=answers(examples.FINISHED_STUDY, 401, 403, 404),
+    dependencies=[Depends(reader)],
+)
+def get_study(request: Request, context: Context, study_id: str) -> Response:
+    """Returns a study with the progress of its campaigns; `GET /campaigns?study=` lists them."""
+    with context.database.read() as transaction:
+        study = _study(context, transaction, study_id)
+    response = json_answer(request, Study, study)
+    if study.state.is_active:
+        response.headers["Retry-After"] = _POLL_AFTER_S
+    return response
+
+
+@router.post(
+    "/studies/{study_id:id}:pause",
+    status_code=202,
+    response_model=Study,
+    responses=answers(examples.PAUSED_STUDY, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def pause_study(context: Context, study_id: str) -> Study:
+    """Pauses the campaigns of a study, each after the evaluation that is being told."""
+    return _asked(context, study_id, CampaignRequest.PAUSE)
+
+
+@router.post(
+    "/studies/{study_id:id}:cancel",
+    status_code=202,
+    response_model=Study,
+    responses=answers(examples.CANCELLED_STUDY, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def cancel_study(context: Context, study_id: str) -> Study:
+    """Cancels the campaigns of a study that are not over permanently; what was found stays."""
+    return _asked(context, study_id, CampaignRequest.CANCEL)
+
+
+@router.post(
+    "/studies/{study_id:id}:resume",
+    status_code=202,
+    response_model=Study,
+    responses=answers(examples.RESUMED_STUDY, 401, 403, 404, 409, status=202),
+    dependencies=[Depends(submitter)],
+)
+def resume_study(context: Context, study_id: str) -> Study:
+    """Resumes the campaigns of a study that are not over, as if they had not been interrupted."""
+    context.studies.resume(study_id)
+    return _read(context, study_id)
+
+
+@router.get(
+    "/studies/{study_id:id}/comparison",
+    response_model=StudyComparison,
+    responses=answers(examples.STUDY_COMPARISON, 401, 403, 404, 409, 422),
+    dependencies=[Depends(reader)],
+)
+def get_comparison(
+    request: Request,
+    context: Context,
+    study_id: str,
+    baseline_method: Annotated[
+        str, Query(max_length=200, description="Method of the study; `random`, or the first one.")
+    ] = "",
+    baseline_agent: Annotated[
+        str, Query(max_length=200, description="Agent of the study; else the first one.")
+    ] = "",
+    by: Annotated[
+        list[str] | None,
+        Query(alias="measure", max_length=50, description="By what; may be repeated."),
+    ] = None,
+) -> Response:
+    """Compares the finished campaigns of a study by method and by agent, an overview first."""
+    comparison = compare_study(
+        context.database,
+        study_id,
+        context.catalogues,
+        baseline_method=baseline_method,
+        baseline_agent=baseline_agent,
+        measures=tuple(measure(name) for name in dict.fromkeys(by or ())),
+    )
+    return json_answer(request, StudyComparison, comparison)
+
+
+@router.get(
+    "/studies/{study_id:id}/tables/{table}",
+    response_class=Response,
+    responses=table_answers(examples.STUDY_TABLE, 401, 403, 404, 406, 422),
+    dependencies=[Depends(reader)],
+)
+def get_table(request: Request, context: Context, study_id: str, table: TableName) -> Response:
+    """Returns campaigns, evaluations or failures of a study as CSV, or as Parquet by `Accept`."""
+    from drivora_service.studies.tables import csv_chunks, parquet_chunks
+
+    with context.database.read() as transaction:
+        transaction.studies.get(study_id)
+    accept = request.headers.get("accept", "*/*")
+    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
+    if PARQUET in kinds:
+        chunks, form, suffix = parquet_chunks, PARQUET, "parquet"
+    elif kinds & {"*/*", "text/*", CSV}:
+        chunks, form, suffix = csv_chunks, CSV, "csv"
+    else:
+        message = f"tables come as {CSV} or {PARQUET}, not {accept!r}"
+        raise ApiError(HTTPStatus.NOT_ACCEPTABLE, message)
+    return StreamingResponse(
+        chunks(context.database, study_id, table),
+        media_type=form,
+        headers={
+            "Content-Disposition": f'attachment; filename="{table}.{suffix}"',
+            "Cache-Control": "private, no-cache",
+            "Vary": "Accept, Authorization",
+        },
+    )
+
+
+def _asked(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:
+    stop_study(context.database, study_id, request, context.campaign_folder)
+    context.studies.wake()
+    context.wake()
+    return _read(context, study_id)
+
+
+def _read(context: ApiContext, study_id: str) -> Study:
+    with context.database.read() as transaction:
+        return _study(context, transaction, study_id)
+
+
+def _study(
+    context: ApiContext, transaction: Transaction, study_id: str, notes: tuple[str, ...] = ()
+) -> Study:
+    # Asked before the campaigns are read: a process lets go of a study after its last campaign.
+    has_process = context.studies.has_process(study_id)
+    record = transaction.studies.get(study_id)
+    return study_of(record, PREFIX, has_process=has_process, notes=notes)

@@ -1,0 +1,59 @@
+"""Studies: campaigns by scenarios, agents, methods and repetitions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivora_service.shapes import combine
+from drivora_service.store.study_records import StudyRecord, StudyState, StudySummary, state_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyInList(StudySummary):
+    """A study in a list, with its state."""
+
+    state: StudyState
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Study(StudyRecord):
+    """A study, its progress and its definition.
+
+    Attributes:
+        notes: Warnings; in the answer to posting only.
+        campaigns_url: Address of its campaigns.
+    """
+
+    state: StudyState
+    notes: tuple[str, ...] = ()
+    campaigns_url: str
+
+
+def study_in_list(study: StudySummary, *, has_process: bool) -> StudyInList:
+    """Returns a study for a list.
+
+    Args:
+        study: The study.
+        has_process: Whether the process of a command runs it.
+    """
+    return combine(StudyInList, study, state=state_of(study, has_process=has_process))
+
+
+def study_of(
+    study: StudyRecord, base: str, *, has_process: bool, notes: tuple[str, ...] = ()
+) -> Study:
+    """Returns a study with its addresses.
+
+    Args:
+        study: The study.
+        base: Address of the API.
+        has_process: Whether the process of a command runs it.
+        notes: Warnings.
+    """
+    return combine(
+        Study,
+        study,
+        state=state_of(study, has_process=has_process),
+        notes=notes,
+        campaigns_url=f"{base}/campaigns?study={study.id}",
+    )

@@ -1,0 +1,128 @@
+"""Studies, their comparison and their export."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from drivora_service.api_paths import PREFIX
+from drivora_service.client.call import (
+    Call,
+    Document,
+    Language,
+    Listing,
+    act,
+    document_bytes,
+    get,
+    listing,
+    post,
+)
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.studies import Study, StudyInList
+    from drivora_service.studies.study_comparison import StudyComparison
+    from drivora_service.studies.table_names import TableForm, TableName
+
+_STUDY = f"{PREFIX}/studies/{{study_id}}"
+
+
+def post_study(document: Document, *, language: Language = "json") -> Call[Study]:
+    """Has the service run a study; returns it with notes.
+
+    Raises:
+        InvalidDocument: It cannot be run.
+    """
+    from drivora_service.api.schemas.studies import Study
+
+    return post(f"{PREFIX}/studies", Study, document_bytes(document), language=language)
+
+
+def studies(*, limit: int | None = None) -> Listing[StudyInList]:
+    """Returns studies, newest first; at most ``limit``."""
+    from drivora_service.api.schemas.studies import StudyInList
+
+    return listing(f"{PREFIX}/studies", StudyInList, limit)
+
+
+def study(study_id: str) -> Call[Study]:
+    """Returns how far a study is; :meth:`campaigns` lists its campaigns."""
+    from drivora_service.api.schemas.studies import Study
+
+    return get(_STUDY, Study, study_id=study_id)
+
+
+def pause_study(study_id: str) -> Call[Study]:
+    """Pauses the campaigns of a study.
+
+    Raises:
+        RequestConflict: All are over.
+    """
+    return _study_act("pause", study_id)
+
+
+def resume_study(study_id: str) -> Call[Study]:
+    """Resumes the campaigns of a study that were paused or have failed.
+
+    Raises:
+        RequestConflict: All are over, or a process works on it.
+    """
+    return _study_act("resume", study_id)
+
+
+def cancel_study(study_id: str) -> Call[Study]:
+    """Cancels the campaigns of a study that are not over permanently; what was found stays.
+
+    Raises:
+        RequestConflict: All are finished.
+    """
+    return _study_act("cancel", study_id)
+
+
+def compare_study(
+    study_id: str,
+    *,
+    baseline_method: str = "",
+    baseline_agent: str = "",
+    measures: Sequence[str] = (),
+) -> Call[StudyComparison]:
+    """Compares the finished campaigns of a study by method and by agent.
+
+    Args:
+        study_id: Id of the study.
+        baseline_method: Method that the others are compared with; "": random, or the first one.
+        baseline_agent: Agent that the others are compared with; "": the first one.
+        measures: Names of what they are compared by; empty: the headlines.
+    """
+    from drivora_service.studies.study_comparison import StudyComparison
+
+    query = {
+        "baseline_method": baseline_method,
+        "baseline_agent": baseline_agent,
+        "measure": tuple(measures),
+    }
+    return get(f"{_STUDY}/comparison", StudyComparison, query=query, study_id=study_id)
+
+
+def study_table(study_id: str, table: TableName, *, form: TableForm | None = None) -> Call[bytes]:
+    """Returns the campaigns, evaluations or failures of a study as a file.
+
+    Args:
+        study_id: Id of the study.
+        table: Which table.
+        form: As which file; ``None``: Parquet.
+    """
+    from drivora_service.studies.table_names import TableForm
+
+    return get(
+        f"{_STUDY}/tables/{{table}}",
+        bytes,
+        accept=form or TableForm.PARQUET,
+        study_id=study_id,
+        table=table,
+    )
+
+
+def _study_act(action: str, study_id: str) -> Call[Study]:
+    from drivora_service.api.schemas.studies import Study
+
+    return act(f"{_STUDY}:{action}", Study, study_id=study_id)

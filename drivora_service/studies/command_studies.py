@@ -1,0 +1,220 @@
+"""The studies of a command: campaigns in threads of its process that share one pool of workers."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from contextlib import AbstractContextManager, closing
+from dataclasses import dataclass
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.conducting import Watcher
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.shared_pool import SharedPool
+from drivora_service.campaigns.stored import run_stored
+from drivora_service.errors import Conflict, StoreError, WorkersCannotStart
+from drivora_service.store.campaign_records import CampaignRequest
+from drivora_service.store.database import Database, Transaction
+from drivora_service.studies.folder import StudyFolder
+from drivora_service.studies.storing import NOT_OVER, refuse_if_over
+
+_LOOK_S = 0.05
+"""Seconds between two looks whether another campaign is needed to keep the workers busy."""
+_REQUEST_S = 0.5
+"""Seconds between two looks for a request to the study."""
+
+PAUSE, NONE = CampaignRequest.PAUSE, CampaignRequest.NONE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandSetup:
+    """What the studies of a command are run with.
+
+    Attributes:
+        database: Returns the database with the studies.
+        folder: Returns the folder of a study.
+        campaign_folder: Returns the folder of a campaign.
+        catalogues: Catalogues for the names in campaigns.
+        pool: Returns the workers, for the number that a study wants.
+        on_error: Called from a thread with the error that stopped a campaign, or the study.
+    """
+
+    database: Callable[[], Database]
+    folder: Callable[[str], StudyFolder]
+    campaign_folder: Callable[[str], CampaignFolder]
+    catalogues: Catalogues
+    pool: Callable[[int | None], AbstractContextManager[SharedPool]]
+    on_error: Callable[[BaseException], None]
+
+
+class CommandStudies:
+    """Runs studies until they end; pauses their campaigns when the command ends.
+
+    Attributes:
+        fault: Why no run can be started, "" while they can.
+    """
+
+    def __init__(self, setup: CommandSetup) -> None:
+        """Begins with none."""
+        self._setup = setup
+        self._taken: list[str] = []
+        self._threads: list[threading.Thread] = []
+        self._closing = threading.Event()
+        self.fault = ""
+
+    def open(self, _transaction: Transaction, study_id: str, _campaigns: Sequence[str]) -> None:
+        """Accepts a new study."""
+        self._taken.append(study_id)
+
+    def resume(self, study_id: str) -> None:
+        """Resumes a study that is not running.
+
+        Raises:
+            UnknownName: There is no such study.
+            Conflict: All its campaigns are over, or a process works on it.
+            StoreError: The database or the folder of the study cannot be used.
+        """
+        self._begin(study_id)
+
+    def has_process(self, study_id: str) -> bool:
+        """Returns whether the process of a command runs a study."""
+        return self._setup.folder(study_id).is_running
+
+    def wake(self) -> None:
+        """Starts the accepted studies.
+
+        Raises:
+            StoreError: The database or the folder of a study cannot be used.
+        """
+        while self._taken:
+            self._begin(self._taken.pop())
+
+    def close(self) -> None:
+        """Pauses the running campaigns, and waits for them."""
+        self._closing.set()
+        for thread in self._threads:
+            thread.join()
+
+    def _begin(self, study_id: str) -> None:
+        begun: Future[None] = Future()
+        thread = threading.Thread(
+            target=self._run, args=(study_id, begun), name=f"study {study_id}"
+        )
+        self._threads.append(thread)
+        thread.start()
+        begun.result()
+
+    def _run(self, study_id: str, begun: Future[None]) -> None:
+        setup = self._setup
+        try:
+            lock = setup.folder(study_id).lock()
+            try:
+                database = setup.database()
+                with database.write() as transaction:
+                    refuse_if_over(transaction, study_id)
+                    transaction.studies.ask_for(study_id, NONE)
+                    record = transaction.studies.get(study_id)
+                begun.set_result(None)
+                with setup.pool(record.document.get("workers")) as pool:
+                    _Work(setup, database, study_id, pool, self._closing).run()
+                    self.fault = pool.fault
+            finally:
+                lock.release()
+        except BaseException as error:
+            # Whatever it is: without an end of the thread's work, the command would wait for ever.
+            if begun.done():
+                setup.on_error(error)
+            else:
+                begun.set_exception(error)
+
+
+class _Work:
+    """The work on one study.
+
+    As many campaigns run at once as keep the workers busy: another one begins when no run waits
+    for a worker. So one campaign after the other is completed, and none holds up the workers while
+    its tester thinks or waits for its last results.
+    """
+
+    def __init__(
+        self,
+        setup: CommandSetup,
+        database: Database,
+        study_id: str,
+        pool: SharedPool,
+        closing_down: threading.Event,
+    ) -> None:
+        self._setup, self._database, self._study_id = setup, database, study_id
+        self._pool, self._closing = pool, closing_down
+        self._stopped = threading.Event()
+        self._request = PAUSE
+        self._ended = threading.Event()
+        with database.read() as transaction:
+            ids = transaction.studies.campaign_ids(study_id, NOT_OVER)
+        self._coming = deque(ids)
+        self._threads: list[threading.Thread] = []
+
+    def run(self) -> None:
+        """Runs until all campaigns have ended, or a stop is requested."""
+        looked = 0.0
+        try:
+            while True:
+                self._threads = [thread for thread in self._threads if thread.is_alive()]
+                if looked >= _REQUEST_S:
+                    looked = 0.0
+                    self._look_for_request()
+                is_stopped = self._is_stopped()
+                if not self._threads and (is_stopped or not self._coming):
+                    return
+                # One more than workers: its tester thinks while the others' runs are performed.
+                has_room = len(self._threads) <= self._pool.workers
+                if self._coming and not is_stopped and has_room and self._pool.is_hungry():
+                    self._start(self._coming.popleft())
+                self._ended.wait(_LOOK_S)
+                self._ended.clear()
+                looked += _LOOK_S
+        finally:
+            self._stopped.set()
+            for thread in self._threads:
+                thread.join()
+
+    def _is_stopped(self) -> bool:
+        return self._stopped.is_set() or self._closing.is_set() or bool(self._pool.fault)
+
+    def _look_for_request(self) -> None:
+        with self._database.read() as transaction:
+            request = transaction.studies.request_of(self._study_id)
+        if request is not NONE:
+            self._request = request
+            self._stopped.set()
+
+    def _start(self, campaign_id: str) -> None:
+        thread = threading.Thread(
+            target=self._conduct, args=(campaign_id,), name=f"campaign {campaign_id}"
+        )
+        self._threads.append(thread)
+        thread.start()
+
+    def _conduct(self, campaign_id: str) -> None:
+        evaluator = self._pool.evaluator()
+        try:
+            run_stored(
+                self._database,
+                campaign_id,
+                self._setup.campaign_folder(campaign_id),
+                catalogues=self._setup.catalogues,
+                evaluator=lambda _workers: closing(evaluator),
+                watcher=Watcher(requested=lambda: self._request if self._is_stopped() else NONE),
+            )
+        except Conflict:
+            # Another process runs it by itself, or it was cancelled meanwhile.
+            pass
+        except BaseException as error:
+            if isinstance(error, WorkersCannotStart | StoreError):
+                self._stopped.set()
+            self._setup.on_error(error)
+        finally:
+            evaluator.close()
+            self._ended.set()

@@ -1,0 +1,75 @@
+"""The studies of a service: their campaigns are queued, and the service decides how many run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.campaigns.host import CampaignHost
+from drivora_service.errors import Conflict
+from drivora_service.store.campaign_records import CampaignRequest, CampaignState
+from drivora_service.store.database import Database, Transaction
+from drivora_service.studies.folder import StudyFolder
+from drivora_service.studies.storing import NOT_OVER, refuse_if_over
+
+
+class ServiceStudies:
+    """Hands the campaigns of studies to the host of campaigns."""
+
+    def __init__(
+        self,
+        database: Database,
+        campaigns: CampaignHost,
+        *,
+        folder: Callable[[str], StudyFolder],
+        campaign_folder: Callable[[str], CampaignFolder],
+    ) -> None:
+        """Begins with none.
+
+        Args:
+            database: Database of the service.
+            campaigns: Runs the campaigns.
+            folder: Returns the folder of a study.
+            campaign_folder: Returns the folder of a campaign.
+        """
+        self._database, self._campaigns = database, campaigns
+        self._folder, self._campaign_folder = folder, campaign_folder
+
+    def open(self, transaction: Transaction, _study_id: str, campaign_ids: Sequence[str]) -> None:
+        """Accepts a new study, in the transaction that stores it."""
+        for campaign_id in campaign_ids:
+            self._campaigns.open(transaction, campaign_id)
+
+    def resume(self, study_id: str) -> None:
+        """Queues the campaigns of a study that do not run.
+
+        Raises:
+            UnknownName: There is no such study.
+            Conflict: All its campaigns are over, or the process of a command works on it.
+        """
+        with self._database.write() as transaction:
+            refuse_if_over(transaction, study_id)
+            if self.has_process(study_id):
+                raise Conflict(f"study {study_id} is run by a command already")
+            transaction.studies.ask_for(study_id, CampaignRequest.NONE)
+            for campaign_id in transaction.studies.campaign_ids(study_id, NOT_OVER):
+                self._queue(transaction, campaign_id)
+        self.wake()
+
+    def has_process(self, study_id: str) -> bool:
+        """Returns whether the process of a command runs a study."""
+        return self._folder(study_id).is_running
+
+    def wake(self) -> None:
+        """Starts queued campaigns, or follows requests to them."""
+        self._campaigns.wake()
+
+    def _queue(self, transaction: Transaction, campaign_id: str) -> None:
+        record = transaction.campaigns.get(campaign_id)
+        if record.state is CampaignState.RUNNING:
+            if record.batch_id or self._campaign_folder(campaign_id).is_running:
+                return
+            # The command that ran it was killed.
+            transaction.campaigns.end(campaign_id, CampaignState.PAUSED)
+        transaction.campaigns.queue_again(campaign_id)
+        self._campaigns.open(transaction, campaign_id)
