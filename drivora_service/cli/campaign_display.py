@@ -37,7 +37,7 @@ class CampaignDisplay:
 
     def show(self, campaign: Campaign) -> None:
         """Shows the progress of a campaign."""
-        left = "" if campaign.left_s is None else f", {_duration(campaign.left_s)} left"
+        left = "" if campaign.left_s is None else f", {duration(campaign.left_s)} left"
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
         self._found.plain = _found(campaign)
@@ -74,7 +74,8 @@ def _found(campaign: Campaign) -> str:
     return " · ".join(parts)
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """Returns seconds as minutes and seconds, with the hours if there are any."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

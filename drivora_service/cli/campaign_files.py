@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+from drivora_service.cli.scenario_files import read_files
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.importers.reading import FileFormat, detect_format, read_scenarios
 from drivora_service.scenario.plain_data import plain_data, refusal
@@ -38,7 +39,42 @@ def read_campaign_file(path: Path) -> dict[str, Any]:
     scenario = content.get("scenario")
     if isinstance(scenario, Mapping) and set(scenario) == {"file"}:
         content["scenario"] = _scenario_of(scenario["file"], path.parent)
+    elif isinstance(scenario, Mapping) and set(scenario) == {"folder"}:
+        del content["scenario"]
+        content["scenarios"] = _scenarios_of(scenario["folder"], path.parent)
     return content
+
+
+def _scenarios_of(name: object, folder: Path) -> list[dict[str, Any]]:
+    """Reads all scenarios of a folder, in order of name."""
+    if not isinstance(name, str) or not name:
+        raise _refusal("found no name; a path relative to the campaign file is needed", "folder")
+    path = folder / name
+    if not path.is_dir():
+        raise _refusal(f"there is no folder {path}", "folder")
+    try:
+        scenarios, unreadable = read_files([path], agent="")
+    except ConfigurationError as error:
+        raise _refusal(str(error), "folder") from error
+    if unreadable:
+        raise InvalidDocument(
+            tuple(
+                replace(
+                    problem, pointer="/scenario/folder", message=f"{one.path}: {problem.message}"
+                )
+                for one in unreadable
+                for problem in one.problems
+            )
+        )
+    return [
+        {
+            "name": one.name,
+            "scenario": one.document.model_dump(
+                mode="json", exclude_defaults=True, exclude_none=True
+            ),
+        }
+        for one in scenarios
+    ]
 
 
 def _scenario_of(name: object, folder: Path) -> dict[str, Any]:
@@ -72,7 +108,7 @@ def _content(data: bytes, path: Path) -> dict[str, Any]:
     return found[0].document.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
 
 
-def _refusal(message: str) -> InvalidDocument:
+def _refusal(message: str, key: str = "file") -> InvalidDocument:
     return InvalidDocument(
-        (Problem(pointer="/scenario/file", code="scenario_file", message=message),)
+        (Problem(pointer=f"/scenario/{key}", code="scenario_file", message=message),)
     )

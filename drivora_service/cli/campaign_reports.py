@@ -9,12 +9,12 @@ from pathlib import Path
 
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.campaigns.documents import CampaignDocument
+from drivora_service.campaigns.reading import hash_of_networks
 from drivora_service.cli.installation import catalogues_for
 from drivora_service.cli.output import note
 from drivora_service.client import Client
 from drivora_service.errors import UnknownName
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.store.campaign_records import CampaignRecord
 from drivora_service.studies.campaign_report import CampaignReport, group
 from drivora_service.studies.report_pictures import draw_examples
 
@@ -54,11 +54,12 @@ def drawn_report(
         groups=group(tuple(client.failures(campaign_id))),
         note=figures.note,
         privileged=figures.privileged,
+        seeds=campaign.seeds,
     )
     if folder is None:
         return DrawnReport(report=report, pictures={})
     catalogues = catalogues_for(data_dir)
-    if not _has_network(catalogues.networks, campaign):
+    if not _has_networks(catalogues.networks, report):
         return DrawnReport(report=report, pictures={})
     with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
         fetched = _with_traces(report, client, Path(scratch))
@@ -66,15 +67,17 @@ def drawn_report(
     return DrawnReport(report=report, pictures=pictures)
 
 
-def _has_network(networks: NetworkCatalogue, record: CampaignRecord) -> bool:
-    """Whether the road network of a campaign is here; tells the user if it is not."""
-    try:
-        network = networks.get(record.town)
-    except UnknownName:
-        note(f"no pictures: the road network {record.town!r} is not here; import it to have them")
-        return False
-    if network.sha256 != record.network_sha256:
-        note(f"no pictures: the road network {record.town!r} is not the one of the campaign")
+def _has_networks(networks: NetworkCatalogue, report: CampaignReport) -> bool:
+    """Whether the road networks of a campaign are here; tells the user if they are not."""
+    found = {}
+    for town in {seed.map_region.town for seed in report.document.seeds.values()}:
+        try:
+            found[town] = networks.get(town)
+        except UnknownName:
+            note(f"no pictures: the road network {town!r} is not here; import it to have them")
+            return False
+    if hash_of_networks(tuple(found.values())) != report.record.network_sha256:
+        note(f"no pictures: the road network {report.record.town!r} is not that of the campaign")
         return False
     return True
 

@@ -59,6 +59,8 @@ def print_campaign(campaign: Campaign) -> None:
         f"{counts.failed} runs without a result"
     )
     print(f"  {counts.violating} failing ({_accountable(counts)})")
+    if campaign.seeds:
+        _print_seeds(campaign)
     if campaign.kinds:
         print_table(
             "Failures",
@@ -88,6 +90,27 @@ def print_campaign(campaign: Campaign) -> None:
                 for kind in campaign.kinds
             ),
         )
+
+
+def _print_seeds(campaign: Campaign) -> None:
+    print_table(
+        "Seed scenarios",
+        ("name", "network", "runs", "failing", "at fault", "avoidable", "kinds", "first"),
+        (
+            (
+                seed.name,
+                seed.town,
+                str(seed.simulations),
+                str(seed.violating),
+                str(seed.at_fault),
+                str(seed.avoidable),
+                str(seed.kinds),
+                "-" if seed.first_failure is None else f"#{seed.first_failure}",
+            )
+            for seed in campaign.seeds
+        ),
+        cut=("name",),
+    )
 
 
 def _accountable(counts: CampaignCounts) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -16,6 +17,9 @@ from drivora_service.errors import ConfigurationError, ServiceError
 if TYPE_CHECKING:
     from drivora_service.client import Client
     from drivora_service.settings import Settings
+
+_NEW_OBJECTS = 50_000
+"""Objects that a command makes, fewer those that are gone, before unreachable ones are sought."""
 
 _RETRY_S = 20.0
 """Seconds for which a command asks a service again that does not answer."""
@@ -71,6 +75,8 @@ def connected(
     """
     if server:
         _refuse_local_options(data_dir, workers, evaluator)
+    # Nearly all objects of a command's start live to its end, and each collection visits them.
+    gc.set_threshold(_NEW_OBJECTS)
     from drivora_service.cli.installation import settings_for
     from drivora_service.logs import configure_logs
 

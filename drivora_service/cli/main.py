@@ -23,6 +23,7 @@ from drivora_service.cli.commands import (
     seeds,
     serve,
     store,
+    study,
     testers,
     tokens,
     validate,
@@ -74,6 +75,7 @@ app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
 app.add_typer(runs.app, name="runs", epilog=EPILOG)
 app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
+app.add_typer(study.app, name="study", epilog=EPILOG)
 app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)
 app.add_typer(agents.app, name="agents", epilog=EPILOG)

@@ -85,6 +85,7 @@ def print_table(
     *,
     wrap: Collection[str] = (),
     cut: Collection[str] = (),
+    headings: Sequence[str] = (),
 ) -> None:
     """Prints a table; text is shown as it is, without markup.
 
@@ -94,6 +95,7 @@ def print_table(
         rows: A text each column.
         wrap: Columns of prose, which may break at their spaces where the terminal is too narrow.
         cut: Columns whose middle may be left out there. The others are always shown whole.
+        headings: A heading each row, above the rows that follow one another with it.
     """
     from rich.console import Console
     from rich.text import Text
@@ -101,7 +103,8 @@ def print_table(
     from drivora_service.cli.tables import table_lines, table_of
 
     console = Console(soft_wrap=True)
-    head, body = table_lines(table_of(columns, [*rows], wrap=wrap, cut=cut), console.width)
+    table = table_of(columns, [*rows], wrap=wrap, cut=cut, headings=headings)
+    head, body = table_lines(table, console.width)
     if title:
         console.print(Text(title, style="italic"))
     console.print()
@@ -110,6 +113,15 @@ def print_table(
     for line in (head[-1], *body):
         console.print(Text(line))
     console.print()
+
+
+def print_prose(text: str) -> None:
+    """Prints a paragraph, broken at spaces where the terminal ends."""
+    import textwrap
+
+    from rich.console import Console
+
+    print(textwrap.fill(text, Console().width, break_long_words=False, break_on_hyphens=False))
 
 
 def note(message: str) -> None:

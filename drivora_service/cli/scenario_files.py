@@ -100,7 +100,7 @@ def read_files(
         except OSError as error:
             raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
         for scenario in imported:
-            name = _unique(scenario.name, taken)
+            name = unique_name(scenario.name, taken)
             scenarios.append(
                 ScenarioFile(name=name, path=path, document=scenario.document, notes=scenario.notes)
             )
@@ -123,7 +123,8 @@ def written_by_drivora(path: Path) -> str:
     return "found the results of a command of Drivora; run the scenarios beside it"
 
 
-def _unique(name: str, taken: set[str]) -> str:
+def unique_name(name: str, taken: set[str]) -> str:
+    """Returns a name that is not taken, with a number at its end if need be, and takes it."""
     candidate, number = name, 2
     while candidate in taken:
         candidate, number = f"{name}-{number}", number + 1

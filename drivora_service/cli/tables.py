@@ -2,7 +2,8 @@
 
 A table that is wider than the terminal gives way in this order: columns of text wrap at spaces and
 others are cut in the middle, heads break at their spaces, gaps shrink, text moves below its row,
-and at last the first column stands on a line of its own above the others.
+and at last the first column stands on a line of its own above the others. Rows may have headings,
+which stand above them at any width.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from rich.cells import cell_len, chop_cells
 from rich.text import Text
 
 _MARGIN = " "
-_INDENT = "    "
+_STEP = "  "
 _LEAST_WRAPPED = 24
 _LEAST_CUT = 14
 
@@ -29,12 +30,15 @@ class Table:
         rows: A text each column.
         wrap: Columns of prose, which may break at their spaces.
         cut: Columns whose middle may be left out.
+        headings: A heading each row, which stands above the rows that follow one another with it;
+            empty: none.
     """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     wrap: frozenset[str]
     cut: frozenset[str]
+    headings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +57,7 @@ def table_of(
     *,
     wrap: Collection[str] = (),
     cut: Collection[str] = (),
+    headings: Sequence[str] = (),
 ) -> Table:
     """Returns a table of plain text: escape sequences and line breaks in cells are removed."""
     return Table(
@@ -60,6 +65,7 @@ def table_of(
         rows=tuple(tuple(_plain(cell) for cell in row) for row in rows),
         wrap=frozenset(wrap),
         cut=frozenset(cut),
+        headings=tuple(map(_plain, headings)),
     )
 
 
@@ -73,23 +79,29 @@ def table_lines(table: Table, width: int) -> tuple[list[str], list[str]]:
     Returns:
         The lines of its head, and those of its rows.
     """
-    layout = _layout(table, width)
-    indent = _MARGIN + ("  " if layout.above else "")
+    margin = _MARGIN + (_STEP if table.headings else "")
+    layout = _layout(table, width - len(margin))
+    indent = margin + (_STEP if layout.above else "")
     head = [
-        *([_MARGIN + " ".join(table.columns[0].split())] if layout.above else []),
+        *([margin + " ".join(table.columns[0].split())] if layout.above else []),
         *_lines(layout.heads, layout, indent),
     ]
     body: list[str] = []
-    for row in table.rows:
+    heading = ""
+    for number, row in enumerate(table.rows):
+        if table.headings and table.headings[number] != heading:
+            heading = table.headings[number]
+            body += _wrapped(heading, width - len(_MARGIN), _MARGIN)
         if layout.above:
-            body.append(_MARGIN + row[0])
+            body.append(margin + row[0])
         cells = [
             _fitted(row[index], width_of, wraps=table.columns[index] in table.wrap)
             for index, width_of in zip(layout.shown, layout.widths, strict=True)
         ]
         body += _lines(cells, layout, indent)
         for index in layout.below:
-            body += _wrapped(row[index], width - len(_INDENT), _INDENT)
+            below = margin + _STEP + _MARGIN
+            body += _wrapped(row[index], width - len(below), below)
     head = [line for line in head if line]
     ruler = max((cell_len(line) for line in (*head, *body)), default=0)
     return [*head, _MARGIN + "─" * max(ruler - len(_MARGIN), 0)], body
@@ -121,7 +133,7 @@ def _layout(table: Table, width: int) -> _Layout:
             max(cell_len(text) for text in (*head, *(row[index] for row in table.rows)))
             for index, head in zip(shown, heads, strict=True)
         ]
-        room = width - len(_MARGIN) - (2 if above else 0) - gap * max(len(shown) - 1, 0)
+        room = width - (len(_STEP) if above else 0) - gap * max(len(shown) - 1, 0)
         least = [
             min(wide, flexible[index]) if gives_way and index in flexible else wide
             for index, wide in zip(shown, natural, strict=True)

@@ -255,3 +255,31 @@ def test_a_campaign_that_the_database_stops_says_so_and_can_be_resumed(
     log = (tmp_path / "campaign.log").read_text()
     assert "the database cannot be used now: database is locked" in log
     assert f"interrupted; resume it with: drivora campaign resume {campaign_id}" in log
+
+
+@pytest.mark.slow
+def test_a_folder_of_seed_scenarios_is_searched_in_turns(
+    drivora: Drivora, campaign_file: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "seeds"
+    span = ("--min-length", "50", "--max-length", "300")
+    made = drivora("seeds", "generate", "--town", "tee-town", "--num", "2", *span, "--out", folder)
+    assert made.code == 0
+    (folder / "crossing.json").write_text(json.dumps(SCENARIO))
+    (tmp_path / "crossing.json").unlink()
+    campaign_file.write_text(CAMPAIGN.replace("file: crossing.json", "folder: seeds"))
+    campaign = drivora("campaign", "run", campaign_file, "--json").json()
+    assert [(seed["name"], seed["simulations"]) for seed in campaign["seeds"]] == [
+        ("crossing", 8),
+        ("tee-town_0001", 8),
+        ("tee-town_0002", 8),
+    ]
+    found = evaluations(tmp_path, campaign["id"])
+    for number, seed in enumerate(campaign["seeds"]):
+        own = [record for record in found if record.seed_number == number]
+        assert seed["town"] == "tee-town"
+        assert seed["evaluations"] == len(own)
+        assert seed["violating"] == sum(bool(record.violations) for record in own)
+        assert seed["kinds"] == len({kind for record in own for kind in record.failure_kinds})
+    assert "Seed scenarios" in drivora("campaign", "show", campaign["id"]).out
+    assert "| tee-town_0001 | tee-town | 8 |" in drivora("campaign", "report", campaign["id"]).out

@@ -64,6 +64,23 @@ def test_prose_wraps_beside_its_row_or_stands_below_it() -> None:
     assert " ".join(" ".join(below[1:]).split()) == MESSAGE
 
 
+@pytest.mark.parametrize("width", [30, 50, 80, 120])
+def test_a_heading_stands_once_above_its_rows_at_any_width(width: int) -> None:
+    places = ("a scenario with a long name, idm",) * 2 + ("another scenario, pdm-closed",)
+    rows = [("random", "12"), ("avfuzzer", "7"), ("random", "0")]
+    table = table_of(("method", "failing"), rows, headings=places)
+    head, body = table_lines(table, width)
+    assert max(len(line) for line in (*head, *body)) <= width
+    assert " ".join(" ".join(body).split()) == (
+        f"{places[0]} random 12 avfuzzer 7 {places[2]} random 0"
+    )
+    own = [line for line in body if line.startswith("   ")]
+    assert [line.split() for line in own] == [[*row] for row in rows]
+    # Also where the first column stands above the others.
+    narrow = table_of(("method", "failing"), [("m" * 40, "12")], headings=("place",))
+    assert table_lines(narrow, 44)[1] == [" place", f"   {'m' * 40}", "     12"]
+
+
 def test_heads_break_at_spaces_before_anything_is_cut() -> None:
     table = table_of(("step cost", "agent cost"), [("14", "15")])
     assert table_lines(table, 15)[0][:2] == [" step  agent", " cost  cost"]

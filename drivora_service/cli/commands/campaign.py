@@ -14,15 +14,8 @@ from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
 from drivora_service.cli.out_option import check_file, check_folder
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
-from drivora_service.errors import (
-    ConfigurationError,
-    DrivoraError,
-    InvalidDocument,
-    PluginError,
-    ServiceError,
-    StoreError,
-    WorkersCannotStart,
-)
+from drivora_service.cli.running_errors import say_error
+from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -88,7 +81,7 @@ def run(
         makes_data=True,
         workers=workers,
         evaluator=evaluator,
-        on_error=_say_error,
+        on_error=say_error,
     ) as client:
         import json
 
@@ -135,7 +128,7 @@ def resume(
         works=True,
         workers=workers,
         evaluator=evaluator,
-        on_error=_say_error,
+        on_error=say_error,
     ) as client:
         document = client.campaign(campaign_id).document
         chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
@@ -259,20 +252,6 @@ def _refuse_detaching(detach: bool, server: str) -> None:
             "--detach is for campaigns of a service (--server): a campaign of this process ends "
             "with it"
         )
-
-
-def _say_error(error: BaseException) -> None:
-    """Prints what the stored message does not tell of the error that stopped a campaign."""
-    if isinstance(error, PluginError):
-        if error.log:
-            note(error.log)
-    elif isinstance(error, WorkersCannotStart | StoreError):
-        # What the database refuses is not stored, nor is what happened before it.
-        if isinstance(error.__context__, DrivoraError):
-            note(str(error.__context__))
-        fail(str(error))
-    elif not isinstance(error, DrivoraError):
-        fail(f"the campaign was stopped by an error of Drivora: {type(error).__name__}: {error}")
 
 
 def _finish(

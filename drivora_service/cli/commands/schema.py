@@ -17,6 +17,7 @@ class Document(StrEnum):
 
     SCENARIO = "scenario"
     CAMPAIGN = "campaign"
+    STUDY = "study"
 
 
 def schema(
@@ -28,13 +29,18 @@ def schema(
     ] = False,
     write: Annotated[bool, typer.Option("--write", help="Write the schema files again.")] = False,
 ) -> None:
-    """Prints the JSON Schema of the OpenScenario document or of the campaign."""
+    """Prints the JSON Schema of the OpenScenario document, of the campaign or of the study."""
     from drivora_service.campaigns import schema as campaign_schema
     from drivora_service.scenario import schema as scenario_schema
+    from drivora_service.studies import schema as study_schema
 
     if check and write:
         raise ConfigurationError("give one of --check and --write")
-    schemas = {Document.SCENARIO: scenario_schema, Document.CAMPAIGN: campaign_schema}
+    schemas = {
+        Document.SCENARIO: scenario_schema,
+        Document.CAMPAIGN: campaign_schema,
+        Document.STUDY: study_schema,
+    }
     if not check and not write:
         typer.echo(schemas[document].schema_text(), nl=False)
         return

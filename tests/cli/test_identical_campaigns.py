@@ -1,0 +1,100 @@
+"""The same campaign with one worker, with two, and killed and resumed: by every method."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from drivora_service.cli.campaign_files import shipped_campaigns
+from tests.campaigns.analytic import sequence
+from tests.cli.conftest import Drivora
+from tests.cli.test_campaign import evaluations, start, wait_until_told
+
+SIMULATIONS = 120
+
+MOTORWAY = "late-braking"
+JUNCTION = "side-collision"
+
+METHODS: dict[str, tuple[str, dict[str, Any]]] = {
+    "random": (MOTORWAY, {}),
+    # Restarts soon, and local searches from the first new best.
+    "avfuzzer": (MOTORWAY, {"stall": 1, "local_after": 0, "local_generations": 1}),
+    "behavexplor": (MOTORWAY, {}),
+    "samota": (MOTORWAY, {"initial": 12}),
+    "doppeltest": (JUNCTION, {}),
+}
+"""Campaign and parameters by method, such that each of its steps is made within the budget."""
+
+
+def campaign_of(method: str, folder: Path) -> Path:
+    """Writes the file of a campaign, and returns its path."""
+    name, parameters = METHODS[method]
+    document = yaml.safe_load((shipped_campaigns() / f"{name}.yaml").read_text())
+    document["scenario"]["file"] = str(shipped_campaigns() / document["scenario"]["file"])
+    document["tester"] = {"name": method, "parameters": parameters}
+    document["budget"] = {"simulations": SIMULATIONS}
+    path = folder / f"{method}.yaml"
+    path.write_text(yaml.safe_dump(document))
+    return path
+
+
+def result_of(folder: Path, drivora: Drivora, campaign_id: str) -> tuple[object, ...]:
+    """Returns the evaluations and the failures of a campaign."""
+    shown = drivora("campaign", "show", campaign_id, "--json").json()
+    assert shown["state"] == "finished"
+    assert shown["simulations"] == SIMULATIONS
+    records = evaluations(folder, campaign_id)
+    traces = [record.report.trace_sha256 for record in records]
+    # Their addresses name the campaign.
+    failures = json.dumps(shown["failures"], sort_keys=True).replace(campaign_id, "")
+    return sequence(records), traces, failures
+
+
+def by_way(method: str, folder: Path, drivora: Drivora) -> dict[str, tuple[object, ...]]:
+    """Returns the result of a campaign by the way in which it was run."""
+    path = campaign_of(method, folder)
+    process = start(folder, "run", path, "--workers", "1")
+    campaign_id = wait_until_told(folder, process, 0)
+    _kill(process)
+    told = len(evaluations(folder, campaign_id))
+    assert 0 < told < SIMULATIONS
+    process = start(folder, "resume", campaign_id, "--workers", "2")
+    wait_until_told(folder, process, told)
+    _kill(process)
+    ended = drivora("campaign", "resume", campaign_id, "--workers", "2", "--json")
+    assert ended.code == 0, ended.err
+    found = {"killed twice and resumed": result_of(folder, drivora, campaign_id)}
+
+    for workers in (1, 2):
+        ended = drivora("campaign", "run", path, "--workers", str(workers), "--json")
+        assert ended.code == 0, ended.err
+        found[f"K = {workers}"] = result_of(folder, drivora, ended.json()["id"])
+    return found
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+
+
+def digest(result: tuple[object, ...]) -> str:
+    """Returns a short name of a result."""
+    return hashlib.sha256(repr(result).encode()).hexdigest()[:16]
+
+
+@pytest.mark.slow(seconds=60)
+@pytest.mark.parametrize("method", METHODS)
+def test_workers_and_kills_change_nothing(method: str, drivora: Drivora, tmp_path: Path) -> None:
+    found = by_way(method, tmp_path, drivora)
+    for way, result in found.items():
+        # Shown by `pytest -rP`.
+        print(f"| {method} | {way} | {digest(result)} |")
+    killed, one, two = found.values()
+    assert one == two
+    assert one == killed
