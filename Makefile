@@ -14,7 +14,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 # Tests start many processes. Each would compile the sources anew where this is set, as in images.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help install install-dev demo test test-slow test-faults checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
+.PHONY: help install install-dev demo test test-slow test-faults benchmarks-short checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -72,6 +72,9 @@ fuzz: $(DEV_STAMP) ## Fuzz the parsers: INPUTS=1000000, PARSER=name for one
 test-faults: $(DEV_STAMP) ## Faults injected into a real service; TRIALS=20 at other random moments
 	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 2 --dist worksteal \
 	  -m faults tests/faults
+
+benchmarks-short: $(DEV_STAMP) kernels ## The benchmarks in their short form: build/benchmarks-short.json
+	$(BIN)/python -m benchmarks --short
 
 lint: $(DEV_STAMP)
 	$(BIN)/ruff check .

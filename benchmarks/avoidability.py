@@ -92,9 +92,10 @@ def candidates(part: Part, repetition: int) -> Iterator[tuple[int, str]]:
     search = prepare_search(
         read_campaign(text, catalogues()), catalogues(), run_prefix="avoidability"
     )
+    (only,) = search.parts
     for number in range(SIMULATIONS):
-        (proposal,) = search.tester.ask(1)
-        candidate = search.candidates.prepare(proposal.values)
+        (proposal,) = only.tester.ask(1)
+        candidate = only.candidates.prepare(proposal.values)
         if not candidate.problem:
             yield number, candidate.document
 

@@ -49,6 +49,7 @@ class Load:
     Attributes:
         pause: Seconds that each client waits between an answer and its next request.
         seconds: How long.
+        body: Content in JSON of each request, which is a POST then; empty: it is a GET.
     """
 
     url: str
@@ -56,6 +57,7 @@ class Load:
     clients: int
     pause: float
     seconds: float
+    body: bytes = b""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +101,7 @@ async def _clients(load: Load) -> Seen:
                 async with asyncio.timeout(_PATIENCE_S):
                     if streams is None:
                         streams = await asyncio.open_connection(address.hostname, address.port)
-                    head = await _request(*streams, path)
+                    head = await _request(*streams, path, load.body)
             except (OSError, EOFError, TimeoutError) as error:
                 answers[type(error).__name__] += 1
                 head = b""
@@ -120,15 +122,21 @@ async def _clients(load: Load) -> Seen:
     return Seen(answers=answers, waits=tuple(waits), rude=rude)
 
 
-async def _request(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, path: str) -> bytes:
+async def _request(
+    reader: asyncio.StreamReader, writer: asyncio.StreamWriter, path: str, body: bytes
+) -> bytes:
     """Sends a request and returns the head of its answer in small letters."""
-    writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
-    head = (await reader.readuntil(b"\r\n\r\n")).lower()
+    head = f"{'POST' if body else 'GET'} {path} HTTP/1.1\r\nHost: localhost\r\n"
+    if body:
+        head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n"
+    writer.write(f"{head}\r\n".encode() + body)
+    answer = (await reader.readuntil(b"\r\n\r\n")).lower()
     length = next(
-        (int(line[15:]) for line in head.split(b"\r\n") if line.startswith(b"content-length:")), 0
+        (int(line[15:]) for line in answer.split(b"\r\n") if line.startswith(b"content-length:")),
+        0,
     )
     await reader.readexactly(length)
-    return head
+    return answer
 
 
 def start(pool: ProcessPoolExecutor, load: Load, processes: int) -> list[Future[Seen]]:
@@ -143,6 +151,7 @@ def start(pool: ProcessPoolExecutor, load: Load, processes: int) -> list[Future[
                 clients=share,
                 pause=load.pause,
                 seconds=load.seconds,
+                body=load.body,
             ),
         )
         for share in shares

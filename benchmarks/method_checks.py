@@ -103,7 +103,10 @@ def run_whole(
     figures = figures_of(
         Subject(campaign="", method=wanted.tester, scenario=wanted.town, seed=wanted.seed),
         records,
-        ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes,
+        [
+            ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes
+            for seed in valid.seeds
+        ],
     )
     return {
         "method": wanted.tester,

@@ -2,10 +2,14 @@
 
 Every method and its twin without feedback searches the same gene space on the same seed scenarios
 with the same budget; a repetition differs in its seed alone. DoppelTest, which is about several
-egos, has scenes of its own. Results are appended to a file, one line a campaign, so that a study
-can be interrupted and resumed.
+egos, has scenes of its own. Two study files run it:
 
-    python -m benchmarks.method_study run --out benchmarks/results/methods.jsonl.gz
+    drivora study run benchmarks/studies/one-ego.yaml
+    drivora study run benchmarks/studies/several-egos.yaml
+
+The published results are from before there were study files. They are one line a campaign, and
+these are the tables of them:
+
     python -m benchmarks.method_study show benchmarks/results/methods.jsonl.gz
 """
 
@@ -15,32 +19,20 @@ import argparse
 import gzip
 import itertools
 import json
-import multiprocessing
-import tempfile
-import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, TextIO
+from typing import Any
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.grouping import Grouping
-from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
 from drivora_service.cli.campaign_files import shipped_campaigns
-from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.studies.comparison import compare_campaigns, measure
-from drivora_service.studies.figures import CampaignFigures, Subject, cost_s, figures_of
+from drivora_service.studies.figures import CampaignFigures
 from drivora_service.studies.situations import count_situations
-from drivora_service.worker.parent_death import die_with_parent
-from drivora_service.worker.setup import WorkerSetup
 
 AGENT = "idm"
 STEP = 0.1
@@ -159,104 +151,6 @@ def campaign_name(scene: Scene, arm: Arm, repetition: int) -> str:
     return f"{scene.name}, {arm.name}, {repetition}"
 
 
-def run_campaign(
-    executor: LocalExecutor, scene: Scene, arm: Arm, repetition: int, simulations: int
-) -> dict[str, Any]:
-    """Runs one campaign; returns its line of the results."""
-    valid = read_campaign(
-        json.dumps(campaign_document(scene, arm, repetition, simulations)), catalogues()
-    )
-    name = valid.campaign.name
-    search = prepare_search(valid, catalogues(), run_prefix="study")
-    journal = MemoryJournal()
-    begun = time.perf_counter()
-    conduct(search, LocalEvaluator(executor), journal, confirm=False)
-    wall = time.perf_counter() - begun
-    genes = ScenarioSpace(valid.seed, valid.network, valid.campaign.space).genes
-    figures = figures_of(
-        Subject(campaign=name, method=arm.name, scenario=scene.name, seed=repetition),
-        list(journal.evaluations()),
-        genes,
-    )
-    return {
-        "egos": scene.egos,
-        "simulations": simulations,
-        "wall_s": round(wall, 2),
-        "figures": asdict(figures),
-        "costs_s": [round(cost_s(record), 4) for record in journal.evaluations()],
-        "failures": [
-            {
-                "evaluation": failure.evaluation,
-                "kind": failure.kind,
-                "oracle": failure.verdict.oracle,
-                "at_fault": failure.verdict.at_fault,
-                "time": failure.verdict.time,
-                "location": failure.verdict.location,
-                "evidence": dict(failure.verdict.evidence),
-            }
-            for failure in journal.failures()
-        ],
-    }
-
-
-def work(tasks: multiprocessing.Queue[Any], results: multiprocessing.Queue[Any]) -> None:
-    """Runs campaigns until none is left, on a worker process of its own."""
-    die_with_parent()
-    setup = WorkerSetup(shipped_networks=shipped_networks())
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        LocalExecutor(slots=1, setup=setup, folder=Path(folder)) as executor,
-    ):
-        while (task := tasks.get()) is not None:
-            results.put(run_campaign(executor, *task))
-    results.put(None)
-
-
-def run(options: argparse.Namespace) -> None:
-    """Runs the missing campaigns."""
-    known = (
-        {line["figures"]["campaign"] for line in read(options.out)}
-        if options.out.exists()
-        else set()
-    )
-    arms = [*ARMS, *TWINS] if options.twins else ARMS
-    wanted = [
-        (scene, arm, repetition, options.simulations)
-        for repetition in range(1, options.repetitions + 1)
-        for scene in SCENES
-        for arm in arms
-        if arm.egos == scene.egos
-        and arm.tester in options.testers
-        and campaign_name(scene, arm, repetition) not in known
-    ]
-    context = multiprocessing.get_context("spawn")
-    tasks, results = context.Queue(), context.Queue()
-    for task in wanted:
-        tasks.put(task)
-    workers = [context.Process(target=work, args=(tasks, results)) for _ in range(options.workers)]
-    for worker in workers:
-        tasks.put(None)
-        worker.start()
-    left, done, begun = len(workers), 0, time.perf_counter()
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    while left:
-        line = results.get()
-        if line is None:
-            left -= 1
-            continue
-        done += 1
-        # Reopened for each line: a kill leaves a readable file.
-        with _open(options.out, "at") as file:
-            file.write(json.dumps(line) + "\n")
-        figures = line["figures"]
-        print(
-            f"{done}/{len(wanted)} {time.perf_counter() - begun:.0f} s  {figures['campaign']}: "
-            f"{figures['failing']} failing, {figures['at_fault']} at fault, "
-            f"{figures['kinds']} kinds, {line['wall_s']} s",
-            flush=True,
-        )
-
-
 _FORMER_NAMES = {"group": "method", "rules": "oracles", "clusters": "groups", "key": "kind"}
 """Names in results of earlier revisions, with the present ones."""
 
@@ -266,7 +160,7 @@ _RECORDED_LATER = ("avoidable", "unavoidable", "undetermined")
 
 def read(path: Path) -> Iterator[dict[str, Any]]:
     """Reads the lines of results, with former names replaced by the present ones."""
-    with _open(path, "rt") as file:
+    with gzip.open(path, "rt") as file:
         for text in file:
             line = json.loads(text)
             line["figures"] = _renamed(line["figures"])
@@ -276,13 +170,6 @@ def read(path: Path) -> Iterator[dict[str, Any]]:
 
 def _renamed(values: Mapping[str, Any]) -> dict[str, Any]:
     return {_FORMER_NAMES.get(name, name): value for name, value in values.items()}
-
-
-def _open(path: Path, mode: Literal["rt", "at"]) -> TextIO:
-    """Opens results, compressed if their name ends in ``.gz``."""
-    if path.suffix == ".gz":
-        return gzip.open(path, mode)
-    return path.open(mode)
 
 
 def with_groups(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
@@ -411,17 +298,9 @@ def print_rows(found: Sequence[CampaignFigures], baseline: str, measures: Sequen
 
 
 def main() -> None:
-    """Runs or shows."""
+    """Shows."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(required=True)
-    running = commands.add_parser("run")
-    running.add_argument("--out", type=Path, required=True)
-    running.add_argument("--repetitions", type=int, default=20)
-    running.add_argument("--simulations", type=int, default=300)
-    running.add_argument("--workers", type=int, default=2, help="campaigns at once")
-    running.add_argument("--testers", nargs="+", default=sorted({arm.tester for arm in ARMS}))
-    running.add_argument("--twins", action="store_true", help="also without feedback")
-    running.set_defaults(do=run)
     showing = commands.add_parser("show")
     showing.add_argument("results", type=Path)
     showing.add_argument(

@@ -41,6 +41,8 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
+from drivora_service.studies.folder import StudyFolder
+from drivora_service.studies.service_studies import ServiceStudies
 
 _RUN_FILTERS = {
     "all": "",
@@ -182,6 +184,7 @@ def _engines(database: Database, folder: Path) -> EngineSetup:
 
 def application(database: Database, folder: Path) -> FastAPI:
     """Builds the HTTP application over a database; no run is started."""
+    campaigns = CampaignSupervisor(database, _engines(database, folder), at_once=1)
     catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
     return create_api(
         ApiContext(
@@ -194,7 +197,13 @@ def application(database: Database, folder: Path) -> FastAPI:
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
             wake=lambda: None,
-            campaigns=CampaignSupervisor(database, _engines(database, folder), at_once=1),
+            campaigns=campaigns,
+            studies=ServiceStudies(
+                database,
+                campaigns,
+                folder=lambda study_id: StudyFolder(folder / "studies", study_id),
+                campaign_folder=lambda one: CampaignFolder(folder / "campaigns", one),
+            ),
             reserve=lambda _runs: "",
             faults=dict,
             storage_fault=lambda: "",

@@ -1,36 +1,61 @@
-"""The cost of a run against the cheapest bare libsumo loop that places the same actors.
+"""The parts of a run, and the cheapest bare libsumo loop that places the same actors.
 
-The run: one ego (`idm`) and ten reactive NPCs, 60 s at 20 Hz, with reset, all oracles, metrics and
-the written trace. The floor replays exactly the placements that the run made (same calls, same
-poses) and steps SUMO, with the reset and the adding of the vehicles, and nothing else. Both
-alternate in one process, so that the ratio holds on a noisy machine.
-
-    python benchmarks/run_cost.py --networks MAPS --routes ROUTES --town Town01 --repeat 9
+The floor loads the network, makes exactly the placements that a run makes in which SUMO is in step
+from the start to the end (same calls, same poses), steps SUMO, and does nothing else. The suite
+alternates both in one process, so that their ratio holds on a noisy machine.
 """
 
 from __future__ import annotations
 
-import argparse
-import cProfile
-import pstats
 import statistics
-import tempfile
 import time
-from dataclasses import dataclass, replace
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import libsumo
 
-from benchmarks.scenes import town_scene
-from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunSpec
-from drivora_service.scenario.canonical import canonical_json
+from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.feedback.objectives import score
+from drivora_service.metrics.built_in import measure
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace_file import write_trace
+from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.oracles.built_in import default_oracles, judge_all
+from drivora_service.scenario.canonical import from_canonical
+from drivora_service.scenario.model import Scenario
 from drivora_service.simulation import sumo
-from drivora_service.worker.performing import perform
-from drivora_service.worker.setup import WorkerSetup
+from drivora_service.simulation.episode import Episode
+from drivora_service.simulation.plan import plan_episode
+from drivora_service.worker.integrity import judging_code
 
 STEP = 0.05
+_STEPPING = "stepping"
+STEP_PARTS = {
+    _STEPPING: "step",
+    "- SUMO: placements, step": "SUMO: placements, step",
+    "- agent": "agent",
+    "- perception, kernels": "perception, kernels",
+}
+"""The parts of a step, with their labels."""
+RUN_PARTS = (
+    "reading the document",
+    "planning",
+    "agents and set-up",
+    _STEPPING,
+    "trace",
+    "oracles",
+    "metrics",
+    "objectives",
+    "hash",
+    "integrity, twice",
+    "(Parquet)",
+)
+"""The parts of a run; the last is not done in a search."""
 
 
 @dataclass
@@ -40,8 +65,8 @@ class Tape:
     steps: list[list[tuple[Any, tuple[object, ...], dict[str, object]]]]
 
 
-def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
-    """Performs a run and records its calls on vehicles, a list for each step."""
+def record(scene: Scenario, network: RoadNetwork) -> Tape:
+    """Simulates a run with SUMO in step and records its calls, a list for each step."""
     tape = Tape(steps=[[]])
     modules = {"vehicle": libsumo.vehicle, "route": libsumo.route, "type": libsumo.vehicletype}
     wrapped = {
@@ -69,7 +94,11 @@ def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
 
     libsumo.simulationStep = next_step
     try:
-        perform(spec, setup)
+        agents = AgentCatalogue()
+        named = [agents.create(e.agent.name, e.agent.parameters) for e in scene.ego_vehicles]
+        episode = Episode(plan_episode(scene, network), named, mirrored=True)
+        while not episode.done:
+            episode.step()
     finally:
         libsumo.simulationStep = step
         for module, name, original in originals:
@@ -78,9 +107,9 @@ def record(spec: RunSpec, setup: WorkerSetup) -> Tape:
 
 
 def floor(tape: Tape, network: Path) -> float:
-    """Replays a tape; returns its wall seconds, reset included."""
+    """Replays a tape; returns its processor seconds, reset included."""
     begun = time.process_time()
-    sumo.open_world(network, step_length=STEP, seed=0, slippery=False)
+    sumo.SumoWorld(network, step_length=STEP, seed=0, slippery=False).open()
     step = libsumo.simulationStep
     for calls in tape.steps[:-1]:
         for function, args, kwargs in calls:
@@ -89,49 +118,68 @@ def floor(tape: Tape, network: Path) -> float:
     return time.process_time() - begun
 
 
-def main() -> None:
-    """Measures and prints."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--networks", type=Path, required=True, help="folder of NAME.net.xml")
-    parser.add_argument("--routes", type=Path, required=True, help="Leaderboard 1.0 route file")
-    parser.add_argument("--town", default="Town01")
-    parser.add_argument("--repeat", type=int, default=9)
-    parser.add_argument("--profile", action="store_true")
-    options = parser.parse_args()
-    setup = WorkerSetup(shipped_networks=shipped_networks(), imported_networks=options.networks)
-    catalogue = NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
-    network = catalogue.get(options.town)
-    scene = replace(town_scene(options.routes, network, npcs=10), max_sim_time=60.0)
-    with tempfile.TemporaryDirectory() as folder:
-        spec = RunSpec(
-            run_id="cost",
-            document=canonical_json(scene),
-            trace_path=str(Path(folder) / "trace.parquet"),
-        )
-        tape = record(spec, setup)
-        ours, bare, stepping = [], [], []
-        for _ in range(options.repeat):
-            begun = time.process_time()
-            report = perform(spec, setup)
-            ours.append(time.process_time() - begun)
-            stepping.append(report.step_cost_us * 1e-6 * (report.steps - 1))
-            bare.append(floor(tape, network.path))
-        print(f"{options.town}: {report.steps} rows, status {report.status.value}")
-        ratios = sorted(a / b for a, b in zip(ours, bare, strict=True))
-        print(
-            f"run    {1e3 * statistics.median(ours):8.1f} ms  of which stepping "
-            f"{1e3 * statistics.median(stepping):.1f} ms"
-        )
-        print(f"floor  {1e3 * statistics.median(bare):8.1f} ms")
-        print(f"least  {1e3 * min(ours):8.1f} ms against {1e3 * min(bare):.1f} ms")
-        print(
-            f"ratio  {statistics.median(ratios):8.2f}     min {ratios[0]:.2f} max {ratios[-1]:.2f}"
-        )
-        if options.profile:
-            profile = cProfile.Profile()
-            profile.runcall(perform, spec, setup)
-            pstats.Stats(profile).sort_stats("tottime").print_stats(25)
+@dataclass
+class Parts:
+    """Processor seconds by part, one value a run."""
+
+    seconds: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+
+    @contextmanager
+    def of(self, name: str) -> Iterator[None]:
+        """Measures what is done within."""
+        begun = time.process_time()
+        yield
+        self.seconds[name].append(time.process_time() - begun)
+
+    def median_ms(self, name: str) -> float:
+        """Returns the median of a part, milliseconds."""
+        return 1e3 * statistics.median(self.seconds[name])
 
 
-if __name__ == "__main__":
-    main()
+def take_apart(document: str, network: RoadNetwork, parts: Parts, trace_path: Path) -> None:
+    """Does what a worker does for a run, part by part."""
+    agents = AgentCatalogue()
+    with parts.of("reading the document"):
+        scenario = from_canonical(document)
+    with parts.of("planning"):
+        plan = plan_episode(scenario, network)
+    with parts.of("agents and set-up"):
+        named = [agents.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
+        episode = Episode(plan, named)
+    traffic = episode._traffic
+    in_sumo = [0.0]
+    original = traffic.step
+
+    def timed(*arguments: Any) -> None:
+        begun = time.perf_counter()
+        original(*arguments)
+        in_sumo[0] += time.perf_counter() - begun
+
+    vars(traffic)["step"] = timed  # of this object alone, to time it
+    begun = time.perf_counter()
+    with parts.of(_STEPPING):
+        while not episode.done:
+            episode.step()
+    # Parts of a step are shares of wall time: a processor clock costs as much as some of them.
+    wall = time.perf_counter() - begun
+    stepping = parts.seconds[_STEPPING][-1]
+    agent = sum(episode.agent_seconds().values()) / wall
+    parts.seconds["- SUMO: placements, step"].append(stepping * in_sumo[0] / wall)
+    parts.seconds["- agent"].append(stepping * agent)
+    parts.seconds["- perception, kernels"].append(stepping * (1.0 - agent - in_sumo[0] / wall))
+    with parts.of("trace"):
+        trace = episode.finish()
+    with parts.of("oracles"):
+        view = RunView(trace, network)
+        verdicts = judge_all(trace, network, default_oracles(), view=view)
+    with parts.of("metrics"):
+        measure(trace, network, verdicts, view=view)
+    with parts.of("objectives"):
+        score(trace, network, view=view)
+    with parts.of("hash"):
+        trace_sha256(trace)
+    with parts.of("integrity, twice"):
+        judging_code().changes()
+        judging_code().changes()
+    with parts.of("(Parquet)"):
+        write_trace(trace, trace_path)

@@ -34,6 +34,8 @@ _NPC_SPEED = 8.0
 _NPC_WAYPOINTS = 5
 _APART = 3
 _MIXED_SECONDS = 20.0
+_CROWD_GAP = 25.0
+"""Metres between two vehicles of a crowd, at least."""
 
 
 def _waypoints(route: ET.Element, network: RoadNetwork) -> list[Waypoint]:
@@ -53,18 +55,25 @@ def town_scene(routes: Path, network: RoadNetwork, *, npcs: int) -> Scenario:
     """Returns an ego on a town's first Leaderboard route and NPCs on the next ones."""
     found = [r for r in ET.parse(routes).getroot() if r.get("town") == network.name]
     ways = [_waypoints(route, network) for route in found]
-    vehicles = []
-    for number in range(npcs):
-        way = ways[1 + number % (len(ways) - 1)]
-        first = 1 + _APART * (number // (len(ways) - 1))
-        vehicles.append(
-            NpcVehicle(
-                id=f"npc{number}",
-                model="vehicle.audi.tt",
-                route=tuple(way[first : first + _NPC_WAYPOINTS]),
-                behavior=NpcBehavior.REACTIVE,
-            )
+    last = max(len(way) for way in ways[1:]) - 1
+    pieces = [
+        tuple(way[first : first + _NPC_WAYPOINTS])
+        for shift in range(_APART)
+        for first in range(1 + shift, last, _APART)
+        for way in ways[1:]
+        if first < len(way) - 1
+    ]
+    if npcs > len(pieces):
+        raise ValueError(f"{npcs} NPCs on {network.name}: its routes have room for {len(pieces)}")
+    vehicles = [
+        NpcVehicle(
+            id=f"npc{number}",
+            model="vehicle.audi.tt",
+            route=piece,
+            behavior=NpcBehavior.REACTIVE,
         )
+        for number, piece in enumerate(pieces[:npcs])
+    ]
     return Scenario(
         ego_vehicles=(
             EgoVehicle(
@@ -113,6 +122,55 @@ def usual_scenes(count: int, seed: int) -> list[Scenario]:
         )
         for number in range(count)
     ]
+
+
+def crowd_scene(network: RoadNetwork, *, npcs: int, seconds: float = 60.0) -> Scenario:
+    """Returns an ego on a long way and NPCs that stay on the road for the whole run.
+
+    The NPCs are spread evenly over the long lanes of the network, and drive along them.
+
+    Raises:
+        ValueError: The network's long lanes have no room for so many.
+    """
+    networks = NetworkCatalogue(shipped_networks())
+    (document,) = generate_seeds(
+        network, count=1, min_length=700, max_length=3000, seed=1, agent="idm"
+    )
+    ego = validate_document(document, networks, ("idm",)).scenario.ego_vehicles[0]
+    ahead = _NPC_SPEED * seconds + _CROWD_GAP
+    places = [
+        (lane.index, along)
+        for lane in network.lanes
+        if lane.drivable and not lane.is_internal and lane.length > ahead
+        for along in np.arange(_CROWD_GAP, lane.length - ahead, _CROWD_GAP)
+        if math.dist(lane.position_at(along)[:2], (ego.route[0].x, ego.route[0].y)) > _CROWD_GAP
+    ]
+    if npcs > len(places):
+        raise ValueError(
+            f"{npcs} NPCs on {network.name}: its long lanes have room for {len(places)}"
+        )
+    chosen = [places[number * len(places) // npcs] for number in range(npcs)]
+    return Scenario(
+        ego_vehicles=(ego,),
+        npc_vehicles=tuple(
+            NpcVehicle(
+                id=f"npc{number}",
+                model="vehicle.audi.tt",
+                route=tuple(
+                    _waypoint(network, lane, at) for at in (along, along + ahead - _CROWD_GAP / 2)
+                ),
+                behavior=NpcBehavior.REACTIVE,
+            )
+            for number, (lane, along) in enumerate(chosen)
+        ),
+        map_region=MapRegion(town=network.name),
+        max_sim_time=seconds,
+    )
+
+
+def _waypoint(network: RoadNetwork, lane: int, along: float) -> Waypoint:
+    x, y, yaw = network.lanes[lane].position_at(along)
+    return Waypoint(x=x, y=y, yaw=yaw, speed=_NPC_SPEED)
 
 
 def mixed_scenarios(count: int, seed: int) -> list[Scenario]:

@@ -63,19 +63,20 @@ class Laboratory:
         self._search: Search = prepare_search(
             read_campaign(document, catalogues()), catalogues(), run_prefix="landscape"
         )
-        self._evaluator = evaluator
-        self.space = self._search.candidates.genes
+        (part,) = self._search.parts
+        self._evaluator, self._candidates = evaluator, part.candidates
+        self.space = part.candidates.genes
 
     def run(self, values: Sequence[FloatArray], method: str) -> list[Ran]:
         """Runs the valid candidates, measured by a method's feedback."""
         feedback = catalogues().testers.plugin(method).feedback
-        prepared = [self._search.candidates.prepare(one) for one in values]
+        prepared = [self._candidates.prepare(one) for one in values]
         valid = [candidate for candidate in prepared if not candidate.problem]
-        for number, candidate in enumerate(valid):
-            spec = RunSpec(
-                run_id=f"landscape-{number}", document=candidate.document, feedback=feedback
-            )
-            self._evaluator.submit(number, spec)
+        specs = [
+            RunSpec(run_id=f"landscape-{number}", document=candidate.document, feedback=feedback)
+            for number, candidate in enumerate(valid)
+        ]
+        self._evaluator.submit(list(enumerate(specs)))
         reports = {}
         while answers := self._evaluator.wait():
             reports.update({answer.number: answer.report for answer in answers})
@@ -85,7 +86,7 @@ class Laboratory:
             violations = violations_of(report, self._search.oracles)
             found.append(
                 Ran(
-                    values=candidate.values,
+                    values=np.array(candidate.values),
                     failed=any(verdict.at_fault for verdict in violations),
                     objective=None
                     if report.measurement is None

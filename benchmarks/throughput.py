@@ -123,17 +123,11 @@ def warm_libsumo(processes: int) -> Iterator[Measured]:
 
 def _replay(pipe: Connection) -> None:
     die_with_parent()
-    setup = WorkerSetup(shipped_networks=shipped_networks())
-    networks = NetworkCatalogue(setup.shipped_networks)
+    networks = NetworkCatalogue(shipped_networks())
     tapes = []
-    with tempfile.TemporaryDirectory() as folder:
-        for scene in usual_scenes(_WARM_UP, seed=1):
-            spec = RunSpec(
-                run_id="tape",
-                document=canonical_json(scene),
-                trace_path=str(Path(folder) / "trace.parquet"),
-            )
-            tapes.append((record(spec, setup), networks.get(scene.map_region.town).path))
+    for scene in usual_scenes(_WARM_UP, seed=1):
+        road = networks.get(scene.map_region.town)
+        tapes.append((record(scene, road), road.path))
     pipe.send(None)
     while times := pipe.recv():
         for tape, network in islice(cycle(tapes), times):

@@ -15,6 +15,7 @@ from pathlib import Path
 from drivora_service.cli.campaign_files import shipped_campaigns
 from tests.campaigns.test_example_campaigns import DISCOVERIES
 from tests.docs.rewrite import rewrite
+from tests.docs.study_page import write_study_page
 from tests.oracles.responsibility import writing
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -55,11 +56,21 @@ def _of_avoidability(folder: Path) -> None:
     _run(*study, "draw", results, "--traces", traces, "--folder", pictures, "--names", *names)
 
 
+def _of_study(folder: Path) -> None:
+    """The overview and the chart of the example study, which takes long."""
+    drivora = ("-m", "drivora_service.cli", "study")
+    data = ("--data-dir", folder / "study")
+    file = _ROOT / "openscenario_schemas" / "examples" / "studies" / "three-methods.yaml"
+    _run(*drivora, "run", file, *data)
+    write_study_page(folder / "study")
+
+
 PARTS = {
     "pages": _of_pages,
     "campaigns": _of_campaigns,
     "responsibility": _of_responsibility,
     "avoidability": _of_avoidability,
+    "study": _of_study,
 }
 
 

@@ -1,0 +1,247 @@
+"""The service's own processor time a run, with the dispatcher, the queue, the store, the slots."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from benchmarks.slots.simulated_executor import SimulatedExecutor
+from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.executor import Executor
+from drivora_service.execution.infrastructure import Infrastructure, folder_probe
+from drivora_service.execution.ownership import Ownership
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import RetryPolicy
+from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.slot_state import SlotState
+from drivora_service.store.command_locks import CommandLocks
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.records import NewRun, Priority
+from drivora_service.store.traces import TraceFolder
+
+_AT_ONCE = 500
+_PATIENCE_S = 120.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """One measurement.
+
+    Attributes:
+        slots: K.
+        kind: ``real``, ``sleeping`` or ``simulated`` workers.
+        runs: Runs that ended in the measured time.
+        seconds: The measured time.
+        run_s: Mean seconds of a run, in the worker.
+        own_ms: Processor time of the process that owns the slots a run, milliseconds.
+        efficiency: Share of the slots' time in which a worker decoded genes or performed a run.
+    """
+
+    slots: int
+    kind: str
+    runs: int
+    seconds: float
+    run_s: float
+    own_ms: float
+    efficiency: float
+
+    @property
+    def rate(self) -> float:
+        """Runs a second."""
+        return self.runs / self.seconds
+
+    @property
+    def own_share(self) -> float:
+        """Share of one core that the process that owns the slots used."""
+        return self.rate * self.own_ms / 1000.0
+
+
+class Recording:
+    """An executor that keeps the ends of another; see ``execution.executor.Executor``."""
+
+    def __init__(self, executor: Executor) -> None:
+        """Begins with none."""
+        self._executor = executor
+        self.ends: list[AttemptEnd] = []
+
+    @property
+    def capacity(self) -> int:
+        """Number of slots."""
+        return self._executor.capacity
+
+    @property
+    def fault(self) -> str:
+        """The reason that no worker can be started, or ""."""
+        return self._executor.fault
+
+    @property
+    def is_warm(self) -> bool:
+        """Whether every slot has ended a run."""
+        return len({end.worker for end in self.ends}) >= self.capacity
+
+    def submit(self, spec: RunSpec) -> None:
+        """Queues an attempt."""
+        self._executor.submit(spec)
+
+    def cancel(self, run_id: str) -> None:
+        """Ends an attempt."""
+        self._executor.cancel(run_id)
+
+    def withdraw(self) -> tuple[str, ...]:
+        """Removes every spec that was not started."""
+        return self._executor.withdraw()
+
+    def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
+        """Returns the attempts that have ended since the last call."""
+        ends = self._executor.wait(timeout, count=count)
+        self.ends += ends
+        return ends
+
+    def wake(self) -> None:
+        """Makes the current or next :meth:`wait` return at once."""
+        self._executor.wake()
+
+    def slots(self) -> tuple[SlotState, ...]:
+        """Returns the state of each slot."""
+        return self._executor.slots()
+
+    def close(self) -> None:
+        """Ends every attempt."""
+        self._executor.close()
+
+
+def measure(
+    executor: Executor,
+    documents: Sequence[str],
+    folder: Path,
+    *,
+    kind: str,
+    run_s: float,
+    seconds: float,
+    warm_s: float,
+) -> Point:
+    """Performs queued runs for some time, and measures after they have begun.
+
+    Args:
+        executor: Performs the runs; the caller closes it.
+        documents: Scenarios of the runs, in turn.
+        folder: For the database and the traces.
+        kind: See :class:`Point`.
+        run_s: Expected seconds of a run.
+        seconds: Time to measure.
+        warm_s: Time before, from when every slot has ended a run.
+    """
+    recording = Recording(executor)
+    database = open_database(f"sqlite:///{folder / 'drivora.sqlite3'}")
+    count = round(1.5 * (seconds + warm_s + 1.0) * executor.capacity / run_s)
+    _queue(database, documents, count, keeps_trace=kind == "real")
+    with _dispatching(database, recording, folder):
+        _wait_until(lambda: recording.is_warm)
+        time.sleep(warm_s)
+        first, cpu = datetime.now(UTC), own_s(executor)
+        time.sleep(seconds)
+        # A busy machine takes longer for a run.
+        _wait_until(lambda: any(end.ended >= first for end in recording.ends))
+        cpu, last = own_s(executor) - cpu, datetime.now(UTC)
+        # Ends are handed over some times a second.
+        time.sleep(1.0)
+    database.close()
+    return point_of(recording.ends, executor, kind=kind, between=(first, last), cpu_s=cpu)
+
+
+def point_of(
+    ends: Sequence[AttemptEnd],
+    executor: Executor,
+    *,
+    kind: str,
+    between: tuple[datetime, datetime],
+    cpu_s: float,
+) -> Point:
+    """Returns the measurement.
+
+    Args:
+        ends: The ends of all attempts.
+        executor: Performed them.
+        kind: See :class:`Point`.
+        between: The measured time.
+        cpu_s: Processor time of this process in it, without that of simulating slots.
+    """
+    first, last = between
+    passed = (last - first).total_seconds()
+    ends = [end for end in ends if first <= end.ended < last]
+    bad = [end.report for end in ends if end.report.status is not RunStatus.FINISHED]
+    assert not bad, bad[0]
+    # A simulated run has the duration of its attempt: nothing else is done in it.
+    durations = [
+        (end.ended - end.started).total_seconds() if kind == "simulated" else _worked_s(end)
+        for end in ends
+    ]
+    return Point(
+        slots=executor.capacity,
+        kind=kind,
+        runs=len(ends),
+        seconds=passed,
+        run_s=sum(durations) / len(durations),
+        own_ms=1000.0 * cpu_s / len(ends),
+        efficiency=sum(durations) / (executor.capacity * passed),
+    )
+
+
+def _wait_until(holds: Callable[[], bool]) -> None:
+    until = time.monotonic() + _PATIENCE_S
+    while not holds():
+        assert time.monotonic() < until, f"too few runs ended within {_PATIENCE_S:g} s"
+        time.sleep(0.1)
+
+
+def _worked_s(end: AttemptEnd) -> float:
+    """Returns the seconds of the run and, if it has genes, of making its scenario."""
+    return end.report.wall_time_s + (0.0 if end.candidate is None else end.candidate.prepare_s)
+
+
+def own_s(executor: Executor) -> float:
+    """Returns the processor time of this process, without that of simulating slots."""
+    own_s = executor.own_s if isinstance(executor, SimulatedExecutor) else 0.0
+    return time.process_time() - own_s
+
+
+def _queue(database: Database, documents: Sequence[str], count: int, *, keeps_trace: bool) -> None:
+    with database.write() as transaction:
+        batch_id = transaction.batches.create(name="slots", priority=Priority.CAMPAIGN).id
+    hashes = [hashlib.sha256(document.encode()).hexdigest() for document in documents]
+    for start in range(0, count, _AT_ONCE):
+        runs = [
+            NewRun(
+                document=documents[number % len(documents)],
+                scenario_sha256=hashes[number % len(documents)],
+                town="tee-town",
+                agent="idm",
+                label=str(number),
+                keeps_trace=keeps_trace,
+            )
+            for number in range(start, min(start + _AT_ONCE, count))
+        ]
+        with database.write() as transaction:
+            transaction.jobs.submit(runs, batch_id=batch_id)
+
+
+@contextmanager
+def _dispatching(database: Database, executor: Executor, folder: Path) -> Iterator[None]:
+    traces = TraceFolder(folder / "traces")
+    infrastructure = Infrastructure(
+        {"database": database.probe, "traces": folder_probe(traces.root)}
+    )
+    owner = Ownership(database, RetryPolicy(), CommandLocks(folder), exclusive=True)
+    dispatcher = Dispatcher(database, executor, traces, infrastructure, owner)
+    infrastructure.start(on_change=dispatcher.wake)
+    dispatcher.start()
+    try:
+        yield
+    finally:
+        dispatcher.stop()
+        infrastructure.stop()

@@ -1,0 +1,1 @@
+"""All measurements of time as one suite, with one result and one page."""
