@@ -71,12 +71,26 @@ def test_killed(
 def test_workers_killed_at_random_moments(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
-    """Two deaths of a run's workers are few enough that it must be finished."""
+    """Two deaths of a run's workers are few enough that it must be finished, three are not."""
     work = service.post(good_runs(36))
     for _ in range(5):
         time.sleep(luck.uniform(0.2, 1.2))
+        wait_until(
+            lambda: not _runs_with_two_deaths(service),
+            seconds=60.0,
+            what="a run whose workers have died twice has not ended",
+        )
         a_worker(service, luck)
     check(service, work)
+
+
+def _runs_with_two_deaths(service: Service) -> list[dict[str, Any]]:
+    """Returns the runs that have not ended, and that one more death of a worker would end."""
+    return service.query(
+        "SELECT r.id FROM runs r JOIN attempts x ON x.run_seq = r.seq "
+        "WHERE r.status IN ('queued', 'running') AND x.ended_at IS NOT NULL "
+        "GROUP BY r.id HAVING count(*) >= 2"
+    )
 
 
 def test_a_run_in_flight_at_three_deaths_of_the_server_goes_last(
