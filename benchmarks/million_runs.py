@@ -95,10 +95,22 @@ _RUN_FILTERS = {
         "batch=BIG&status=finished&agent=idm&town=Town04&oracle=speeding&at_fault=true"
         "&accountability=avoidable&violated=true"
     ),
+    "oldest first": "order=created_at",
+    "since + until": "since=2026-02-10T00:00:00Z&until=2026-02-20T00:00:00Z",
+    "since + agent + violated": "since=2026-01-10T00:00:00Z&agent=idm&violated=true",
+    "since + oracle + at fault": "since=2026-01-10T00:00:00Z&oracle=collision&at_fault=true",
+    "at fault": "at_fault=true",
+    "not at fault + town": "at_fault=false&town=Town04",
+    "campaign": "campaign=CAMPAIGN",
     "500 runs of a page, status": "status=agent_failed&limit=500",
     "500 runs of a page, batch + violated": "batch=BIG&violated=true&limit=500",
 }
 _OTHERS = {
+    "counts of runs": "/runs:counts",
+    "counts of runs, agent": "/runs:counts?agent=idm",
+    "counts of runs, oracle": "/runs:counts?oracle=collision",
+    "counts of runs, batch": "/runs:counts?batch=BIG",
+    "counts of runs, since": "/runs:counts?since=2026-01-10T00:00:00Z",
     "batches": "/batches",
     "500 batches of a page": "/batches?limit=500",
     "batch of 200,000": "/batches/BIG",

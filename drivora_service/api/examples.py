@@ -73,6 +73,7 @@ CANCELLED_BATCH = RECORDED + "cancelled-batch.json"
 BATCHES = RECORDED + "batches.json"
 RUN = RECORDED + "run.json"
 RUNS = RECORDED + "runs.json"
+RUN_COUNTS = RECORDED + "run-counts.json"
 RUN_SCENARIO = RECORDED + "run-scenario.json"
 FRAME = RECORDED + "frame.ndjson"
 

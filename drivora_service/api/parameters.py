@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import Depends, Query
+from pydantic import AwareDatetime
 
 from drivora_service.api.observations import StepRange
 from drivora_service.api.submission import Overrides
@@ -62,13 +63,24 @@ async def _job_filter(
     ] = "",
     outcome: Annotated[Outcome, Query(description="See `oracle`.")] = Outcome.VIOLATED,
     at_fault: Annotated[
-        bool | None, Query(description="See `oracle`: by the fault of an ego, or not.")
+        bool | None,
+        Query(
+            description="See `oracle`: by the fault of an ego, or not. Without `oracle`: with a "
+            "violation by the fault of an ego, or with violations, but none by its fault."
+        ),
     ] = None,
     accountability: Annotated[
         Accountability | None, Query(description="The strongest of its violations is this.")
     ] = None,
     violated: Annotated[bool | None, Query(description="With, or without, any violation.")] = None,
     scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
+    campaign: Annotated[
+        str, Query(max_length=40, description="Of this campaign, if the service runs or ran it.")
+    ] = "",
+    since: Annotated[
+        AwareDatetime | None, Query(description="Submitted at this time or later.")
+    ] = None,
+    until: Annotated[AwareDatetime | None, Query(description="Submitted before this time.")] = None,
 ) -> JobFilter:
     return JobFilter(
         batch_id=batch,
@@ -81,6 +93,9 @@ async def _job_filter(
         accountability=accountability,
         violated=violated,
         scenario_sha256=scenario_sha256,
+        campaign_id=campaign,
+        since=since,
+        until=until,
     )
 
 

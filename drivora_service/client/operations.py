@@ -118,6 +118,7 @@ class Operations:
     resume_batch = Answered(job_calls.resume_batch)
 
     runs = Listed(run_calls.runs)
+    run_counts = Answered(run_calls.run_counts)
     run = Answered(run_calls.run)
     run_scenario = Answered(run_calls.run_scenario)
     run_observations = Answered(run_calls.run_observations)

@@ -35,6 +35,11 @@ IN_WORDS = {
 }
 """Names of the degrees in texts; "" where the oracle does not attribute fault."""
 
+AT_FAULT = frozenset(
+    {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.UNAVOIDABLE}
+)
+"""Degrees of an ego that is at fault."""
+
 _RANK = {member: rank for rank, member in enumerate(Accountability)}
 _AT_FAULT = {
     None: Accountability.AVOIDABLE,

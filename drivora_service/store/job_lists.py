@@ -5,13 +5,14 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterable, Sequence
 
-from sqlalchemy import ColumnElement, Select, exists, select
+from sqlalchemy import ColumnElement, Select, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.merging import Branch, first_numbers, merged
 from drivora_service.store.records import JobFilter
-from drivora_service.store.tables import BatchRow, RunRow, VerdictRow
+from drivora_service.store.run_scope import RunScope, facet_conditions, has_verdict, run_scope
+from drivora_service.store.tables import RunRow, VerdictRow
 
 Conditions = tuple[ColumnElement[bool], ...]
 
@@ -28,18 +29,17 @@ def listed_runs(
         after: Only those behind this ``seq``, in the order; ``None``: from the beginning.
         newest_first: Whether the greatest come first.
     """
-    if wanted == JobFilter(outcome=wanted.outcome, at_fault=wanted.at_fault):
-        everything = Branch(number=RunRow.seq, conditions=())
+    scope = run_scope(session, wanted)
+    if scope is None:
+        return []
+    if wanted == JobFilter(outcome=wanted.outcome, since=wanted.since, until=wanted.until):
+        everything = Branch(number=RunRow.seq, conditions=scope.submitted(RunRow.seq))
         return first_numbers(
             session, [everything], limit=limit, after=after, descending=newest_first
         )
-    batch_seq = None
-    if wanted.batch_id:
-        batch_seq = session.scalar(select(BatchRow.seq).where(BatchRow.id == wanted.batch_id))
-        if batch_seq is None:
-            return []
+    batch_seq = scope.batch_seq
     heads: list[tuple[int, _Source, int]] = []
-    sources = _sources(wanted, batch_seq)
+    sources = _sources(wanted, scope)
     for source in sources:
         heads += _heads(session, source, wanted, batch_seq, after, newest_first=newest_first)
     # If there are more facets than wanted rows, the facets with the first heads hold all of these
@@ -100,29 +100,25 @@ class _Source:
         return ordered.limit(limit).correlate(FacetRow)
 
 
-def _sources(wanted: JobFilter, batch_seq: int | None) -> Sequence[_Source]:
+def _sources(wanted: JobFilter, scope: RunScope) -> Sequence[_Source]:
     if wanted.scenario_sha256:
         # A scenario has few runs: their other attributes are looked up one by one.
-        conditions: list[ColumnElement[bool]] = [RunRow.document_sha256 == wanted.scenario_sha256]
-        if batch_seq is not None:
-            conditions.append(RunRow.batch_seq == batch_seq)
+        conditions = [RunRow.document_sha256 == wanted.scenario_sha256, *scope.of_runs()]
         if wanted.oracle:
-            conditions.append(_has_verdict(wanted))
+            conditions.append(has_verdict(wanted))
         return [_Source(RunRow.seq, RunRow.facet, tuple(conditions))]
     if wanted.oracle:
-        said: list[ColumnElement[bool]] = [
+        said = (
             VerdictRow.oracle == wanted.oracle,
             VerdictRow.outcome == wanted.outcome,
-        ]
-        if batch_seq is not None:
-            said.insert(0, VerdictRow.batch_seq == batch_seq)
+            *scope.of_verdicts(),
+        )
         faults = (None, False, True) if wanted.at_fault is None else (wanted.at_fault,)
         return [
             _Source(VerdictRow.run_seq, VerdictRow.facet, (*said, VerdictRow.at_fault.is_(fault)))
             for fault in faults
         ]
-    in_batch: Conditions = () if batch_seq is None else (RunRow.batch_seq == batch_seq,)
-    return [_Source(RunRow.seq, RunRow.facet, in_batch)]
+    return [_Source(RunRow.seq, RunRow.facet, scope.of_runs())]
 
 
 def _heads(
@@ -136,7 +132,7 @@ def _heads(
 ) -> list[tuple[int, _Source, int]]:
     """Returns the facets that pass a filter, each after its first run and its index."""
     head = source.head(after, newest_first=newest_first).scalar_subquery()
-    query = select(FacetRow.key, head).where(*_conditions(wanted))
+    query = select(FacetRow.key, head).where(*facet_conditions(wanted))
     if batch_seq is None:
         query = query.where(FacetRow.runs > 0)
     else:
@@ -144,27 +140,3 @@ def _heads(
             BatchFacetRow.batch_seq == batch_seq, BatchFacetRow.runs > 0
         )
     return [(number, source, key) for key, number in session.execute(query) if number is not None]
-
-
-def _conditions(wanted: JobFilter) -> list[ColumnElement[bool]]:
-    conditions: list[ColumnElement[bool]] = []
-    if wanted.statuses:
-        conditions.append(FacetRow.status.in_(sorted(wanted.statuses)))
-    if wanted.agent:
-        conditions.append(FacetRow.agent == wanted.agent)
-    if wanted.town:
-        conditions.append(FacetRow.town == wanted.town)
-    if wanted.violated is not None:
-        conditions.append(FacetRow.violated.is_(wanted.violated))
-    if wanted.accountability is not None:
-        conditions.append(FacetRow.accountability == wanted.accountability)
-    return conditions
-
-
-def _has_verdict(wanted: JobFilter) -> ColumnElement[bool]:
-    said = exists().where(
-        VerdictRow.run_seq == RunRow.seq,
-        VerdictRow.oracle == wanted.oracle,
-        VerdictRow.outcome == wanted.outcome,
-    )
-    return said if wanted.at_fault is None else said.where(VerdictRow.at_fault == wanted.at_fault)

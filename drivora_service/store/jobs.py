@@ -18,6 +18,7 @@ from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.job_lists import listed_runs
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import Attempt, JobFilter, NewRun, Page, RunRecord, RunSummary
+from drivora_service.store.run_counts import RunCounts, count_runs
 from drivora_service.store.run_queries import run_query, summaries
 from drivora_service.store.submitting import queued_runs, submit_runs
 from drivora_service.store.tables import AttemptRow, DocumentRow, ReportRow, RunRow
@@ -187,6 +188,10 @@ class JobRepository:
         )
         numbers = {RunStatus(status): number for status, number in found}
         return {status: numbers.get(status, 0) for status in RunStatus}
+
+    def counts_by_filter(self, wanted: JobFilter) -> RunCounts:
+        """Returns the numbers of jobs that pass a filter, and by the values of its parts."""
+        return count_runs(self._session, wanted)
 
     def queued(self) -> int:
         """Returns the number of queued runs."""

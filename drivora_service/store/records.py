@@ -226,10 +226,14 @@ class JobFilter:
         town: Name of the network.
         oracle: Oracle with a verdict of ``outcome``.
         outcome: See ``oracle``.
-        at_fault: See ``oracle``; ``None`` for either.
+        at_fault: See ``oracle``; ``None`` for either. Without an oracle: whether an ego is at fault
+            in any violation of the run.
         accountability: The strongest of the run's violations.
         violated: Whether any oracle was violated.
         scenario_sha256: Hash of the scenario.
+        campaign_id: Campaign of the run, if a service runs or ran it.
+        since: Submitted at this time or later.
+        until: Submitted before this time.
     """
 
     batch_id: str = ""
@@ -242,6 +246,9 @@ class JobFilter:
     accountability: Accountability | None = None
     violated: bool | None = None
     scenario_sha256: str = ""
+    campaign_id: str = ""
+    since: datetime | None = None
+    until: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

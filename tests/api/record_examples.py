@@ -173,6 +173,7 @@ class _Recording:
         run = f"/runs/{job['id']}"
         self._keep(examples.RUN, self._get(run))
         self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
+        self._keep(examples.RUN_COUNTS, self._get("/runs:counts"))
         self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
         self._keep(examples.FRAME, self._lines(f"{run}/observations", 1))
 

@@ -5,7 +5,9 @@ from typing import Any
 import httpx
 import pytest
 
+from drivora_service.api.examples import CAMPAIGN
 from tests.api.conftest import Offline, wait_until_final
+from tests.store.samples import new_run
 
 
 def test_a_posted_job_tells_where_and_when_to_look(
@@ -184,3 +186,50 @@ def test_an_unchanged_job_is_not_sent_again(offline: Offline, scenario: dict[str
     assert offline.client.get(f"/api/v1/jobs/{job_id}", headers=known).status_code == 304
     offline.client.post(f"/api/v1/jobs/{job_id}:cancel")
     assert offline.client.get(f"/api/v1/jobs/{job_id}", headers=known).status_code == 200
+
+
+def test_runs_are_listed_and_counted_by_the_same_filters(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    since, agent = finished_run["created_at"], finished_run["agent"]
+    wanted = {"since": since, "agent": agent, "status": "finished", "order": "created_at"}
+    listed = http.get("/api/v1/runs", params={**wanted, "limit": 500}).json()["items"]
+    assert listed[0]["id"] == finished_run["id"]
+    assert [run["created_at"] for run in listed] == sorted(run["created_at"] for run in listed)
+    del wanted["order"]
+    answer = http.get("/api/v1/runs:counts", params=wanted)
+    counts = answer.json()
+    assert counts["total"] == len(listed)
+    assert counts["agent"][agent] == len(listed)
+    assert counts["violated"] == sum(run["violations"] > 0 for run in listed)
+    known = {"If-None-Match": answer.headers["ETag"]}
+    assert http.get("/api/v1/runs:counts", params=wanted, headers=known).status_code == 304
+    assert http.get("/api/v1/runs", params={"until": since}).json()["items"] == [
+        run for run in http.get("/api/v1/runs").json()["items"] if run["created_at"] < since
+    ]
+
+
+@pytest.mark.parametrize(
+    "query", ["since=yesterday", "since=2026-03-01T10:00:00", "order=age", "fault=true"]
+)
+def test_filters_that_cannot_be_read_are_refused(offline: Offline, query: str) -> None:
+    for path in ("runs", "runs:counts"):
+        answer = offline.client.get(f"/api/v1/{path}?{query}")
+        assert answer.status_code == 422, answer.text
+        assert answer.json()["problems"]
+
+
+def test_runs_are_found_by_the_campaign_that_made_them(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    campaign = offline.client.post("/api/v1/campaigns", json=CAMPAIGN).json()
+    offline.client.post("/api/v1/jobs", json=scenario)
+    with offline.context.database.write() as transaction:
+        run = new_run("{}")
+        transaction.jobs.submit([run] * 3, batch_id=campaign["batch_id"])
+    found = offline.client.get("/api/v1/runs", params={"campaign": campaign["id"]}).json()["items"]
+    assert [run["batch_id"] for run in found] == [campaign["batch_id"]] * 3
+    counts = offline.client.get("/api/v1/runs:counts", params={"campaign": campaign["id"]}).json()
+    assert (counts["total"], counts["status"]) == (3, {"queued": 3})
+    assert offline.client.get("/api/v1/runs:counts").json()["total"] == 4
+    assert offline.client.get("/api/v1/runs?campaign=none").json()["items"] == []

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from fastapi import Depends, Request, Response
+from enum import StrEnum
+from typing import Annotated
+
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
@@ -19,8 +22,16 @@ from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.store.records import Page, RunSummary
+from drivora_service.store.run_counts import RunCounts
 
 router = resource_router("runs", Depends(reader))
+
+
+class RunOrder(StrEnum):
+    """The order of runs, by the time of their submission."""
+
+    NEWEST_FIRST = "-created_at"
+    OLDEST_FIRST = "created_at"
 
 
 @router.get(
@@ -32,13 +43,31 @@ def list_runs(
     request: Request,
     context: Context,
     wanted: Filter,
+    order: Annotated[RunOrder, Query(description="Order of the runs.")] = RunOrder.NEWEST_FIRST,
     limit: Limit = 50,
     page_token: PageToken = "",
 ) -> Response:
-    """Lists runs, newest first."""
+    """Lists runs in the order of their submission, newest first unless said otherwise."""
     with context.database.read() as transaction:
-        page = transaction.jobs.page(wanted, limit=limit, page_token=page_token)
+        page = transaction.jobs.page(
+            wanted,
+            limit=limit,
+            page_token=page_token,
+            newest_first=order is RunOrder.NEWEST_FIRST,
+        )
     return json_answer(request, Page[RunSummary], page)
+
+
+@router.get(
+    "/runs:counts",
+    response_model=RunCounts,
+    responses=answers(examples.RUN_COUNTS, 401, 403, 422),
+)
+def count_runs(request: Request, context: Context, wanted: Filter) -> Response:
+    """Counts the runs that pass a filter, and those with each other value of its parts."""
+    with context.database.read() as transaction:
+        counts = transaction.jobs.counts_by_filter(wanted)
+    return json_answer(request, RunCounts, counts)
 
 
 @router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))

@@ -189,6 +189,9 @@ def job_query(wanted: JobFilter | None) -> Query:
         "accountability": wanted.accountability,
         "violated": wanted.violated,
         "scenario_sha256": wanted.scenario_sha256,
+        "campaign": wanted.campaign_id,
+        "since": None if wanted.since is None else wanted.since.isoformat(),
+        "until": None if wanted.until is None else wanted.until.isoformat(),
     }
 
 

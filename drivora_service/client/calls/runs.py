@@ -11,13 +11,30 @@ from drivora_service.client.calls.jobs import job_query
 if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
     from drivora_service.store.records import JobFilter, RunSummary
+    from drivora_service.store.run_counts import RunCounts
 
 
-def runs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listing[RunSummary]:
-    """Returns runs, newest first; at most ``limit``."""
+def runs(
+    wanted: JobFilter | None = None, *, oldest_first: bool = False, limit: int | None = None
+) -> Listing[RunSummary]:
+    """Returns runs in the order of their submission, newest first unless said otherwise.
+
+    Args:
+        wanted: Which runs; ``None``: all.
+        oldest_first: Whether the oldest come first.
+        limit: How many at most; ``None``: all.
+    """
     from drivora_service.store.records import RunSummary
 
-    return listing(f"{PREFIX}/runs", RunSummary, limit, query=job_query(wanted))
+    query = {**job_query(wanted), "order": "created_at" if oldest_first else None}
+    return listing(f"{PREFIX}/runs", RunSummary, limit, query=query)
+
+
+def run_counts(wanted: JobFilter | None = None) -> Call[RunCounts]:
+    """Returns the number of runs that pass a filter, and numbers by the values of its parts."""
+    from drivora_service.store.run_counts import RunCounts
+
+    return get(f"{PREFIX}/runs:counts", RunCounts, query=job_query(wanted))
 
 
 def run(run_id: str) -> Call[Run]:
