@@ -21,7 +21,7 @@ MOST_ANSWERS = 256
 LONGEST_S = 0.5
 """For which an answer may be given again; some tell of files, or of how long ago something was."""
 
-_Key = tuple[str, bytes, str, str, str]
+_Key = tuple[str, bytes, str, str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,8 @@ class AnswerMemory:
                 return None
         known = headers.get("if-none-match", "")
         query: bytes = scope["query_string"]
-        return scope["path"], query, headers.get("accept", ""), known, authorization
+        form, coding = headers.get("accept", ""), headers.get("accept-encoding", "")
+        return scope["path"], query, form, coding, known, authorization
 
     async def _make(
         self, memory: _Memory, key: _Key, scope: Scope, receive: Receive, send: Send

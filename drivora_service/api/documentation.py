@@ -10,6 +10,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from drivora_service.api import problems
+from drivora_service.api.arrow_answer import ARROW
 from drivora_service.api.conditional import JSON
 from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
@@ -20,6 +21,7 @@ from drivora_service.studies.documents import StudyDocument
 
 _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
+_BINARY: Mapping[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
 _DESCRIPTION = """Post scenarios and campaigns, follow them, fetch what was recorded and judged.
 
@@ -63,7 +65,8 @@ def observations_answers(example: str, *errors: int) -> dict[int | str, dict[str
     """Documents an answer with the recording of a run, and the errors."""
     content = {
         NDJSON: {"schema": {"type": "string"}, "example": example},
-        PARQUET: {"schema": {"type": "string", "format": "binary"}},
+        PARQUET: _BINARY,
+        ARROW: _BINARY,
     }
     return _with_errors({"description": "One frame a step", "content": content}, errors)
 
@@ -72,7 +75,7 @@ def table_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
     """Documents an answer with a table, and the errors."""
     content = {
         CSV: {"schema": {"type": "string"}, "example": example},
-        PARQUET: {"schema": {"type": "string", "format": "binary"}},
+        PARQUET: _BINARY,
     }
     return _with_errors({"description": "The table", "content": content}, errors)
 

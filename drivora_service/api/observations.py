@@ -1,4 +1,4 @@
-"""Recorded frames over HTTP: as lines of JSON or as Parquet, whole or a range of steps."""
+"""Recorded frames over HTTP: as lines of JSON, as Parquet or as Arrow, whole or a part."""
 
 from __future__ import annotations
 
@@ -7,12 +7,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fastapi import Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
 
-from drivora_service.api.conditional import cache_headers, is_known
+from drivora_service.api.arrow_answer import ARROW, arrow_answer
+from drivora_service.api.conditional import cache_headers, digest, is_known
 from drivora_service.api.problems import ApiError
+from drivora_service.errors import UnknownName
+from drivora_service.observations.trace_rows import TraceRows
+
+if TYPE_CHECKING:
+    from drivora_service.observations.table_stream import TableStream
 
 NDJSON = "application/x-ndjson"
 PARQUET = "application/vnd.apache.parquet"
@@ -39,17 +46,39 @@ class StepRange:
         return 2**31 - 1 if self.last is None else self.last + 1
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FramePart:
+    """The part of a recording that a client wants.
+
+    Attributes:
+        steps: Range of steps.
+        rows: Whose rows; of Arrow only.
+        columns: Columns besides ``step`` and ``actor``, of Arrow only; empty: all.
+    """
+
+    steps: StepRange
+    rows: TraceRows
+    columns: tuple[str, ...]
+
+
 def observations_answer(
-    request: Request, path: Path, trace_sha256: str, steps: StepRange
+    request: Request, path: Path, trace_sha256: str, part: FramePart
 ) -> Response:
     """Answers with the recorded frames of a run in the form that the client accepts.
 
     Raises:
-        ApiError: The range is empty (422), or the client accepts neither form (406).
+        ApiError: The range is empty, a column unknown, or the form has no columns to choose (422);
+            or the client accepts none of the forms (406).
     """
+    steps = part.steps
     if steps.last is not None and steps.last < steps.first:
         raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, "`last` must not be before `first`")
     form = _accepted(request)
+    if form == ARROW:
+        return _arrow(request, path, trace_sha256, part)
+    if part.columns or part.rows is not TraceRows.ALL:
+        detail = f"`column` and `rows` choose from {ARROW} only; found {form}"
+        raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, detail)
     name = "parquet" if form == PARQUET else "ndjson"
     etag = f"{trace_sha256}-{name}-{steps.first}-{'' if steps.last is None else steps.last}"
     headers = cache_headers(etag)
@@ -71,13 +100,34 @@ def observations_answer(
 def _accepted(request: Request) -> str:
     accept = request.headers.get("accept", "*/*")
     kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
+    if ARROW in kinds:
+        return ARROW
     if kinds & {PARQUET, "application/x-parquet"}:
         return PARQUET
     if kinds & {"*/*", "application/*", NDJSON, "application/ndjson", "application/jsonl"}:
         return NDJSON
     raise ApiError(
-        HTTPStatus.NOT_ACCEPTABLE, f"observations come as {NDJSON} or {PARQUET}, not {accept!r}"
+        HTTPStatus.NOT_ACCEPTABLE,
+        f"observations come as {NDJSON}, {PARQUET} or {ARROW}, not {accept!r}",
     )
+
+
+def _arrow(request: Request, path: Path, trace_sha256: str, part: FramePart) -> Response:
+    from drivora_service.observations.trace_stream import TracePart, open_stream
+
+    columns = ",".join(sorted(set(part.columns)))
+    etag = digest(f"{trace_sha256} {part.steps} {part.rows} {columns}".encode())
+
+    def opened() -> TableStream:
+        wanted = TracePart(
+            first=part.steps.first, stop=part.steps.stop, rows=part.rows, columns=part.columns
+        )
+        try:
+            return open_stream(path, wanted)
+        except UnknownName as error:
+            raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, str(error)) from error
+
+    return arrow_answer(request, opened, etag=etag)
 
 
 def _parquet_range(path: Path, steps: StepRange) -> bytes:

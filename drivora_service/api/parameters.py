@@ -7,8 +7,9 @@ from typing import Annotated
 from fastapi import Depends, Query
 from pydantic import AwareDatetime
 
-from drivora_service.api.observations import StepRange
+from drivora_service.api.observations import FramePart, StepRange
 from drivora_service.api.submission import Overrides
+from drivora_service.observations.trace_rows import TraceRows
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
@@ -112,3 +113,23 @@ async def _step_range(
 
 
 Steps = Annotated[StepRange, Depends(_step_range)]
+
+
+async def _frame_part(
+    steps: Steps,
+    rows: Annotated[
+        TraceRows, Query(description="Whose rows; `egos` with Arrow only.")
+    ] = TraceRows.ALL,
+    column: Annotated[
+        list[Annotated[str, Query(max_length=200)]] | None,
+        Query(
+            max_length=100,
+            description="A column besides `step` and `actor`; with Arrow only. May be repeated; "
+            "without it, all columns come.",
+        ),
+    ] = None,
+) -> FramePart:
+    return FramePart(steps=steps, rows=rows, columns=tuple(column or ()))
+
+
+Frames = Annotated[FramePart, Depends(_frame_part)]

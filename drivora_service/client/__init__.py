@@ -15,6 +15,7 @@ from drivora_service.client.async_client import AsyncClient
 from drivora_service.client.call import Call, Document, Language, Listing, ObservationForm
 from drivora_service.client.client import Client
 from drivora_service.client.transport import ApplicationTransport, AsyncApplicationTransport
+from drivora_service.observations.trace_rows import TraceRows
 
 __all__ = [
     "ApplicationTransport",
@@ -26,4 +27,5 @@ __all__ = [
     "Language",
     "Listing",
     "ObservationForm",
+    "TraceRows",
 ]

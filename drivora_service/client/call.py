@@ -27,6 +27,7 @@ class ObservationForm(StrEnum):
 
     PARQUET = "application/vnd.apache.parquet"
     NDJSON = "application/x-ndjson"
+    ARROW = "application/vnd.apache.arrow.stream"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

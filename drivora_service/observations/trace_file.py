@@ -26,12 +26,13 @@ from drivora_service.observations.trace import Col, EgoCol, Trace
 from drivora_service.observations.trace_header import header_of, trace_from_header
 
 SCHEMA_VERSION = 1
-_KEY = b"drivora_trace"
+METADATA_KEY = b"drivora_trace"
+"""Of the JSON document in the metadata of the schema."""
 _ROW_GROUP_ROWS = 32_768
 _STATE_COLUMNS = tuple(col.name.lower() for col in Col)
 _EGO_COLUMNS = tuple(f"ego_{col.name.lower()}" for col in EgoCol)
 _LOG_PREFIX = "log:"
-_DAMAGE = (
+DAMAGE = (
     *(OSError, pa.ArrowException, LookupError, TypeError, ValueError, AttributeError),
     *(ArithmeticError, RecursionError),
 )
@@ -48,7 +49,7 @@ def write_trace(trace: Trace, path: Path) -> None:
         header = json.dumps({"schema_version": SCHEMA_VERSION, **header_of(trace)})
     except (TypeError, ValueError) as error:
         raise StoreError(f"the meta data of a trace must be JSON: {error}") from error
-    table = _table(trace).replace_schema_metadata({_KEY: header.encode()})
+    table = _table(trace).replace_schema_metadata({METADATA_KEY: header.encode()})
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -141,20 +142,24 @@ def _column(values: NDArray[Any], valid: NDArray[np.bool_] | None) -> pa.Array:
 def _read(path: Path, steps: tuple[int, int] | None) -> Trace:
     try:
         with pq.ParquetFile(path) as file:
-            header = _header(file, path)
-            groups = _row_groups(file.metadata, steps)
+            header = read_header(file, path)
+            groups = row_groups(file.metadata, steps)
             table = file.read_row_groups(groups, use_threads=False)
             rows = file.metadata.num_rows
         return _trace(header, table, rows, steps)
     except FileNotFoundError as error:
         raise StoreError(f"there is no trace {path.name}") from error
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise StoreError(f"the trace {path.name} is damaged: {error!r}; run it again") from error
 
 
-def _header(file: pq.ParquetFile, path: Path) -> dict[str, Any]:
-    """Returns the static part of a trace file, checked for its version."""
-    text = (file.schema_arrow.metadata or {}).get(_KEY)
+def read_header(file: pq.ParquetFile, path: Path) -> dict[str, Any]:
+    """Returns the static part of a trace file (``header_of``), checked for its version.
+
+    Raises:
+        StoreError: The file is not a trace, or one of another schema version.
+    """
+    text = (file.schema_arrow.metadata or {}).get(METADATA_KEY)
     if text is None:
         raise StoreError(f"{path.name} is a Parquet file, but not a trace of Drivora")
     header: dict[str, Any] = json.loads(text)
@@ -167,7 +172,7 @@ def _header(file: pq.ParquetFile, path: Path) -> dict[str, Any]:
     return header
 
 
-def _row_groups(metadata: pq.FileMetaData, steps: tuple[int, int] | None) -> list[int]:
+def row_groups(metadata: pq.FileMetaData, steps: tuple[int, int] | None) -> list[int]:
     """Returns the row groups that hold any of the steps; all of them for ``None``."""
     groups = range(metadata.num_row_groups)
     if steps is None:

@@ -2,12 +2,18 @@ from __future__ import annotations
 
 import io
 import json
+import subprocess
 from typing import Any
 
 import httpx
+import pyarrow as pa
 import pyarrow.parquet as pq
+import pytest
+
+from drivora_service.api.compression import accepted_coding
 
 PARQUET = {"Accept": "application/vnd.apache.parquet"}
+ARROW = {"Accept": "application/vnd.apache.arrow.stream", "Accept-Encoding": "identity"}
 
 
 def test_frames_come_as_lines_one_a_step(http: httpx.Client, finished_run: dict[str, Any]) -> None:
@@ -36,6 +42,73 @@ def test_parquet_is_the_recorded_file(http: httpx.Client, finished_run: dict[str
     answer = http.get(finished_run["observations_url"], headers=PARQUET)
     table = pq.read_table(io.BytesIO(answer.content))
     assert table.column("step").to_pylist()[-1] == finished_run["steps"] - 1
+
+
+def test_arrow_has_the_columns_of_the_recorded_file(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    url = finished_run["observations_url"]
+    answer = http.get(url, headers=ARROW)
+    assert answer.headers["Content-Type"] == ARROW["Accept"]
+    stream = pa.ipc.open_stream(answer.content).read_all()
+    file = pq.read_table(io.BytesIO(http.get(url, headers=PARQUET).content))
+    assert stream.column("x").to_pylist() == file.column("x").to_pylist()
+    part: dict[str, Any] = {"first": 10, "last": 12, "rows": "egos", "column": ["x", "yaw"]}
+    some = pa.ipc.open_stream(http.get(url, params=part, headers=ARROW).content).read_all()
+    assert some.to_pydict() == {
+        "step": [10, 11, 12],
+        "actor": [0, 0, 0],
+        "x": stream.column("x").to_pylist()[10:13],
+        "yaw": stream.column("yaw").to_pylist()[10:13],
+    }
+
+
+@pytest.mark.parametrize(("coding", "program"), [("gzip", "gzip"), ("zstd", "")])
+def test_arrow_is_compressed_as_the_client_accepts(
+    http: httpx.Client, finished_run: dict[str, Any], coding: str, program: str
+) -> None:
+    url = finished_run["observations_url"]
+    plain = http.get(url, headers=ARROW)
+    with http.stream("GET", url, headers={**ARROW, "Accept-Encoding": coding}) as answer:
+        sent = b"".join(answer.iter_raw())
+    assert answer.headers["Content-Encoding"] == coding
+    assert "Accept-Encoding" in answer.headers["Vary"]
+    assert answer.headers["ETag"] != plain.headers["ETag"]
+    assert len(sent) < 0.7 * len(plain.content)
+    if program:
+        found = subprocess.run([program, "-dc"], input=sent, capture_output=True, check=True).stdout
+    else:
+        found = pa.CompressedInputStream(pa.BufferReader(sent), coding).read()
+    assert found == plain.content
+
+
+@pytest.mark.parametrize(
+    ("header", "coding"),
+    [
+        ("", ""),
+        ("identity", ""),
+        ("gzip, deflate", "gzip"),
+        ("gzip, deflate, br, zstd", "zstd"),
+        ("zstd;q=0, GZIP;q=0.5", "gzip"),
+        ("*", "zstd"),
+        ("*;q=0, gzip", "gzip"),
+        ("gzip;q=high", ""),
+    ],
+)
+def test_the_coding_is_one_that_is_accepted(header: str, coding: str) -> None:
+    assert accepted_coding(header) == coding
+
+
+def test_columns_and_rows_that_cannot_be_chosen_are_refused(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    url = finished_run["observations_url"]
+    unknown = http.get(url, params={"column": "colour"}, headers=ARROW)
+    assert unknown.status_code == 422
+    assert "known: step, time, actor, x" in unknown.json()["detail"]
+    assert http.get(url, params={"rows": "walkers"}, headers=ARROW).status_code == 422
+    for params in ({"column": "x"}, {"rows": "egos"}):
+        assert http.get(url, params=params, headers=PARQUET).status_code == 422
 
 
 def test_what_is_known_is_not_sent_again(http: httpx.Client, finished_run: dict[str, Any]) -> None:

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -16,7 +17,7 @@ from drivora_service.api.examples import CAMPAIGN, SCENARIO
 from drivora_service.api.schemas.batches import Batch, ItemResult
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.api.schemas.runs import Run
-from drivora_service.client import Client, ObservationForm
+from drivora_service.client import Client, ObservationForm, TraceRows
 from drivora_service.errors import InvalidDocument, NotFound, RequestConflict, ServiceError
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
@@ -177,6 +178,11 @@ def test_what_a_run_recorded(client: Client, runs: tuple[Run, ...], tmp_path: Pa
     assert table.column("step").to_pylist()[-1] + 1 == run.steps
     lines = client.run_observations(run.id, form=ObservationForm.NDJSON, first=2, last=4)
     assert len([json.loads(line) for line in lines.splitlines()]) == 3
+    arrow = client.run_observations(
+        run.id, form=ObservationForm.ARROW, rows=TraceRows.EGOS, columns=["x"], first=2, last=4
+    )
+    part = pa.ipc.open_stream(arrow).read_all()
+    assert (part.column_names, part.num_rows) == (["step", "actor", "x"], 3)
     path = tmp_path / "new" / "run.trace.parquet"
     client.save_run_observations(path, run.id)
     assert path.read_bytes() == parquet

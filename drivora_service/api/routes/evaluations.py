@@ -12,7 +12,7 @@ from drivora_service.api.conditional import JSON, bytes_answer, digest, json_ans
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
-from drivora_service.api.parameters import Limit, PageToken, Steps
+from drivora_service.api.parameters import Frames, Limit, PageToken
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
@@ -136,7 +136,7 @@ def get_observations(
     context: Context,
     campaign_id: str,
     number: Number,
-    steps: Steps,
+    part: Frames,
 ) -> Response:
     """Returns the recording of the second, identical run of a failing candidate."""
     with context.database.read() as transaction:
@@ -146,7 +146,7 @@ def get_observations(
         raise UnknownName(
             "trace of evaluation", str(number), (), "only failures that were run again have one"
         )
-    return observations_answer(request, path, record.report.trace_sha256, steps)
+    return observations_answer(request, path, record.report.trace_sha256, part)
 
 
 @router.get(

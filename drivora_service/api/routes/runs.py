@@ -12,7 +12,7 @@ from drivora_service.api.conditional import JSON, bytes_answer, digest, json_ans
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, observations_answers, scenario_answers
 from drivora_service.api.observations import observations_answer
-from drivora_service.api.parameters import Filter, Limit, PageToken, Steps
+from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
@@ -100,12 +100,12 @@ def get_observations(
     request: Request,
     context: Context,
     run_id: str,
-    steps: Steps,
+    part: Frames,
 ) -> Response:
-    """Returns the recording of a run: frames in the published shape, or Parquet by `Accept`."""
+    """Returns the recording of a run: frames in the published shape, Parquet or Arrow."""
     with context.database.read() as transaction:
         record = transaction.jobs.get(run_id)
     path = context.trace_path(record.id)
     if not record.trace_sha256 or not path.is_file():
         raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
-    return observations_answer(request, path, record.trace_sha256, steps)
+    return observations_answer(request, path, record.trace_sha256, part)

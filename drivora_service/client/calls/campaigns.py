@@ -18,6 +18,8 @@ from drivora_service.client.call import (
     listing,
     post,
 )
+from drivora_service.client.calls.runs import observation_query
+from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import (
@@ -168,6 +170,8 @@ def evaluation_observations(
     form: ObservationForm = ObservationForm.PARQUET,
     first: int = 0,
     last: int | None = None,
+    rows: TraceRows = TraceRows.ALL,
+    columns: Sequence[str] = (),
 ) -> Call[bytes]:
     """Returns what the second, identical run of a failing candidate recorded.
 
@@ -177,6 +181,8 @@ def evaluation_observations(
         form: As which file.
         first: First step, from 0.
         last: Last step, included; ``None``: the last one of all.
+        rows: Whose rows; ``EGOS`` as Arrow only.
+        columns: Columns besides ``step`` and ``actor``, as Arrow only; empty: all.
 
     Raises:
         NotFound: It was not run again.
@@ -184,7 +190,7 @@ def evaluation_observations(
     return get(
         f"{_CAMPAIGN}/evaluations/{{number}}/observations",
         bytes,
-        query={"first": first or None, "last": last},
+        query=observation_query(first, last, rows, columns),
         accept=form,
         campaign_id=campaign_id,
         number=number,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, ObservationForm, get, listing
+from drivora_service.client.call import Call, Listing, ObservationForm, Query, get, listing
 from drivora_service.client.calls.jobs import job_query
+from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
@@ -55,6 +57,8 @@ def run_observations(
     form: ObservationForm = ObservationForm.PARQUET,
     first: int = 0,
     last: int | None = None,
+    rows: TraceRows = TraceRows.ALL,
+    columns: Sequence[str] = (),
 ) -> Call[bytes]:
     """Returns what a run recorded.
 
@@ -63,6 +67,8 @@ def run_observations(
         form: As which file.
         first: First step, from 0.
         last: Last step, included; ``None``: the last one of all.
+        rows: Whose rows; ``EGOS`` as Arrow only.
+        columns: Columns besides ``step`` and ``actor``, as Arrow only; empty: all.
 
     Raises:
         NotFound: It recorded nothing, or not yet.
@@ -70,7 +76,19 @@ def run_observations(
     return get(
         f"{PREFIX}/runs/{{run_id}}/observations",
         bytes,
-        query={"first": first or None, "last": last},
+        query=observation_query(first, last, rows, columns),
         accept=form,
         run_id=run_id,
     )
+
+
+def observation_query(
+    first: int, last: int | None, rows: TraceRows, columns: Sequence[str]
+) -> Query:
+    """Returns the parameters that choose a part of a recording."""
+    return {
+        "first": first or None,
+        "last": last,
+        "rows": None if rows is TraceRows.ALL else rows,
+        "column": columns,
+    }

@@ -1,0 +1,41 @@
+"""Answers that are Arrow streams, compressed as the client accepts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fastapi import Request, Response
+from fastapi.responses import StreamingResponse
+
+from drivora_service.api.compression import accepted_coding, compressed
+from drivora_service.api.conditional import cache_headers, is_known
+
+if TYPE_CHECKING:
+    from drivora_service.observations.table_stream import TableStream
+
+ARROW = "application/vnd.apache.arrow.stream"
+
+
+def arrow_answer(request: Request, opened: Callable[[], TableStream], *, etag: str) -> Response:
+    """Answers with an Arrow IPC stream, or with 304 if the client has it already.
+
+    Args:
+        request: The request.
+        opened: Opens the table; called only if it is sent.
+        etag: Stands for the content of the table.
+    """
+    coding = accepted_coding(request.headers.get("accept-encoding", ""))
+    # Two codings of the same table are different bytes.
+    etag = f"{etag}-arrow{coding and '-'}{coding}"
+    headers = cache_headers(etag)
+    headers["Vary"] += ", Accept-Encoding"
+    if is_known(request, etag):
+        return Response(status_code=304, headers=headers)
+    from drivora_service.observations.table_stream import stream_bytes
+
+    parts = stream_bytes(opened())
+    if coding:
+        headers["Content-Encoding"] = coding
+        parts = compressed(parts, coding)
+    return StreamingResponse(parts, media_type=ARROW, headers=headers)
