@@ -18,6 +18,7 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.gene_spaces import GeneSpaces
 from drivora_service.campaigns.supervisor import CampaignSupervisor
+from drivora_service.dashboard.page import page_routes
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.housekeeping import Housekeeping
@@ -187,7 +188,9 @@ def create_service(
         stopping=stopping.is_set,
     )
     return Service(
-        api=create_api(context, lifespan), drain=drain, stop_draining=dispatcher.stop_draining
+        api=create_api(context, lifespan, page=page_routes()),
+        drain=drain,
+        stop_draining=dispatcher.stop_draining,
     )
 
 

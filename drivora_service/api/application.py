@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
 from importlib.metadata import version
 
 from fastapi import FastAPI
 from fastapi.responses import HTMLResponse
+from starlette.routing import BaseRoute
 
 from drivora_service.api.answer_memory import AnswerMemory
 from drivora_service.api.body_limit import BodyLimit
@@ -30,13 +31,18 @@ Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 
 
 def create_api(
-    context: ApiContext, lifespan: Lifespan | None = None, *, on_demand: bool = False
+    context: ApiContext,
+    lifespan: Lifespan | None = None,
+    *,
+    page: Sequence[BaseRoute] = (),
+    on_demand: bool = False,
 ) -> FastAPI:
     """Builds the application.
 
     Args:
         context: Everything below the HTTP layer.
         lifespan: Startup before the first request and shutdown after the last.
+        page: Routes outside the API: the web page.
         on_demand: Whether the routes of a resource are added by the first request for it.
     """
     api = FastAPI(
@@ -63,6 +69,7 @@ def create_api(
     def docs() -> HTMLResponse:
         return HTMLResponse(docs_page(api.openapi()), headers={"Content-Security-Policy": _NOTHING})
 
+    api.router.routes.extend(page)
     methods.add(api.routes)
     install_problem_handlers(api, methods)
     install_openapi(api, tokens_needed=context.tokens is not None)

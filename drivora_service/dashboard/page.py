@@ -1,0 +1,103 @@
+"""The built page as routes: one document for every screen, and its files."""
+
+from __future__ import annotations
+
+import mimetypes
+from collections.abc import Sequence
+from pathlib import Path
+
+from starlette.requests import Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import BaseRoute, Route
+
+BUILT = Path(__file__).with_name("built")
+"""Where the package's build puts the page."""
+
+SECTIONS = (
+    "campaigns",
+    "compare",
+    "studies",
+    "runs",
+    "batches",
+    "failures",
+    "networks",
+    "agents",
+    "workers",
+    "session",
+)
+"""First parts of the screens' addresses; the page itself finds the screen."""
+
+_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' blob: data:",
+        "connect-src 'self'",
+        "worker-src 'self'",
+        "manifest-src 'self'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+_HEADERS = {
+    "Content-Security-Policy": _POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+}
+_ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
+"""Forms that the build stores beside each file, the best first."""
+_NOT_BUILT = (
+    "The page is not in this installation. Install the package again "
+    "(`make install`, or `pip install`), or use the API: /docs.\n"
+)
+
+
+def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
+    """Returns the routes of the page: its document for every screen, and its files."""
+
+    def document(request: Request) -> Response:
+        if not (built / "index.html").is_file():
+            return Response(_NOT_BUILT, 503, media_type="text/plain")
+        # Small, and names the files of one build: always asked for again.
+        return _file(request, built / "index.html", "no-cache")
+
+    def asset(request: Request) -> Response:
+        path = built / "assets" / request.path_params["name"]
+        # Their names have a hash of their content.
+        return _file(request, path, "public, max-age=31536000, immutable")
+
+    def icon(request: Request) -> Response:
+        return _file(request, built / "icon.svg", "public, max-age=86400")
+
+    screens = ["/", *(f"/{section}" for section in SECTIONS)]
+    return [
+        *(Route(path, document, include_in_schema=False) for path in screens),
+        *(
+            Route(f"/{section}/{{rest:path}}", document, include_in_schema=False)
+            for section in SECTIONS
+        ),
+        Route("/assets/{name}", asset, include_in_schema=False),
+        Route("/icon.svg", icon, include_in_schema=False),
+    ]
+
+
+def _file(request: Request, path: Path, cache: str) -> Response:
+    if not path.is_file():
+        return Response("There is no such file.\n", 404, media_type="text/plain")
+    media_type = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+    headers = {**_HEADERS, "Cache-Control": cache, "Vary": "Accept-Encoding"}
+    accepted = {part.split(";")[0].strip() for part in _accepted(request).split(",")}
+    for encoding, suffix in _ENCODINGS:
+        stored = path.with_name(path.name + suffix)
+        if encoding in accepted and stored.is_file():
+            headers["Content-Encoding"] = encoding
+            path = stored
+            break
+    return FileResponse(path, headers=headers, media_type=media_type)
+
+
+def _accepted(request: Request) -> str:
+    return request.headers.get("accept-encoding", "")

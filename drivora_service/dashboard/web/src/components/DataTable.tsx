@@ -1,0 +1,128 @@
+import { useVirtualizer } from "@tanstack/react-virtual";
+import { type ReactNode, useRef, useState } from "react";
+import { useKeys } from "../shell/keys";
+
+export interface Column<Row> {
+  readonly id: string;
+  readonly title: string;
+  /** CSS width: `120px`, or `minmax(160px, 1fr)`. */
+  readonly width: string;
+  readonly numeric?: boolean;
+  readonly cell: (row: Row) => ReactNode;
+  readonly hint?: string;
+}
+
+export interface DataTableProps<Row> {
+  readonly label: string;
+  readonly columns: readonly Column<Row>[];
+  readonly rows: readonly Row[];
+  readonly idOf: (row: Row) => string;
+  readonly onOpen?: (row: Row) => void;
+  /** Ids of selected rows; without `onSelect` rows cannot be selected. */
+  readonly selected?: ReadonlySet<string>;
+  readonly onSelect?: (ids: ReadonlySet<string>) => void;
+  readonly onCompare?: (ids: readonly string[]) => void;
+  /** Called when the end of the loaded rows comes into sight. */
+  readonly onEnd?: () => void;
+  readonly height?: string;
+}
+
+const ROW_PX = 28;
+const BEFORE_END = 20;
+
+/** Rows of which only the visible are drawn; `j` `k` move, `enter` opens, `x` selects, `c` compares. */
+export function DataTable<Row>(props: DataTableProps<Row>) {
+  const { columns, rows, idOf, onOpen, selected, onSelect, onCompare, onEnd } = props;
+  const frame = useRef<HTMLDivElement>(null);
+  const [current, setCurrent] = useState(-1);
+  const virtual = useVirtualizer({
+    count: rows.length,
+    getScrollElement: () => frame.current,
+    estimateSize: () => ROW_PX,
+    overscan: 12,
+    onChange: (instance) => {
+      const last = instance.getVirtualItems().at(-1);
+      if (last && last.index >= rows.length - BEFORE_END) onEnd?.();
+    },
+  });
+  const move = (by: number) => {
+    const next = Math.min(Math.max(current + by, 0), rows.length - 1);
+    setCurrent(next);
+    virtual.scrollToIndex(next);
+  };
+  const toggle = (row: Row | undefined) => {
+    if (!row || !onSelect) return;
+    const next = new Set(selected);
+    if (!next.delete(idOf(row))) next.add(idOf(row));
+    onSelect(next);
+  };
+  const open = (row: Row | undefined) => {
+    if (row) onOpen?.(row);
+  };
+  useKeys([
+    { keys: "j", does: "next row", run: () => move(1) },
+    { keys: "k", does: "previous row", run: () => move(-1) },
+    ...(onOpen ? [{ keys: "enter", does: "open the row", run: () => open(rows[current]) }] : []),
+    ...(onSelect ? [{ keys: "x", does: "select the row", run: () => toggle(rows[current]) }] : []),
+    ...(onCompare
+      ? [
+          {
+            keys: "c",
+            does: "compare the selected rows",
+            run: () => (selected?.size ?? 0) > 1 && onCompare([...(selected ?? [])]),
+          },
+        ]
+      : []),
+  ]);
+  const template = columns.map((column) => column.width).join(" ");
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: a part that scrolls is reached by keyboard
+    <div ref={frame} className="table" tabIndex={0} style={{ maxHeight: props.height ?? "72vh" }}>
+      <table aria-label={props.label} aria-rowcount={rows.length}>
+        <thead>
+          <tr style={{ gridTemplateColumns: template }}>
+            {columns.map((column) => (
+              <th
+                key={column.id}
+                scope="col"
+                className={column.numeric ? "number" : undefined}
+                title={column.hint}
+              >
+                {column.title}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody style={{ height: virtual.getTotalSize() }}>
+          {virtual.getVirtualItems().map(({ index, start }) => {
+            const row = rows[index];
+            if (row === undefined) return null;
+            const id = idOf(row);
+            return (
+              <tr
+                key={id}
+                data-id={id}
+                data-current={index === current}
+                aria-rowindex={index + 1}
+                aria-selected={onSelect ? (selected?.has(id) ?? false) : undefined}
+                style={{ gridTemplateColumns: template, transform: `translateY(${start}px)` }}
+                onClick={(event) => {
+                  setCurrent(index);
+                  if (event.target instanceof Element && event.target.closest("a, button")) return;
+                  if (onSelect && (event.metaKey || event.ctrlKey)) toggle(row);
+                  else open(row);
+                }}
+              >
+                {columns.map((column) => (
+                  <td key={column.id} className={column.numeric ? "number" : undefined}>
+                    {column.cell(row)}
+                  </td>
+                ))}
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,16 @@
+import { describe, expect, it } from "vitest";
+import { count, duration, fixed } from "./numbers";
+
+describe("numbers", () => {
+  it("have separators and nothing where nothing was measured", () => {
+    expect(count(1234567)).toBe("1,234,567");
+    expect(count(null)).toBe("");
+    expect(fixed(Number.NaN, 2)).toBe("");
+  });
+  it("give durations in two units", () => {
+    expect(duration(59.4)).toBe("59 s");
+    expect(duration(200)).toBe("3 min 20 s");
+    expect(duration(3600)).toBe("1 h");
+    expect(duration(7500)).toBe("2 h 5 min");
+  });
+});

