@@ -8,11 +8,15 @@ const SERVICE = "http://127.0.0.1:8000";
 
 /** Stores each text file compressed as well: the service sends what the browser accepts. */
 function compressed(): Plugin {
+  let built = "";
   return {
     name: "compressed",
     apply: "build",
+    configResolved(config) {
+      built = config.build.outDir;
+    },
     closeBundle() {
-      for (const folder of ["dist", "dist/assets"]) {
+      for (const folder of [built, join(built, "assets")]) {
         for (const name of readdirSync(folder)) {
           if (!/\.(html|js|css|svg)$/.test(name)) continue;
           const path = join(folder, name);
