@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from fastapi import Request, Response
 from fastapi.responses import StreamingResponse
 
-from drivora_service.api.compression import accepted_coding, compressed
-from drivora_service.api.conditional import cache_headers, is_known
+from drivora_service.api.compression import coded_headers, compressed
+from drivora_service.api.conditional import is_known
 
 if TYPE_CHECKING:
     from drivora_service.observations.table_stream import TableStream
@@ -25,12 +25,8 @@ def arrow_answer(request: Request, opened: Callable[[], TableStream], *, etag: s
         opened: Opens the table; called only if it is sent.
         etag: Stands for the content of the table.
     """
-    coding = accepted_coding(request.headers.get("accept-encoding", ""))
-    # Two codings of the same table are different bytes.
-    etag = f"{etag}-arrow{coding and '-'}{coding}"
-    headers = cache_headers(etag)
-    headers["Vary"] += ", Accept-Encoding"
-    if is_known(request, etag):
+    coding, headers = coded_headers(request, f"{etag}-arrow")
+    if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     from drivora_service.observations.table_stream import stream_bytes
 

@@ -1,10 +1,14 @@
-"""Compression of streamed answers: zstd or gzip, as the client accepts."""
+"""Compression of answers: zstd or gzip, as the client accepts."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Literal
+
+from fastapi import Request, Response
+
+from drivora_service.api.conditional import cache_headers, is_known
 
 Coding = Literal["", "gzip", "zstd"]
 """Of the content of an answer; "": as it is."""
@@ -30,6 +34,38 @@ def accepted_coding(accept_encoding: str) -> Coding:
 def compressed(parts: Iterator[bytes], coding: Literal["gzip", "zstd"]) -> Iterator[bytes]:
     """Compresses a stream; what comes of each part can be read before the next part comes."""
     return _gzip(parts) if coding == "gzip" else _zstd(parts)
+
+
+def compressed_answer(
+    request: Request, content: Callable[[], bytes], *, media_type: str, etag: str
+) -> Response:
+    """Answers with bytes that compress well, or with 304 if the client has them already.
+
+    Args:
+        request: The request.
+        content: Makes the bytes; called only if they are sent.
+        media_type: Of the bytes.
+        etag: Stands for them.
+    """
+    coding, headers = coded_headers(request, etag)
+    if is_known(request, headers["ETag"].strip('"')):
+        return Response(status_code=304, headers=headers)
+    body = content()
+    if coding:
+        headers["Content-Encoding"] = coding
+        body = b"".join(compressed(iter([body]), coding))
+    return Response(body, media_type=media_type, headers=headers)
+
+
+def coded_headers(request: Request, etag: str) -> tuple[Coding, dict[str, str]]:
+    """Returns the coding of an answer that may be compressed, and the headers for its caching.
+
+    Two codings of the same content are different bytes, with an ``ETag`` each.
+    """
+    coding = accepted_coding(request.headers.get("accept-encoding", ""))
+    headers = cache_headers(f"{etag}{coding and '-'}{coding}")
+    headers["Vary"] += ", Accept-Encoding"
+    return coding, headers
 
 
 def _weight(parameter: str) -> float:

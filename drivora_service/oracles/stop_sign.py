@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.networks.line_controls import STOPPING_LETTERS
 from drivora_service.networks.road_network import Connection
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.signals import stop_shown
 from drivora_service.observations.trace import Col
 from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
-
-_STOPS = ("s", "w")
-"""SUMO's letters for a movement that must stop: at a stop sign, at an all-way stop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,4 +102,4 @@ def _must_stop(ego: EgoView, crossing: Crossing, connection: Connection) -> bool
     shown = stop_shown(ego, connection)
     if shown is not None:
         return bool(shown[crossing.front])
-    return connection.right_of_way in _STOPS
+    return connection.right_of_way in STOPPING_LETTERS

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.lines import offset_line
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.plotting import colors
 from drivora_service.plotting.view import View
@@ -35,16 +36,6 @@ def draw_road(axes: Axes, network: RoadNetwork, view: View) -> None:
     _fill(axes, drivable, colors.ROAD, colors.ROAD_EDGE, z=2.0)
     _draw_dividers(axes, lanes)
     _draw_arrows(axes, lanes, view)
-
-
-def offset_line(shape: FloatArray, distance: float) -> FloatArray:
-    """Shifts an (n, 2) polyline by ``distance`` metres to the left of its direction."""
-    steps = np.diff(shape, axis=0)
-    steps = steps / np.maximum(np.hypot(steps[:, 0], steps[:, 1]), 1e-9)[:, None]
-    normals = np.stack((-steps[:, 1], steps[:, 0]), axis=1)
-    at_points = np.concatenate((normals[:1], 0.5 * (normals[:-1] + normals[1:]), normals[-1:]))
-    at_points = at_points / np.maximum(np.hypot(at_points[:, 0], at_points[:, 1]), 0.5)[:, None]
-    return shape + distance * at_points
 
 
 def _surface(lane: Lane) -> BaseGeometry:

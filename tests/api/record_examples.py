@@ -139,7 +139,8 @@ class _Recording:
         self._keep(examples.NETWORKS, self._get("/networks"), most=_ALL)
         self._keep(examples.NETWORK, self._get("/networks/tee-town"))
         geometry = self._get("/networks/tee-town/geometry")
-        geometry["junctions"] = dict(list(geometry["junctions"].items())[:1])
+        for key in ("junctions", "junction_types"):
+            geometry[key] = dict(list(geometry[key].items())[:1])
         # The lanes of junctions come first.
         geometry["lanes"].sort(key=lambda lane: lane["internal"])
         self._keep(examples.GEOMETRY, geometry)

@@ -5,20 +5,20 @@ from __future__ import annotations
 from fastapi import Depends, Request, Response
 
 from drivora_service.api import examples
-from drivora_service.api.conditional import JSON, cache_headers, is_known, json_answer
+from drivora_service.api.compression import compressed_answer
+from drivora_service.api.conditional import JSON, json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
+from drivora_service.api.network_geometry import GEOMETRY_VERSION, geometry_json
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
-    LaneGeometry,
     Network,
-    NetworkGeometry,
     NetworkList,
     NetworkSummary,
 )
+from drivora_service.api.schemas.network_geometry import NetworkGeometry
 from drivora_service.api.security import reader
 from drivora_service.api_paths import PREFIX
-from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 
 router = resource_router("networks", Depends(reader))
@@ -51,13 +51,10 @@ def get_network(request: Request, context: Context, name: str) -> Response:
     responses=answers(examples.GEOMETRY, 401, 403, 404),
 )
 def get_geometry(request: Request, context: Context, name: str) -> Response:
-    """Returns lanes and junctions of a network as lines and outlines."""
+    """Returns what is needed to draw a network: lanes, junctions, crossings, lights, signs."""
     network = context.networks.get(name)
-    etag = f"{network.sha256}-geometry"
-    if is_known(request, etag):
-        return Response(status_code=304, headers=cache_headers(etag))
-    content = geometry_of(network).model_dump_json()
-    return Response(content, media_type=JSON, headers=cache_headers(etag))
+    etag = f"{network.sha256}-geometry-{GEOMETRY_VERSION}"
+    return compressed_answer(request, lambda: geometry_json(network), media_type=JSON, etag=etag)
 
 
 def network_view(network: RoadNetwork) -> Network:
@@ -74,28 +71,3 @@ def network_view(network: RoadNetwork) -> Network:
         has_sidewalks=any(lane.walkable and not lane.drivable for lane in network.lanes),
         geometry_url=f"{PREFIX}/networks/{network.name}/geometry",
     )
-
-
-def geometry_of(network: RoadNetwork) -> NetworkGeometry:
-    """Returns what is needed to draw a network, to the centimetre."""
-    return NetworkGeometry(
-        name=network.name,
-        sha256=network.sha256,
-        bounds=network.bounds,
-        lanes=tuple(
-            LaneGeometry(
-                id=lane.id,
-                shape=_points(lane.shape),
-                width=lane.width,
-                drivable=lane.drivable,
-                walkable=lane.walkable,
-                internal=lane.is_internal,
-            )
-            for lane in network.lanes
-        ),
-        junctions={junction: _points(shape) for junction, shape in network.junction_shapes.items()},
-    )
-
-
-def _points(shape: FloatArray) -> tuple[tuple[float, float], ...]:
-    return tuple((round(float(x), 2), round(float(y), 2)) for x, y in shape)

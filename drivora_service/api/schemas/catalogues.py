@@ -34,29 +34,6 @@ class Network(Schema):
     geometry_url: str
 
 
-class LaneGeometry(Schema):
-    """A lane as a line with a width."""
-
-    id: str
-    shape: tuple[tuple[float, float], ...] = Field(description="Centre line, metres.")
-    width: float
-    drivable: bool
-    walkable: bool
-    internal: bool = Field(description="Inside a junction.")
-
-
-class NetworkGeometry(Schema):
-    """All that is needed to draw a network."""
-
-    name: str
-    sha256: str
-    bounds: tuple[float, float, float, float]
-    lanes: tuple[LaneGeometry, ...]
-    junctions: dict[str, tuple[tuple[float, float], ...]] = Field(
-        description="Outline of each junction, metres."
-    )
-
-
 class AgentParameter(Schema):
     """A parameter of an agent."""
 

@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.catalogues import (
         AgentList,
         Network,
-        NetworkGeometry,
         NetworkList,
         OracleList,
         TesterList,
     )
+    from drivora_service.api.schemas.network_geometry import NetworkGeometry
     from drivora_service.api.schemas.service import Health, Readiness
 
 
@@ -34,8 +34,8 @@ def network(name: str) -> Call[Network]:
 
 
 def network_geometry(name: str) -> Call[NetworkGeometry]:
-    """Returns lanes and junctions of a network as lines and outlines."""
-    from drivora_service.api.schemas.catalogues import NetworkGeometry
+    """Returns what is needed to draw a network: lanes, junctions, crossings, lights, signs."""
+    from drivora_service.api.schemas.network_geometry import NetworkGeometry
 
     return get(f"{PREFIX}/networks/{{name}}/geometry", NetworkGeometry, name=name)
 

@@ -510,7 +510,7 @@ export interface paths {
         };
         /**
          * Get Geometry
-         * @description Returns lanes and junctions of a network as lines and outlines.
+         * @description Returns what is needed to draw a network: lanes, junctions, crossings, lights, signs.
          */
         get: operations["get_geometry_api_v1_networks__name__geometry_get"];
         put?: never;
@@ -1779,6 +1779,46 @@ export interface components {
          */
         Confirmation: "open" | "confirmed" | "flaky";
         /**
+         * Crossing
+         * @description A crossing for walkers.
+         */
+        Crossing: {
+            /**
+             * Edges
+             * @description Edges that it crosses.
+             */
+            edges: string[];
+            /**
+             * Id
+             * @description Its lane.
+             */
+            id: string;
+            /** Junction */
+            junction: string;
+            /**
+             * Light
+             * @description Traffic light of the walkers; "" without one.
+             */
+            light: string;
+            /**
+             * Links
+             * @description Their positions in the light's states.
+             */
+            links: number[];
+            /**
+             * Outline
+             * @description Metres.
+             */
+            outline: number[][];
+            /**
+             * Shape
+             * @description Centre line, metres.
+             */
+            shape: number[][];
+            /** Width */
+            width: number;
+        };
+        /**
          * Difference
          * @description One method against the baseline, by one measure on one seed scenario.
          */
@@ -2449,22 +2489,78 @@ export interface components {
         LaneGeometry: {
             /** Drivable */
             drivable: boolean;
+            /** Edge */
+            edge: string;
             /** Id */
             id: string;
+            /**
+             * Index
+             * @description Number of the lane on its edge; 0 is the rightmost.
+             */
+            index: number;
             /**
              * Internal
              * @description Inside a junction.
              */
             internal: boolean;
+            kind: components["schemas"]["LaneKind"];
+            /** @description Line at its left border. */
+            left_marking: components["schemas"]["Marking"];
+            /** @description Line at its right border. */
+            right_marking: components["schemas"]["Marking"];
             /**
              * Shape
-             * @description Centre line, metres.
+             * @description Centre line, metres; of a walking area its outline.
              */
             shape: number[][];
+            /**
+             * Speed Limit
+             * @description m/s.
+             */
+            speed_limit: number;
+            /**
+             * Street
+             * @description Name of the street; "" where the network has none.
+             */
+            street: string;
             /** Walkable */
             walkable: boolean;
             /** Width */
             width: number;
+        };
+        /**
+         * LaneKind
+         * @description What a lane is.
+         * @enum {string}
+         */
+        LaneKind: "road" | "junction" | "sidewalk" | "crossing" | "walking_area" | "other";
+        /**
+         * LightLink
+         * @description A signal of a traffic light.
+         */
+        LightLink: {
+            /**
+             * Direction
+             * @description SUMO's letter.
+             */
+            direction: string;
+            /**
+             * Index
+             * @description Position in the states.
+             */
+            index: number;
+            /**
+             * Lane
+             * @description Lane before the signal.
+             */
+            lane: string;
+            /**
+             * Stop Line
+             * @description Left and right end, metres; null for walkers.
+             */
+            stop_line: number[][] | null;
+            /** To Lane */
+            to_lane: string;
         };
         /**
          * LightTimesDocument
@@ -2496,6 +2592,12 @@ export interface components {
              */
             yellow_time: number | null;
         };
+        /**
+         * LineControl
+         * @description Regulation of the movements from a lane's end.
+         * @enum {string}
+         */
+        LineControl: "signal" | "stop" | "all_way_stop" | "yield" | "right_before_left" | "none";
         /**
          * LocationDocument
          * @description The place of a static object.
@@ -2541,6 +2643,40 @@ export interface components {
             town: string;
         };
         /**
+         * Marking
+         * @description A line at the border of a lane.
+         * @enum {string}
+         */
+        Marking: "none" | "broken" | "solid" | "centre" | "edge";
+        /**
+         * Movement
+         * @description A permitted movement from the end of a lane.
+         */
+        Movement: {
+            /**
+             * Direction
+             * @description SUMO's letter: s straight, l left, r right, t turn-around, L and R partial.
+             */
+            direction: string;
+            /**
+             * Link
+             * @description Position of its signal in the light's states; -1 without one.
+             */
+            link: number;
+            /**
+             * Right Of Way
+             * @description SUMO's letter without a signal: M major, m minor, s stop, w all-way stop, = equal, Z zip merge; o and O signal off.
+             */
+            right_of_way: string;
+            /** To Edge */
+            to_edge: string;
+            /**
+             * Via
+             * @description Lanes inside the junction.
+             */
+            via: string[];
+        };
+        /**
          * Network
          * @description A road network.
          */
@@ -2583,6 +2719,15 @@ export interface components {
         NetworkGeometry: {
             /** Bounds */
             bounds: number[];
+            /** Crossings */
+            crossings: components["schemas"]["Crossing"][];
+            /**
+             * Junction Types
+             * @description SUMO's type of each junction, also of those without an outline.
+             */
+            junction_types: {
+                [key: string]: string;
+            };
             /**
              * Junctions
              * @description Outline of each junction, metres.
@@ -2596,6 +2741,12 @@ export interface components {
             name: string;
             /** Sha256 */
             sha256: string;
+            /** Signs */
+            signs: components["schemas"]["Sign"][];
+            /** Stop Lines */
+            stop_lines: components["schemas"]["StopLineGeometry"][];
+            /** Traffic Lights */
+            traffic_lights: components["schemas"]["TrafficLight"][];
         };
         /**
          * NetworkList
@@ -2920,6 +3071,22 @@ export interface components {
          * @enum {string}
          */
         Part: "ego" | "vehicle" | "walker" | "obstacle" | "weather" | "lights";
+        /**
+         * Phase
+         * @description A stage of a light's programme.
+         */
+        Phase: {
+            /**
+             * Duration
+             * @description Seconds.
+             */
+            duration: number;
+            /**
+             * State
+             * @description SUMO's letter for each link.
+             */
+            state: string;
+        };
         /**
          * Priority
          * @description The priority of runs: interactive first, then CI, then campaigns.
@@ -3544,6 +3711,28 @@ export interface components {
          */
         Severity: "critical" | "major" | "minor" | "observation";
         /**
+         * Sign
+         * @description A traffic sign, as it follows from the right of way at a stop line.
+         */
+        Sign: {
+            /**
+             * Heading
+             * @description Degrees from east, along the lane.
+             */
+            heading: number;
+            kind: components["schemas"]["LineControl"];
+            /**
+             * Lane
+             * @description Rightmost lane that it is for.
+             */
+            lane: string;
+            /**
+             * Position
+             * @description Right of the road, metres.
+             */
+            position: number[];
+        };
+        /**
          * SpaceDocument
          * @description The variable parts beside the fixed scenario.
          */
@@ -3631,6 +3820,29 @@ export interface components {
              * @default true
              */
             weather: boolean;
+        };
+        /**
+         * StopLineGeometry
+         * @description The end of a lane before a junction.
+         */
+        StopLineGeometry: {
+            control: components["schemas"]["LineControl"];
+            /** Junction */
+            junction: string;
+            /** Lane */
+            lane: string;
+            /**
+             * Light
+             * @description Traffic light; "" without one.
+             */
+            light: string;
+            /** Movements */
+            movements: components["schemas"]["Movement"][];
+            /**
+             * Points
+             * @description Left and right end, metres.
+             */
+            points: number[][];
         };
         /**
          * Study
@@ -4240,6 +4452,33 @@ export interface components {
          * @enum {string}
          */
         TraceRows: "all" | "egos";
+        /**
+         * TrafficLight
+         * @description A traffic light with the network's programme; a scenario may set other durations.
+         */
+        TrafficLight: {
+            /** Id */
+            id: string;
+            /** Links */
+            links: components["schemas"]["LightLink"][];
+            /**
+             * Offset
+             * @description Seconds by which it is delayed.
+             */
+            offset: number;
+            /** Phases */
+            phases: components["schemas"]["Phase"][];
+            /**
+             * Position
+             * @description Middle of the lanes' ends before its signals, metres.
+             */
+            position: number[];
+            /**
+             * Program
+             * @description Id of the programme.
+             */
+            program: string;
+        };
         /**
          * TrafficLightsDocument
          * @description Times of all traffic lights, and those of single junctions.
