@@ -121,6 +121,7 @@ _OTHERS = {
     "campaigns, state": "/campaigns?state=finished&state=failed",
     "campaigns, state, none": "/campaigns?state=cancelled",
     "campaign of 100,000": "/campaigns/CAMPAIGN",
+    "discoveries of 100,000": "/campaigns/CAMPAIGN/discoveries",
     "evaluations": "/campaigns/CAMPAIGN/evaluations",
     "evaluations, newest": "/campaigns/CAMPAIGN/evaluations?order=-number",
     "evaluations, status": "/campaigns/CAMPAIGN/evaluations?status=failed",

@@ -28,6 +28,9 @@ PageToken = Annotated[
         json_schema_extra={"format": "page-token"},
     ),
 ]
+Points = Annotated[
+    int, Query(ge=2, le=2000, description="Points of a curve; evenly spaced if it has more.")
+]
 Label = Annotated[str, Query(max_length=200, description="Display name.")]
 
 

@@ -138,6 +138,7 @@ class Operations:
     save_evaluation_observations = Saved(campaign_calls.evaluation_observations)
     failures = Listed(campaign_calls.failures)
     figures = Answered(campaign_calls.figures)
+    discoveries = Answered(campaign_calls.discoveries)
     compare_campaigns = Answered(campaign_calls.compare_campaigns)
 
     post_study = Answered(study_calls.post_study)
@@ -147,6 +148,7 @@ class Operations:
     resume_study = Answered(study_calls.resume_study)
     cancel_study = Answered(study_calls.cancel_study)
     compare_study = Answered(study_calls.compare_study)
+    study_bands = Answered(study_calls.study_bands)
     study_table = Answered(study_calls.study_table)
     save_study_table = Saved(study_calls.study_table)
 

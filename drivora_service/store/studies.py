@@ -12,7 +12,12 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.shapes import combine
-from drivora_service.store.campaign_records import CampaignCounts, CampaignRequest, CampaignState
+from drivora_service.store.campaign_records import (
+    CampaignCounts,
+    CampaignRequest,
+    CampaignState,
+    StudyCell,
+)
 from drivora_service.store.campaign_tables import CampaignRow, StudyRow
 from drivora_service.store.ids import new_id
 from drivora_service.store.paging import make_token, read_token
@@ -78,6 +83,29 @@ class StudyRepository:
         if states:
             query = query.where(CampaignRow.state.in_(states))
         return tuple(self._session.scalars(query.order_by(CampaignRow.seq)))
+
+    def cells(self, study_id: str) -> tuple[tuple[str, CampaignState, StudyCell], ...]:
+        """Returns the campaigns of a study in their order: id, state, and place in the study."""
+        rows = self._session.execute(
+            select(
+                CampaignRow.id,
+                CampaignRow.state,
+                CampaignRow.study_scenario,
+                CampaignRow.study_agent,
+                CampaignRow.study_method,
+                CampaignRow.repetition,
+            )
+            .where(CampaignRow.study_id == study_id)
+            .order_by(CampaignRow.seq)
+        )
+        return tuple(
+            (
+                campaign_id,
+                CampaignState(state),
+                StudyCell(scenario=scenario, agent=agent, method=method, repetition=repetition),
+            )
+            for campaign_id, state, scenario, agent, method, repetition in rows
+        )
 
     def ask_for(self, study_id: str, request: CampaignRequest) -> None:
         """Stores a request, or withdraws it.

@@ -193,6 +193,7 @@ class _Recording:
         self._keep(examples.FINISHED_CAMPAIGN, self._finished(one))
         self._keep(examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
         self._keep(examples.FIGURES, self._get(f"{one}/figures"))
+        self._keep(examples.DISCOVERIES, self._get(f"{one}/discoveries?points=6&kinds=2"))
         self._keep(examples.FAILURES, self._get(f"{one}/failures?limit=1"))
         failing = self._get(f"{one}/evaluations?violating=true&order=-number&limit=1")
         self._keep(examples.EVALUATIONS, failing)
@@ -242,6 +243,7 @@ class _Recording:
         self._keep(examples.STUDIES, self._get("/studies?limit=1"))
         comparison = self._get(f"{one}/comparison?measure=failing")
         self._keep(examples.STUDY_COMPARISON, comparison)
+        self._keep(examples.STUDY_BANDS, self._get(f"{one}/bands?method=random&points=5"))
         table = self._client.get(f"{PREFIX}{one}/tables/campaigns")
         table.raise_for_status()
         lines = table.text.splitlines(keepends=True)[:2]

@@ -1,4 +1,4 @@
-"""Campaigns in figures, and methods compared by them."""
+"""Campaigns in figures and curves, and methods compared by them."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from drivora_service.api import examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers
+from drivora_service.api.parameters import Points
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.comparisons import Figures
 from drivora_service.api.security import reader
 from drivora_service.shapes import combine
+from drivora_service.store.campaign_findings import campaign_findings
 from drivora_service.studies.comparing import Comparison, compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
+from drivora_service.studies.discoveries import CampaignDiscoveries, discoveries_of
 
 router = resource_router("campaigns", Depends(reader))
 
@@ -72,3 +75,22 @@ def get_figures(request: Request, context: Context, campaign_id: str) -> Respons
 
     report = read_report(context.database, campaign_id, context.catalogues)
     return json_answer(request, Figures, combine(Figures, report))
+
+
+@router.get(
+    "/campaigns/{campaign_id:id}/discoveries",
+    response_model=CampaignDiscoveries,
+    responses=answers(examples.DISCOVERIES, 401, 403, 404, 422),
+)
+def get_discoveries(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    points: Points = 300,
+    kinds: Annotated[int, Query(ge=0, le=100, description="Most frequent kinds with curves.")] = 12,
+) -> Response:
+    """Returns the failures of a campaign against simulations, so far."""
+    with context.database.read() as transaction:
+        found = campaign_findings(transaction.session, campaign_id)
+    body = discoveries_of(campaign_id, found, points=points, kinds=kinds)
+    return json_answer(request, CampaignDiscoveries, body)

@@ -14,7 +14,7 @@ from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, study_body, table_answers
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.observations import CSV, PARQUET
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.parameters import Limit, PageToken, Points
 from drivora_service.api.problems import ApiError
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.studies import Study, StudyInList, study_in_list, study_of
@@ -24,6 +24,7 @@ from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import CampaignRequest
 from drivora_service.store.records import Page
 from drivora_service.studies.comparison import measure
+from drivora_service.studies.discoveries import StudyBands, study_bands
 from drivora_service.studies.storing import stop_study, store_study
 from drivora_service.studies.study_comparison import StudyComparison, compare_study
 from drivora_service.studies.table_names import TableName
@@ -34,6 +35,11 @@ if TYPE_CHECKING:
 router = resource_router("studies")
 
 _POLL_AFTER_S = "2"
+
+Names = Annotated[
+    list[str] | None,
+    Query(max_length=100, description="Only of this name in the study; may be repeated."),
+]
 
 
 @router.post(
@@ -176,6 +182,33 @@ def get_comparison(
         measures=tuple(measure(name) for name in dict.fromkeys(by or ())),
     )
     return json_answer(request, StudyComparison, comparison)
+
+
+@router.get(
+    "/studies/{study_id:id}/bands",
+    response_model=StudyBands,
+    responses=answers(examples.STUDY_BANDS, 401, 403, 404, 422),
+    dependencies=[Depends(reader)],
+)
+def get_bands(
+    request: Request,
+    context: Context,
+    study_id: str,
+    method: Names = None,
+    scenario: Names = None,
+    agent: Names = None,
+    points: Points = 300,
+) -> Response:
+    """Returns median and quartiles of failures against simulations, by scenario, agent, method."""
+    bands = study_bands(
+        context.database,
+        study_id,
+        methods=method or (),
+        scenarios=scenario or (),
+        agents=agent or (),
+        points=points,
+    )
+    return json_answer(request, StudyBands, bands)
 
 
 @router.get(

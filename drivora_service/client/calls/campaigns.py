@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         FailureFilter,
     )
     from drivora_service.studies.comparing import Comparison
+    from drivora_service.studies.discoveries import CampaignDiscoveries
 
 _CAMPAIGN = f"{PREFIX}/campaigns/{{campaign_id}}"
 
@@ -220,6 +221,26 @@ def figures(campaign_id: str) -> Call[Figures]:
     from drivora_service.api.schemas.comparisons import Figures
 
     return get(f"{_CAMPAIGN}/figures", Figures, campaign_id=campaign_id)
+
+
+def discoveries(
+    campaign_id: str, *, points: int | None = None, kinds: int | None = None
+) -> Call[CampaignDiscoveries]:
+    """Returns the failures of a campaign against simulations, so far.
+
+    Args:
+        campaign_id: Id of the campaign.
+        points: Greatest number of points of a curve; ``None``: as the service has it.
+        kinds: Greatest number of kinds with a curve; ``None``: as the service has it.
+    """
+    from drivora_service.studies.discoveries import CampaignDiscoveries
+
+    return get(
+        f"{_CAMPAIGN}/discoveries",
+        CampaignDiscoveries,
+        query={"points": points, "kinds": kinds},
+        campaign_id=campaign_id,
+    )
 
 
 def compare_campaigns(

@@ -20,6 +20,7 @@ from drivora_service.client.call import (
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study, StudyInList
+    from drivora_service.studies.discoveries import StudyBands
     from drivora_service.studies.study_comparison import StudyComparison
     from drivora_service.studies.table_names import TableForm, TableName
 
@@ -101,6 +102,34 @@ def compare_study(
         "measure": tuple(measures),
     }
     return get(f"{_STUDY}/comparison", StudyComparison, query=query, study_id=study_id)
+
+
+def study_bands(
+    study_id: str,
+    *,
+    methods: Sequence[str] = (),
+    scenarios: Sequence[str] = (),
+    agents: Sequence[str] = (),
+    points: int | None = None,
+) -> Call[StudyBands]:
+    """Returns median and quartiles of the repetitions of a study: failures against simulations.
+
+    Args:
+        study_id: Id of the study.
+        methods: Names of methods; empty: all.
+        scenarios: Names of scenarios; empty: all.
+        agents: Names of agents; empty: all.
+        points: Greatest number of points of a band; ``None``: as the service has it.
+    """
+    from drivora_service.studies.discoveries import StudyBands
+
+    query = {
+        "method": tuple(methods),
+        "scenario": tuple(scenarios),
+        "agent": tuple(agents),
+        "points": points,
+    }
+    return get(f"{_STUDY}/bands", StudyBands, query=query, study_id=study_id)
 
 
 def study_table(study_id: str, table: TableName, *, form: TableForm | None = None) -> Call[bytes]:

@@ -177,6 +177,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/campaigns/{campaign_id}/discoveries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Discoveries
+         * @description Returns the failures of a campaign against simulations, so far.
+         */
+        get: operations["get_discoveries_api_v1_campaigns__campaign_id__discoveries_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/campaigns/{campaign_id}/evaluations": {
         parameters: {
             query?: never;
@@ -705,6 +725,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/studies/{study_id}/bands": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Bands
+         * @description Returns median and quartiles of failures against simulations, by scenario, agent, method.
+         */
+        get: operations["get_bands_api_v1_studies__study_id__bands_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/studies/{study_id}/comparison": {
         parameters: {
             query?: never;
@@ -1063,6 +1103,18 @@ export interface components {
             start_time: number;
         };
         /**
+         * Band
+         * @description Median and quartiles of repetitions, for each point of `at`.
+         */
+        Band: {
+            /** High */
+            high: number[];
+            /** Low */
+            low: number[];
+            /** Median */
+            median: number[];
+        };
+        /**
          * Batch
          * @description A batch and its progress.
          */
@@ -1393,6 +1445,79 @@ export interface components {
              * @default 0
              */
             violating: number;
+        };
+        /**
+         * CampaignDiscoveries
+         * @description The failures of a campaign against simulations.
+         */
+        CampaignDiscoveries: {
+            /**
+             * At
+             * @description Numbers of simulations, ascending, from 0; every change, or evenly spaced ones if there are more than wanted.
+             */
+            at: number[];
+            /**
+             * Avoidable
+             * @description For each point, simulations so far with a failure that is the fault of an ego and avoidable.
+             */
+            avoidable: number[];
+            /**
+             * Budget
+             * @description Simulations that it may make.
+             */
+            budget: number;
+            /** Campaign Id */
+            campaign_id: string;
+            /**
+             * Different
+             * @description For each point, different kinds of failures so far.
+             */
+            different: number[];
+            /**
+             * Different Avoidable
+             * @description For each point, different kinds so far of failures that are the fault of an ego and avoidable.
+             */
+            different_avoidable: number[];
+            /**
+             * First Avoidable
+             * @description Simulations up to the first failure that is the fault of an ego and avoidable; null: none found.
+             */
+            first_avoidable: number | null;
+            /**
+             * First Failure
+             * @description Simulations up to the first failure, itself included; null: none found.
+             */
+            first_failure: number | null;
+            /**
+             * Flaky
+             * @description Failures that an identical run did not repeat; they are left out.
+             */
+            flaky: number;
+            /**
+             * Kinds
+             * @description Curves of the most frequent kinds.
+             */
+            kinds: components["schemas"]["DiscoveryCurve"][];
+            /**
+             * Kinds Left Out
+             * @description Number of kinds that have no curve.
+             */
+            kinds_left_out: number;
+            /**
+             * Oracles
+             * @description Curves by oracle, the most frequent first.
+             */
+            oracles: components["schemas"]["DiscoveryCurve"][];
+            /**
+             * Others
+             * @description For each point, simulations so far with other failures only.
+             */
+            others: number[];
+            /**
+             * Simulations
+             * @description Simulations so far.
+             */
+            simulations: number;
         };
         /**
          * CampaignDocument
@@ -1894,6 +2019,37 @@ export interface components {
              * @description Display name of the measure.
              */
             title: string;
+        };
+        /**
+         * DiscoveryCurve
+         * @description Simulations with failures of one oracle or one kind.
+         */
+        DiscoveryCurve: {
+            /**
+             * Avoidable
+             * @description For each point of `at`, simulations so far with one that is the fault of an ego and avoidable.
+             */
+            avoidable: number[];
+            /**
+             * First
+             * @description Simulations up to the first of them, itself included.
+             */
+            first: number;
+            /**
+             * First Evaluation
+             * @description Number of its evaluation.
+             */
+            first_evaluation: number;
+            /**
+             * Name
+             * @description Name of the oracle, or the kind.
+             */
+            name: string;
+            /**
+             * Others
+             * @description For each point of `at`, simulations so far with others only.
+             */
+            others: number[];
         };
         /**
          * EgoDocument
@@ -2648,6 +2804,41 @@ export interface components {
          * @enum {string}
          */
         Marking: "none" | "broken" | "solid" | "centre" | "edge";
+        /**
+         * MethodBands
+         * @description The failures of a method's repetitions on a scenario with an agent.
+         */
+        MethodBands: {
+            /** Agent */
+            agent: string;
+            /**
+             * At
+             * @description Numbers of simulations, ascending, from 0 to those of the shortest repetition.
+             */
+            at: number[];
+            /** @description Simulations with a failure that is the fault of an ego and avoidable. */
+            avoidable: components["schemas"]["Band"];
+            /**
+             * Campaigns
+             * @description Ids of the finished campaigns.
+             */
+            campaigns: string[];
+            /** @description Different kinds of failures. */
+            different: components["schemas"]["Band"];
+            /** @description Different kinds of failures that are the fault of an ego and avoidable. */
+            different_avoidable: components["schemas"]["Band"];
+            /** @description Simulations with any failure. */
+            failing: components["schemas"]["Band"];
+            /**
+             * First Avoidable
+             * @description Simulations of each repetition up to the first failure that is the fault of an ego and avoidable; null: none found.
+             */
+            first_avoidable: (number | null)[];
+            /** Method */
+            method: string;
+            /** Scenario */
+            scenario: string;
+        };
         /**
          * Movement
          * @description A permitted movement from the end of a lane.
@@ -3933,6 +4124,24 @@ export interface components {
             parameters?: {
                 [key: string]: components["schemas"]["JsonValue"];
             };
+        };
+        /**
+         * StudyBands
+         * @description The bands of a study.
+         */
+        StudyBands: {
+            /**
+             * Bands
+             * @description By scenario, agent and method in the order of the study; those without a finished campaign are left out.
+             */
+            bands: components["schemas"]["MethodBands"][];
+            /** Study Id */
+            study_id: string;
+            /**
+             * Unfinished
+             * @description Campaigns of the chosen places and methods that have not finished; they are left out.
+             */
+            unfinished: number;
         };
         /**
          * StudyCell
@@ -5443,6 +5652,78 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Campaign"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_discoveries_api_v1_campaigns__campaign_id__discoveries_get: {
+        parameters: {
+            query?: {
+                /** @description Points of a curve; evenly spaced if it has more. */
+                points?: number;
+                /** @description Most frequent kinds with curves. */
+                kinds?: number;
+            };
+            header?: never;
+            path: {
+                campaign_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CampaignDiscoveries"];
                 };
             };
             /** @description Unauthorized */
@@ -7605,6 +7886,82 @@ export interface operations {
             };
         };
     };
+    get_bands_api_v1_studies__study_id__bands_get: {
+        parameters: {
+            query?: {
+                /** @description Only of this name in the study; may be repeated. */
+                method?: string[] | null;
+                /** @description Only of this name in the study; may be repeated. */
+                scenario?: string[] | null;
+                /** @description Only of this name in the study; may be repeated. */
+                agent?: string[] | null;
+                /** @description Points of a curve; evenly spaced if it has more. */
+                points?: number;
+            };
+            header?: never;
+            path: {
+                study_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyBands"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     get_comparison_api_v1_studies__study_id__comparison_get: {
         parameters: {
             query?: {
@@ -8133,7 +8490,7 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 1.0
+                     *     drivora_slot_busy{slot="slot-0"} 0.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
