@@ -10,6 +10,9 @@ export interface Column<Row> {
   readonly numeric?: boolean;
   readonly cell: (row: Row) => ReactNode;
   readonly hint?: string;
+  /** How the list is sorted by this column; with `onSort` its header changes that. */
+  readonly sorted?: "ascending" | "descending" | undefined;
+  readonly onSort?: () => void;
 }
 
 export interface DataTableProps<Row> {
@@ -25,6 +28,12 @@ export interface DataTableProps<Row> {
   /** Called when the end of the loaded rows comes into sight. */
   readonly onEnd?: () => void;
   readonly height?: string;
+  /** Called with the row under the pointer or the keyboard, and `undefined` when it is left. */
+  readonly onPoint?: (row: Row | undefined, element: HTMLElement | undefined) => void;
+  /** Called when the pointer comes over the rows, and when it leaves: rows stay in between. */
+  readonly onHold?: (held: boolean) => void;
+  /** Ids of rows that the list would not have any more; they are shown dimmed. */
+  readonly left?: ReadonlySet<string>;
 }
 
 const ROW_PX = 28;
@@ -49,6 +58,12 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
     const next = Math.min(Math.max(current + by, 0), rows.length - 1);
     setCurrent(next);
     virtual.scrollToIndex(next);
+    const row = rows[next];
+    if (row !== undefined && props.onPoint)
+      requestAnimationFrame(() => {
+        const found = frame.current?.querySelector<HTMLElement>(`tr[aria-rowindex="${next + 1}"]`);
+        props.onPoint?.(row, found ?? undefined);
+      });
   };
   const toggle = (row: Row | undefined) => {
     if (!row || !onSelect) return;
@@ -74,21 +89,59 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
         ]
       : []),
   ]);
-  const template = columns.map((column) => column.width).join(" ");
+  const template = [...(onSelect ? ["28px"] : []), ...columns.map(({ width }) => width)].join(" ");
+  /** Everything between the last selected row and this one. */
+  const lastTicked = useRef(-1);
+  const tick = (index: number, withRange: boolean) => {
+    const row = rows[index];
+    if (row === undefined || !onSelect) return;
+    const from = lastTicked.current;
+    lastTicked.current = index;
+    if (!withRange || from < 0) return toggle(row);
+    const range = rows.slice(Math.min(from, index), Math.max(from, index) + 1);
+    onSelect(new Set([...(selected ?? []), ...range.map(idOf)]));
+  };
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: a part that scrolls is reached by keyboard
-    <div ref={frame} className="table" tabIndex={0} style={{ maxHeight: props.height ?? "72vh" }}>
-      <table aria-label={props.label} aria-rowcount={rows.length}>
+    <div
+      ref={frame}
+      className="table"
+      // biome-ignore lint/a11y/noNoninteractiveTabindex: a part that scrolls is reached by keyboard
+      tabIndex={0}
+      style={{ maxHeight: props.height ?? "72vh" }}
+      onPointerEnter={() => props.onHold?.(true)}
+      onPointerLeave={() => {
+        props.onHold?.(false);
+        props.onPoint?.(undefined, undefined);
+      }}
+    >
+      <table
+        aria-label={props.label}
+        aria-rowcount={rows.length}
+        style={{ minWidth: leastWidth(template) }}
+      >
         <thead>
           <tr style={{ gridTemplateColumns: template }}>
+            {onSelect && (
+              <th scope="col" className="tick">
+                <span className="hidden-visually">Selected</span>
+              </th>
+            )}
             {columns.map((column) => (
               <th
                 key={column.id}
                 scope="col"
                 className={column.numeric ? "number" : undefined}
                 title={column.hint}
+                aria-sort={column.sorted}
               >
-                {column.title}
+                {column.onSort ? (
+                  <button type="button" className="plain" onClick={column.onSort}>
+                    {column.title}
+                    {column.sorted && (column.sorted === "ascending" ? " ↑" : " ↓")}
+                  </button>
+                ) : (
+                  column.title
+                )}
               </th>
             ))}
           </tr>
@@ -103,16 +156,31 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
                 key={id}
                 data-id={id}
                 data-current={index === current}
+                data-opens={onOpen !== undefined}
+                data-left={props.left?.has(id)}
+                onPointerEnter={(event) => props.onPoint?.(row, event.currentTarget)}
                 aria-rowindex={index + 1}
                 aria-selected={onSelect ? (selected?.has(id) ?? false) : undefined}
                 style={{ gridTemplateColumns: template, transform: `translateY(${start}px)` }}
                 onClick={(event) => {
                   setCurrent(index);
-                  if (event.target instanceof Element && event.target.closest("a, button")) return;
+                  if (event.target instanceof Element && event.target.closest("a, button, input"))
+                    return;
                   if (onSelect && (event.metaKey || event.ctrlKey)) toggle(row);
                   else open(row);
                 }}
               >
+                {onSelect && (
+                  <td className="tick">
+                    <input
+                      type="checkbox"
+                      aria-label={`Select ${id}`}
+                      checked={selected?.has(id) ?? false}
+                      onClick={(event) => tick(index, event.shiftKey)}
+                      onChange={() => undefined}
+                    />
+                  </td>
+                )}
                 {columns.map((column) => (
                   <td key={column.id} className={column.numeric ? "number" : undefined}>
                     {column.cell(row)}
@@ -124,5 +192,13 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
         </tbody>
       </table>
     </div>
+  );
+}
+
+/** Returns the width below which the table scrolls: every row has the same columns then. */
+export function leastWidth(template: string): number {
+  return [...template.matchAll(/(minmax\(\s*)?(\d+)px/g)].reduce(
+    (sum, found) => sum + Number(found[2]),
+    0,
   );
 }

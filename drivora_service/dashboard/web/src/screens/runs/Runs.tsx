@@ -1,84 +1,116 @@
-import { useSearch } from "@tanstack/react-router";
-import { valuesOf } from "../../address";
-import { api, body, type Schemas } from "../../api/client";
-import { type Column, DataTable } from "../../components/DataTable";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useNavigate, useSearch } from "@tanstack/react-router";
+import { useMemo, useState } from "react";
+import { firstOf } from "../../address";
+import { api, body } from "../../api/client";
+import { DataTable } from "../../components/DataTable";
 import { Filters } from "../../components/Filters";
-import { Mark } from "../../components/Mark";
-import { count, fixed, moment } from "../../components/numbers";
+import { askedBy } from "../../components/filterValues";
 import { Empty, Loading, Refused } from "../../components/States";
-import { useList } from "../../lists/useList";
+import { ColumnMenu } from "../../lists/ColumnMenu";
+import { useColumns } from "../../lists/columns";
+import { News } from "../../lists/News";
+import { useLiveList } from "../../lists/useLiveList";
+import { ViewMenu } from "../../lists/ViewMenu";
 import { useTitle } from "../../shell/useTitle";
-import { lookOfRun, STATUSES } from "./status";
+import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
+import { GIVEN_VIEWS, runFilters } from "./filters";
+import { RunsAnswer } from "./RunsAnswer";
+import { useRunNames } from "./useRunNames";
 
-type Run = Schemas["RunSummary"];
-
-const COLUMNS: readonly Column<Run>[] = [
-  { id: "id", title: "Run", width: "200px", cell: (run) => <code>{run.id}</code> },
-  { id: "status", title: "Status", width: "170px", cell: (run) => <Mark {...lookOfRun(run)} /> },
-  { id: "label", title: "Label", width: "minmax(160px, 1fr)", cell: (run) => run.label },
-  { id: "agent", title: "ADS", width: "130px", cell: (run) => run.agent },
-  { id: "town", title: "Town", width: "110px", cell: (run) => run.town },
-  {
-    id: "violations",
-    title: "Violations",
-    width: "90px",
-    numeric: true,
-    cell: (run) => count(run.violations),
-  },
-  {
-    id: "at_fault",
-    title: "At fault",
-    width: "80px",
-    numeric: true,
-    cell: (run) => count(run.at_fault_violations),
-  },
-  {
-    id: "sim_time_s",
-    title: "Simulated (s)",
-    width: "100px",
-    numeric: true,
-    cell: (run) => fixed(run.sim_time_s, 1),
-  },
-  { id: "created_at", title: "Queued at", width: "160px", cell: (run) => moment(run.created_at) },
-];
-
-const FILTERS = [
-  { name: "status", title: "Status", values: STATUSES },
-  { name: "violated", title: "Oracle" },
-  { name: "agent", title: "ADS" },
-  { name: "town", title: "Town" },
-  { name: "batch", title: "Batch" },
-] as const;
+const PAGE = 200;
+const idOf = (run: Run) => run.id;
 
 export function Runs() {
   useTitle("Runs");
+  const navigate = useNavigate();
   const search = useSearch({ from: "/runs" });
-  const filters = Object.fromEntries(
-    FILTERS.map(({ name }) => [name, valuesOf(search, name)]).filter(([, found]) => found?.length),
+  const [held, setHeld] = useState(false);
+  const names = useRunNames();
+  const sha = firstOf(search, "scenario_sha256");
+  const filters = {
+    ...askedBy(search, runFilters(undefined, names)),
+    ...(sha && { scenario_sha256: sha }),
+  };
+  const oldestFirst = firstOf(search, "order") === "created_at";
+  const order = oldestFirst ? "created_at" : "-created_at";
+  const counts = useQuery({
+    queryKey: ["run", "list", "counts", filters],
+    queryFn: async () => body(await api.GET("/api/v1/runs:counts", { params: { query: filters } })),
+    placeholderData: keepPreviousData,
+  });
+  const { query, rows, left, news, insertNews, more } = useLiveList<Run>({
+    key: ["run", filters, order],
+    kind: "run",
+    ask: async (page_token) =>
+      body(
+        await api.GET("/api/v1/runs", {
+          params: {
+            query: { limit: PAGE, order, ...filters, ...(page_token ? { page_token } : {}) },
+          },
+        }),
+      ),
+    idOf,
+    held,
+    newestFirst: !oldestFirst,
+  });
+  const all = useMemo(
+    () =>
+      runColumns(
+        oldestFirst,
+        () =>
+          void navigate({
+            to: "/runs",
+            search: (now) => ({ ...now, order: oldestFirst ? undefined : "created_at" }),
+          }),
+      ),
+    [oldestFirst, navigate],
   );
-  const { query, rows, more } = useList<Run>(["run", "list", filters], async (page_token) =>
-    body(
-      await api.GET("/api/v1/runs", {
-        params: { query: { limit: 100, ...filters, ...(page_token ? { page_token } : {}) } },
-      }),
-    ),
-  );
+  const columns = useColumns("runs", all, USUAL_COLUMNS);
+  const anyFilter = Object.keys(filters).length > 0;
   return (
     <>
       <div className="head">
         <h1>Runs</h1>
+        {counts.data && <RunsAnswer counts={counts.data} search={search} />}
       </div>
-      <Filters filters={FILTERS} search={search} />
+      <Filters filters={runFilters(counts.data, names)} search={search}>
+        <div className="end">
+          <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />
+          <ColumnMenu all={all} ids={columns.ids} toggle={columns.toggle} reset={columns.reset} />
+        </div>
+      </Filters>
       {query.isPending ? (
         <Loading />
       ) : query.isError ? (
         <Refused error={query.error} onRepeat={() => void query.refetch()} />
       ) : rows.length === 0 ? (
-        <Empty title="No run matches" command="drivora run scenario.json --server URL">
-          <p>Queue a scenario, or remove a filter.</p>
-        </Empty>
+        anyFilter ? (
+          <Empty title="No run matches">
+            <p>Remove a filter, or choose another view.</p>
+          </Empty>
+        ) : (
+          <Empty
+            title="No run yet"
+            command={`drivora run scenario.json --server ${window.location.origin}`}
+          >
+            <p>Each scenario that is queued is a run: it is simulated, judged and measured.</p>
+          </Empty>
+        )
       ) : (
-        <DataTable label="Runs" columns={COLUMNS} rows={rows} idOf={(run) => run.id} onEnd={more} />
+        <div className="with-news">
+          <News news={news} onInsert={insertNews} />
+          <DataTable
+            label="Runs"
+            columns={columns.shown}
+            rows={rows}
+            idOf={idOf}
+            left={left}
+            onHold={setHeld}
+            onEnd={more}
+            height="calc(100vh - 190px)"
+          />
+        </div>
       )}
     </>
   );

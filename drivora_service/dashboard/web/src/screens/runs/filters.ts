@@ -1,0 +1,100 @@
+import type { Search } from "../../address";
+import type { Schemas } from "../../api/client";
+import type { Filter } from "../../components/filterValues";
+import { NOT_JUDGED, STATUS_WORDS } from "./status";
+
+type Counts = Schemas["RunCounts"];
+
+/** Degrees of accountability as the reports name them, the strongest first. */
+export const ACCOUNTABILITY_WORDS: Readonly<Record<Schemas["Accountability"], string>> = {
+  avoidable: "at fault, avoidable",
+  not_measurable: "at fault, avoidability not measurable",
+  unavoidable: "at fault, not avoidable",
+  undetermined: "fault undetermined",
+  not_judged: "fault not judged",
+  not_at_fault: "not at fault",
+};
+
+/** Returns the filters of the list of runs; counts are those that each other value would give. */
+export function runFilters(counts: Counts | undefined, names: Names): readonly Filter[] {
+  return [
+    {
+      name: "status",
+      title: "Status",
+      values: Object.keys(STATUS_WORDS),
+      words: STATUS_WORDS,
+      counts: counts?.status,
+    },
+    {
+      name: "violated",
+      title: "Violations",
+      values: ["true", "false"],
+      words: { true: "with a violation", false: "passed" },
+      single: true,
+      counts: counts && { true: counts.violated, false: counts.not_violated },
+    },
+    {
+      name: "oracle",
+      title: "Oracle",
+      single: true,
+      counts: counts?.oracle ?? {},
+      hint: "Runs in which this oracle found a violation",
+    },
+    {
+      name: "at_fault",
+      title: "At fault",
+      values: ["true", "false"],
+      words: { true: "an ego at fault", false: "no ego at fault" },
+      single: true,
+      counts: counts && { true: counts.at_fault, false: counts.not_at_fault },
+    },
+    {
+      name: "accountability",
+      title: "Avoidability",
+      values: Object.keys(ACCOUNTABILITY_WORDS),
+      words: ACCOUNTABILITY_WORDS,
+      single: true,
+      counts: counts?.accountability,
+      hint: "The strongest accountability of a run's violations",
+    },
+    { name: "agent", title: "ADS", single: true, counts: counts?.agent ?? {} },
+    { name: "town", title: "Town", single: true, counts: counts?.town ?? {} },
+    {
+      name: "campaign",
+      title: "Campaign",
+      single: true,
+      values: Object.keys(names.campaigns),
+      words: names.campaigns,
+    },
+    {
+      name: "batch",
+      title: "Batch",
+      single: true,
+      values: Object.keys(names.batches),
+      words: names.batches,
+    },
+    {
+      name: "since",
+      title: "Since",
+      single: true,
+      time: true,
+      hint: "Queued at this time or later",
+    },
+    { name: "until", title: "Until", single: true, time: true, hint: "Queued before this time" },
+  ];
+}
+
+/** Names by id, for filters by what runs belong to. */
+export interface Names {
+  readonly campaigns: Readonly<Record<string, string>>;
+  readonly batches: Readonly<Record<string, string>>;
+}
+
+/** Views that help to begin with. */
+export const GIVEN_VIEWS: readonly { readonly name: string; readonly search: Search }[] = [
+  { name: "All runs", search: {} },
+  { name: "Avoidable, an ego at fault", search: { accountability: "avoidable" } },
+  { name: "Violations without fault of an ego", search: { at_fault: "false" } },
+  { name: "Not judged", search: { status: NOT_JUDGED } },
+  { name: "Waiting or running", search: { status: ["queued", "running"] } },
+];
