@@ -166,6 +166,7 @@ class CampaignSummary(Shape):
         batch_id: Batch of its runs; empty if no service runs it.
         study_id: Id of its study; empty if it is of none.
         cell: Its place in the study; null if it is of none.
+        revision: Count of all changes at its newest one, those of its evaluations included.
     """
 
     id: str
@@ -186,6 +187,7 @@ class CampaignSummary(Shape):
     batch_id: str = ""
     study_id: str = ""
     cell: StudyCell | None = None
+    revision: int = 0
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property

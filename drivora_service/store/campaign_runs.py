@@ -18,7 +18,6 @@ from drivora_service.store.chunks import batched
 from drivora_service.store.documents import store_documents
 from drivora_service.store.endings import reset_run
 from drivora_service.store.records import BatchState, NewRun, Priority
-from drivora_service.store.revisions import latest_revision
 from drivora_service.store.submitting import submit_runs
 from drivora_service.store.tables import BatchRow, DocumentRow, ReportRow, RunRow
 
@@ -108,6 +107,5 @@ class CampaignRunRepository:
     def _queue_again(self, row: RunRow) -> None:
         reset_run(self._session, row)
         row.status = RunStatus.QUEUED
-        row.revision = latest_revision(self._session) + 1
         batch = self._session.get_one(BatchRow, row.batch_seq)
         batch.queued += 1

@@ -22,6 +22,7 @@ class CampaignRow(Base):
     __table_args__ = (
         Index("ix_campaigns_state", "state", "seq"),
         Index("ix_campaigns_study", "study_id", "state", "seq"),
+        Index("ix_campaigns_batch", "batch_id", sqlite_where=text("batch_id != ''")),
     )
 
     seq: Mapped[int] = mapped_column(Integer, primary_key=True)
@@ -58,6 +59,7 @@ class CampaignRow(Base):
     study_agent: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
     study_method: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
     repetition: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    revision: Mapped[int] = mapped_column(default=0, server_default=text("0"), index=True)
 
 
 class StudyRow(Base):
@@ -71,6 +73,7 @@ class StudyRow(Base):
     document: Mapped[str] = mapped_column(Text)
     request: Mapped[str] = mapped_column(String(16), default="")
     created_at: Mapped[datetime]
+    revision: Mapped[int] = mapped_column(default=0, server_default=text("0"), index=True)
 
 
 class EvaluationRow(Base):

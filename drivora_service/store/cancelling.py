@@ -12,21 +12,19 @@ from sqlalchemy.orm import Session
 from drivora_service.runs import lifecycle
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.endings import run_state, set_run_state, write_report
-from drivora_service.store.revisions import latest_revision
 from drivora_service.store.tables import BatchRow, RunRow
 
 
 def cancel_runs(session: Session, rows: Iterable[RunRow]) -> None:
     """Ends the queued runs of ``rows`` and requests the end of the running ones."""
     now = datetime.now(UTC)
-    first = latest_revision(session) + 1
     left: Counter[int] = Counter()
-    for revision, row in enumerate(rows, start=first):
+    for row in rows:
         was_queued = row.status == RunStatus.QUEUED
         transition = lifecycle.cancel(run_state(row), row.id)
         if transition.state == run_state(row):
             continue
-        set_run_state(row, transition.state, revision=revision)
+        set_run_state(row, transition.state)
         if transition.report is not None:
             write_report(session, row, transition.report, ended=now)
         if was_queued:

@@ -22,6 +22,7 @@ from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
+from drivora_service.store.change_lists import ChangeRepository
 from drivora_service.store.changes import ChangeCounter
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
@@ -31,6 +32,7 @@ from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
+from drivora_service.store.revisions import lock_count, revise
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.workers import WorkerRepository
 
@@ -84,6 +86,11 @@ class Transaction:
         return CampaignViewRepository(self.session)
 
     @property
+    def changes(self) -> ChangeRepository:
+        """The changes of runs, batches, campaigns and studies."""
+        return ChangeRepository(self.session)
+
+    @property
     def queue(self) -> QueueRepository:
         """The queue of runs."""
         return QueueRepository(self.session)
@@ -131,6 +138,7 @@ class Database:
             engine.execution_options(drivora_writes=True), expire_on_commit=False
         )
         event.listen(self._writers, "before_flush", count_changes)
+        event.listen(self._writers, "before_flush", revise)
 
     @contextmanager
     def read(self) -> Iterator[Transaction]:
@@ -156,6 +164,8 @@ class Database:
             self._writers() as session,
             session.begin(),
         ):
+            if self._writing is None:
+                lock_count(session)
             yield Transaction(session)
 
     def probe(self) -> None:

@@ -30,14 +30,13 @@ def run_state(row: RunRow) -> RunState:
     )
 
 
-def set_run_state(row: RunRow, state: RunState, *, revision: int) -> None:
+def set_run_state(row: RunRow, state: RunState) -> None:
     """Writes a row's state in the life cycle."""
     row.status = state.status
     row.infrastructure_failures = state.infrastructure_failures
     row.crashes = state.crashes
     row.interruptions = state.interruptions
     row.cancel_requested = state.cancel_requested
-    row.revision = revision
 
 
 def reset_run(session: Session, row: RunRow) -> None:

@@ -106,16 +106,6 @@ class JobRepository:
         query = run_query().where(RunRow.seq.in_(numbers[:limit])).order_by(order)
         return Page(items=summaries(self._session.execute(query)), next_page_token=more)
 
-    def changed_since(self, revision: int, *, limit: int = 500) -> tuple[RunSummary, ...]:
-        """Returns the jobs that changed after a revision, oldest change first, as they are now."""
-        query = run_query().where(RunRow.revision > revision).order_by(RunRow.revision).limit(limit)
-        return summaries(self._session.execute(query))
-
-    def latest_revision(self) -> int:
-        """Returns the revision of the newest change, 0 if there was none."""
-        query = select(RunRow.revision).order_by(RunRow.revision.desc()).limit(1)
-        return self._session.scalar(query) or 0
-
     def document(self, job_id: str) -> str:
         """Returns the scenario of a job as JSON text.
 

@@ -14,13 +14,15 @@ from sqlalchemy import (
     PrimaryKeyConstraint,
     String,
     Table,
+    insert,
     inspect,
     text,
 )
 
 from drivora_service.errors import StoreError
 from drivora_service.store import campaign_tables, facet_tables  # noqa: F401 # their tables
-from drivora_service.store.tables import Base
+from drivora_service.store.revisions import new_epoch
+from drivora_service.store.tables import Base, EpochRow
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -86,6 +88,7 @@ def _made(engine: Engine) -> bool:
         if connection.dialect.name == "postgresql":
             _give_postgresql_the_conditions()
         Base.metadata.create_all(connection)
+        connection.execute(insert(EpochRow).values(id=new_epoch(), last=0))
         _VERSION.create(connection)
         connection.execute(_VERSION.insert().values(version_num=newest_revision()))
     return True

@@ -26,7 +26,7 @@ from drivora_service.store.database import Database
 from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.facets import subtract_runs
 from drivora_service.store.free_space import return_free_space
-from drivora_service.store.revisions import latest_revision
+from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 from drivora_service.store.traces import TraceFolder
 
@@ -236,10 +236,13 @@ def _drop_runs(session: Session, seqs: Sequence[int], ended_before: datetime) ->
     chosen = [row.seq for row in found]
     session.execute(delete(RunRow).where(RunRow.seq.in_(chosen)))
     subtract_runs(session, Counter((row.batch_seq, row.facet) for row in found))
-    for batch_seq, number in Counter(row.batch_seq for row in found).items():
+    numbers = Counter(row.batch_seq for row in found)
+    for batch_seq, number in numbers.items():
         session.execute(
             update(BatchRow).where(BatchRow.seq == batch_seq).values(size=BatchRow.size - number)
         )
+    if numbers:
+        revise_batches(session, numbers, next_revisions(session, len(numbers)))
     session.execute(
         delete(DocumentRow).where(
             DocumentRow.sha256.in_({row.document_sha256 for row in found}),
@@ -251,10 +254,9 @@ def _drop_runs(session: Session, seqs: Sequence[int], ended_before: datetime) ->
 
 
 def _drop_traces(session: Session, seqs: Sequence[int], ended_before: datetime) -> list[str]:
-    first = latest_revision(session) + 1
     rows = session.scalars(select(RunRow).where(*_still(seqs, ended_before))).all()
-    for revision, row in enumerate(rows, start=first):
-        row.trace_sha256, row.revision = "", revision
+    for row in rows:
+        row.trace_sha256 = ""
     return [row.id for row in rows]
 
 

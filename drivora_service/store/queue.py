@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import heapq
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -33,7 +32,7 @@ from drivora_service.store.queued_runs import (
     queued_run,
 )
 from drivora_service.store.records import BatchState
-from drivora_service.store.run_batches import BATCHES, Row, RunBatch, change_queued
+from drivora_service.store.run_batches import BATCHES, Row, RunBatch
 from drivora_service.store.tables import BatchRow, RunRow
 
 
@@ -73,13 +72,11 @@ class QueueRepository:
         self._session.flush()
         now = datetime.now(UTC)
         changes = RunBatch(self._session)
-        served: Counter[int] = Counter()
         connection = self._session.connection()
         for query, values in self._queries(limit, reserved_to, now):
             for row in connection.execute(query, values):
                 run, feedback = queued_run(row), row.feedback
                 changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
-                served[run.batch_seq] += 1
                 specs.append(
                     RunSpec(
                         run_id=run.id,
@@ -94,7 +91,6 @@ class QueueRepository:
                     )
                 )
         changes.write()
-        change_queued(connection, served, served=True)
         return tuple(specs)
 
     def finish(

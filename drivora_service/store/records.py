@@ -108,7 +108,7 @@ class RunSummary(Shape):
         sim_time_s: Simulated seconds.
         wall_time_s: Seconds that the run took in its worker.
         trace_sha256: Hash of the trace; empty where nothing was recorded.
-        revision: Grows with every change of any run.
+        revision: Count of all changes at its newest one; see `GET /events`.
     """
 
     id: str
@@ -197,6 +197,7 @@ class Batch(Shape):
         size: Number of its runs.
         counts: Numbers of runs by status; statuses without runs are left out.
         violated_runs: Finished runs with at least one violated oracle.
+        revision: Count of all changes at its newest one, those of its runs included.
     """
 
     id: str
@@ -207,6 +208,7 @@ class Batch(Shape):
     size: int
     counts: Mapping[RunStatus, int] = field(default_factory=dict)
     violated_runs: int = 0
+    revision: int = 0
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property

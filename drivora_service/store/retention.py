@@ -15,6 +15,7 @@ from drivora_service.store.chunks import batched
 from drivora_service.store.database import Database
 from drivora_service.store.free_space import return_free_space
 from drivora_service.store.pruning import Chosen, Pruned, prune_chosen, remove_strays
+from drivora_service.store.revisions import campaign_has_changed
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 
 _STRAY_AGE = timedelta(days=1)
@@ -152,4 +153,5 @@ def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
                 .where(FailureRow.campaign_seq == campaign_seq, FailureRow.number.in_(numbers))
                 .values(trace="")
             )
+            campaign_has_changed(transaction.session, campaign_seq)
     return {row.trace for row in failures if row.number in kept}

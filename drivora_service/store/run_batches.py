@@ -6,7 +6,6 @@ the ORM's flush changes otherwise, are changed here.
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from datetime import datetime, timedelta
 from functools import cache
@@ -21,7 +20,7 @@ from drivora_service.runs.report import RunFailure, RunReport
 from drivora_service.store.endings import end_values, report_values, verdict_values
 from drivora_service.store.facets import Facet, FacetChanges, add_counts, facet_key
 from drivora_service.store.queued_runs import ATTEMPTS, RUNS, QueuedRun, facet_after
-from drivora_service.store.revisions import latest_revision
+from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, ReportRow, VerdictRow
 
 BATCHES = cast("Table", BatchRow.__table__)
@@ -38,7 +37,6 @@ class RunBatch:
     def __init__(self, session: Session) -> None:
         """Begins without changes; ``session`` writes."""
         self._session = session
-        self._revisions = itertools.count(latest_revision(session) + 1)
         self._started: list[Row] = []
         self._opened: list[Row] = []
         self._closed: list[Row] = []
@@ -47,19 +45,22 @@ class RunBatch:
         self._reports: list[Row] = []
         self._verdicts: list[Row] = []
         self._counts: FacetChanges = Counter()
-        self._queued_again: Counter[int] = Counter()
+        self._queued: Counter[int] = Counter()
+        self._served: Counter[int] = Counter()
+        self._batches: set[int] = set()
 
     def start(self, run: QueuedRun, state: RunState, *, owner_id: str, now: datetime) -> None:
         """Opens an attempt at a queued run, whose new state is ``state``."""
         self._started.append(
             {
                 "run": run.seq,
-                "revision": next(self._revisions),
                 "status": state.status,
                 "now": now,
                 "facet": self._count(run, facet_after(run, state.status)),
             }
         )
+        self._queued[run.batch_seq] -= 1
+        self._served[run.batch_seq] += 1
         self._opened.append(
             {
                 "run_seq": run.seq,
@@ -122,7 +123,6 @@ class RunBatch:
         state = transition.state
         values: Row = {
             "run": run.seq,
-            "revision": next(self._revisions),
             "status": state.status,
             "infrastructure_failures": state.infrastructure_failures,
             "crashes": state.crashes,
@@ -137,7 +137,7 @@ class RunBatch:
         values["not_before"] = when + wait if wait else run.not_before
         values["facet"] = self._count(run, facet_after(run, state.status))
         self._again.append(values)
-        self._queued_again[run.batch_seq] += 1
+        self._queued[run.batch_seq] += 1
 
     def _end(self, run: QueuedRun, report: RunReport, values: Row, ended: datetime) -> None:
         values |= end_values(report, keeps_trace=run.keeps_trace, ended=ended)
@@ -149,6 +149,7 @@ class RunBatch:
 
     def _count(self, run: QueuedRun, after: Facet) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
+        self._batches.add(run.batch_seq)
         self._counts[run.batch_seq, run.facet] -= 1
         self._counts[run.batch_seq, after] += 1
         return facet_key(after)
@@ -158,6 +159,12 @@ class RunBatch:
         # The rows that the ORM holds are written first, so that none overwrites these changes.
         self._session.flush()
         connection = self._session.connection()
+        changed = [*self._started, *self._again, *self._ended]
+        if not changed:
+            return
+        first = next_revisions(self._session, len(changed) + len(self._batches))
+        for revision, row in enumerate(changed, first):
+            row["revision"] = revision
         for statement, rows in (
             (_start(), self._started),
             (insert(ATTEMPTS), self._opened),
@@ -170,20 +177,23 @@ class RunBatch:
             if rows:
                 connection.execute(statement, rows)
         add_counts(self._session, self._counts)
-        change_queued(connection, self._queued_again)
+        self._write_batches(connection, first + len(changed))
 
-
-def change_queued(connection: Connection, numbers: Counter[int], *, served: bool = False) -> None:
-    """Adds to the numbers of queued runs of batches.
-
-    Args:
-        connection: Connection of the transaction.
-        numbers: Changes by the ``seq`` of the batch.
-        served: Whether the runs are subtracted because they were handed out.
-    """
-    rows = [{"batch": seq, "more": number} for seq, number in sorted(numbers.items()) if number]
-    if rows:
-        connection.execute(_serve() if served else _queue(), rows)
+    def _write_batches(self, connection: Connection, first: int) -> None:
+        """Writes the batches of the runs; ``first`` is the revision of the first one."""
+        queued = {seq for seq, number in self._queued.items() if number}
+        rows = [
+            {
+                "batch": seq,
+                "to": revision,
+                "more": self._queued[seq],
+                "served_more": self._served[seq],
+            }
+            for revision, seq in enumerate(sorted(queued), first)
+        ]
+        if rows:
+            connection.execute(_queue(), rows)
+        revise_batches(self._session, self._batches - queued, first + len(rows))
 
 
 def _update_run(*names: str, **changes: Any) -> Update:
@@ -253,16 +263,12 @@ def _close() -> Update:
 
 @cache
 def _queue() -> Update:
-    queued = BATCHES.c.queued + bindparam("more")
-    return update(BATCHES).where(BATCHES.c.seq == bindparam("batch")).values(queued=queued)
-
-
-@cache
-def _serve() -> Update:
     return (
         update(BATCHES)
         .where(BATCHES.c.seq == bindparam("batch"))
         .values(
-            queued=BATCHES.c.queued - bindparam("more"), served=BATCHES.c.served + bindparam("more")
+            queued=BATCHES.c.queued + bindparam("more"),
+            served=BATCHES.c.served + bindparam("served_more"),
+            revision=bindparam("to"),
         )
     )

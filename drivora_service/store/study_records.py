@@ -47,6 +47,7 @@ class StudySummary(Shape):
         counts: Counts of the evaluations of all campaigns so far.
         is_on_service: Whether a service runs its campaigns.
         updated_at: When a campaign of it was last told an evaluation, or changed its state.
+        revision: Count of all changes at its newest one, those of its campaigns included.
     """
 
     id: str
@@ -59,6 +60,7 @@ class StudySummary(Shape):
     is_on_service: bool
     created_at: datetime
     updated_at: datetime
+    revision: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,7 +27,7 @@ from drivora_service.store.quarantine import (
     quarantined_report,
 )
 from drivora_service.store.records import BatchState, NewRun, Priority
-from drivora_service.store.revisions import latest_revision
+from drivora_service.store.revisions import next_revisions
 from drivora_service.store.tables import BatchRow, RunRow
 
 _RUNS_A_SECOND = 5
@@ -131,14 +131,14 @@ def _store_runs(
     if not runs:
         return
     now = datetime.now(UTC)
-    revision = latest_revision(session)
+    first = next_revisions(session, len(runs))
     facets = [_facet(run, over.get(run_id)) for run, run_id in zip(runs, ids, strict=True)]
     session.execute(
         insert(RunRow),
         [
             {
                 "id": run_id,
-                "revision": revision + 1 + index,
+                "revision": first + index,
                 "batch_seq": batch.seq,
                 "item": run.item if run.item >= 0 else index,
                 "label": run.label,

@@ -101,12 +101,14 @@ class BatchRow(Base):
     queued: Mapped[int] = mapped_column(default=0)
     served: Mapped[int] = mapped_column(default=0)
     owner_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
+    revision: Mapped[int] = mapped_column(default=0, server_default=text("0"), index=True)
 
 
 class RunRow(Base):
     """One job and its run.
 
-    ``revision`` grows with every change of any run, so that changes since a revision are a range.
+    ``revision`` is the count of changes at its newest one, see ``store.revisions``: what changed
+    since a revision is a range.
     ``facet`` is the number of its filter attributes, see ``store.facets``.
     """
 
@@ -295,6 +297,19 @@ class QuarantineRow(Base):
     message: Mapped[str] = mapped_column(Text)
     log: Mapped[str] = mapped_column(Text)
     created_at: Mapped[datetime]
+
+
+class EpochRow(Base):
+    """A part of the count of changes; that of the newest row is the present one.
+
+    ``last`` is the number of the newest change that was counted in it.
+    """
+
+    __tablename__ = "change_epochs"
+
+    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    id: Mapped[str] = mapped_column(String(16), unique=True)
+    last: Mapped[int]
 
 
 class IdempotencyRow(Base):

@@ -15,6 +15,7 @@ from drivora_service.runs.slot_state import SlotState
 from drivora_service.shapes import field_names
 from drivora_service.store.ids import new_id
 from drivora_service.store.records import OwnerRecord
+from drivora_service.store.revisions import begin_epoch
 from drivora_service.store.tables import OwnerRow, SlotRow
 
 
@@ -40,6 +41,7 @@ class WorkerRepository:
         )
         self._session.add(owner)
         self._session.flush()
+        begin_epoch(self._session)
         return owner.id
 
     def beat(self, owner_id: str, slots: Sequence[SlotState]) -> None:

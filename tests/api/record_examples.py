@@ -42,6 +42,7 @@ _TIMES = {
     "updated_at": "2026-03-02T09:30:21Z",
     "told_at": "2026-03-02T09:30:04Z",
 }
+_REVISION = 4711
 _DURATIONS = {
     "wall_time_s": 0.11,
     "step_cost_us": 58.0,
@@ -320,6 +321,8 @@ class _Recording:
             if key == "next_page_token":
                 return value and _PAGE_TOKEN
             return _TIMES.get(key, self._steady_text(value))
+        if key == "revision":
+            return _REVISION
         if isinstance(value, float) and value:
             return _DURATIONS.get(key, value)
         return value

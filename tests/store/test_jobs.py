@@ -129,25 +129,6 @@ def test_observations_are_no_violations_and_runs_are_found_by_accountability(
     assert batch.violated_runs == 2
 
 
-def test_changes_come_in_their_order_and_none_is_missed(database: Database) -> None:
-    first, second = submit(database, 2)
-    with database.read() as transaction:
-        begin = transaction.jobs.latest_revision()
-        assert [job.id for job in transaction.jobs.changed_since(0)] == [first, second]
-        assert transaction.jobs.changed_since(begin) == ()
-    owner = register(database)
-    claim(database, owner, 2)
-    finish(database, owner, finished(second))
-    with database.read() as transaction:
-        changed = transaction.jobs.changed_since(begin)
-        rest = transaction.jobs.changed_since(changed[0].revision, limit=1)
-    assert [(job.id, job.status) for job in changed] == [
-        (first, RunStatus.RUNNING),
-        (second, RunStatus.FINISHED),
-    ]
-    assert rest == changed[1:]
-
-
 def test_documents_are_kept_once_and_given_back(database: Database) -> None:
     with database.write() as transaction:
         ids = transaction.jobs.submit([new_run("same"), new_run("same"), new_run("other")])

@@ -1147,6 +1147,12 @@ export interface components {
             name: string;
             priority: components["schemas"]["Priority"];
             /**
+             * Revision
+             * @description Count of all changes at its newest one, those of its runs included.
+             * @default 0
+             */
+            revision: number;
+            /**
              * Size
              * @description Number of its runs.
              */
@@ -1343,6 +1349,12 @@ export interface components {
             readonly rate: number | null;
             /** @description Pending request to a running campaign. */
             request: components["schemas"]["CampaignRequest"];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one, those of its evaluations included.
+             * @default 0
+             */
+            revision: number;
             /**
              * Runs Url
              * @description Address of its runs; empty if no service runs it.
@@ -1793,6 +1805,12 @@ export interface components {
             readonly rate: number | null;
             /** @description Pending request to a running campaign. */
             request: components["schemas"]["CampaignRequest"];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one, those of its evaluations included.
+             * @default 0
+             */
+            revision: number;
             /**
              * Simulations
              * @description Simulations so far.
@@ -2591,7 +2609,7 @@ export interface components {
             observations: number | null;
             /**
              * Revision
-             * @description Grows with every change of any run.
+             * @description Count of all changes at its newest one; see `GET /events`.
              */
             revision: number;
             /**
@@ -3471,7 +3489,7 @@ export interface components {
             privileged: string[];
             /**
              * Revision
-             * @description Grows with every change of any run.
+             * @description Count of all changes at its newest one; see `GET /events`.
              */
             revision: number;
             /** Scenario Sha256 */
@@ -3707,7 +3725,7 @@ export interface components {
             observations: number | null;
             /**
              * Revision
-             * @description Grows with every change of any run.
+             * @description Count of all changes at its newest one; see `GET /events`.
              */
             revision: number;
             /** Scenario Sha256 */
@@ -4089,6 +4107,12 @@ export interface components {
             /** @description Pending request to a study whose campaigns run. */
             request: components["schemas"]["CampaignRequest"];
             /**
+             * Revision
+             * @description Count of all changes at its newest one, those of its campaigns included.
+             * @default 0
+             */
+            revision: number;
+            /**
              * Simulations
              * @description Simulations so far.
              */
@@ -4466,6 +4490,12 @@ export interface components {
             name: string;
             /** @description Pending request to a study whose campaigns run. */
             request: components["schemas"]["CampaignRequest"];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one, those of its campaigns included.
+             * @default 0
+             */
+            revision: number;
             /**
              * Simulations
              * @description Simulations so far.
