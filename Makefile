@@ -10,16 +10,23 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
+# The page is built by the Node that the build of the package requires; no other is used.
+WEB := drivora_service/dashboard/web
+PAGE_STAMP := $(VENV)/.built-page
+# With the folders: a file that was removed counts as a change, too.
+PAGE_SOURCES := $(shell find $(WEB) \( -name node_modules -o -name browser \) -prune -o -print)
+PAGE_TOOLS_STAMP := $(WEB)/node_modules/.installed
+NPM := $(BIN)/python -m tests.dashboard.npm
 
 # Tests start many processes. Each would compile the sources anew where this is set, as in images.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help install install-dev demo test test-slow test-faults benchmarks-short checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
+.PHONY: help install install-dev page page-tools page-types demo test test-slow test-faults test-browser benchmarks-short checks page-checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
 
-install: $(RUN_STAMP) ## Prepare .venv for running
+install: $(RUN_STAMP) $(PAGE_STAMP) ## Prepare .venv for running
 
 install-dev: $(DEV_STAMP) ## Prepare .venv with the development tools, too
 
@@ -37,12 +44,30 @@ $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
 	$(PIP) install --quiet --require-hashes -r requirements/dev.txt
 	@touch $@
 
-demo: $(RUN_STAMP) ## Judge scenarios on a shipped town, then search for failures
+# The installation builds the page; later this does, if its sources have changed.
+$(PAGE_STAMP): $(PAGE_SOURCES) | $(RUN_STAMP)
+	@$(BIN)/python -m drivora_service.dashboard.build
+	@touch $@
+
+page: $(RUN_STAMP) ## Build the web page again
+	@$(BIN)/python -m drivora_service.dashboard.build --again
+	@touch $(PAGE_STAMP)
+
+page-tools: $(PAGE_TOOLS_STAMP) ## Install the development tools of the page
+
+$(PAGE_TOOLS_STAMP): $(WEB)/package-lock.json | $(RUN_STAMP)
+	@$(NPM) ci --ignore-scripts
+	@touch $@
+
+page-types: $(DEV_STAMP) $(PAGE_TOOLS_STAMP) ## Rewrite the page's types of the API
+	$(BIN)/python -m tests.dashboard.write_types
+
+demo: $(RUN_STAMP) $(PAGE_STAMP) ## Judge scenarios on a shipped town, then search for failures
 	$(BIN)/drivora demo
 
 # The tests wait now and then: the checks fill that time, and are printed once they are done.
 test: $(DEV_STAMP) ## Lint, types, import contracts, generated files, tests
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going checks fast-tests
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going checks page-checks fast-tests
 
 checks: $(DEV_STAMP)
 	@failed=""; \
@@ -54,14 +79,24 @@ checks: $(DEV_STAMP)
 	cat "$$printed"; rm "$$printed"; \
 	[ -z "$$failed" ] || { echo "failed: $${failed#, }"; exit 1; }
 
-fast-tests: $(DEV_STAMP) kernels
+page-checks: $(DEV_STAMP) $(PAGE_TOOLS_STAMP)
+	@failed=""; \
+	printed=$$(mktemp); \
+	for check in lint types test; do \
+	  echo "page: $$check" >> "$$printed"; \
+	  $(NPM) run $$check >> "$$printed" 2>&1 || failed="$$failed, $$check"; \
+	done; \
+	cat "$$printed"; rm "$$printed"; \
+	[ -z "$$failed" ] || { echo "failed for the page: $${failed#, }"; exit 1; }
+
+fast-tests: $(DEV_STAMP) $(PAGE_STAMP) kernels
 	@$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults"
 
 # Once, and not at the same time in each process of the tests.
 kernels: $(DEV_STAMP)
 	@$(BIN)/python -m drivora_service.worker.preloaded
 
-test-slow: $(DEV_STAMP) kernels ## The slow tests, which CI runs, too
+test-slow: $(DEV_STAMP) $(PAGE_STAMP) kernels ## The slow tests, which CI runs, too
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
 
 INPUTS ?= 1000000
@@ -72,6 +107,10 @@ fuzz: $(DEV_STAMP) ## Fuzz the parsers: INPUTS=1000000, PARSER=name for one
 test-faults: $(DEV_STAMP) ## Faults injected into a real service; TRIALS=20 at other random moments
 	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 2 --dist worksteal \
 	  -m faults tests/faults
+
+# A real service with runs, campaigns and studies, and a real browser, which comes as a package.
+test-browser: $(DEV_STAMP) $(PAGE_STAMP) $(PAGE_TOOLS_STAMP) kernels ## The page in a browser: pictures in build/screenshots
+	@$(NPM) run test-browser
 
 benchmarks-short: $(DEV_STAMP) kernels ## The benchmarks in their short form: build/benchmarks-short.json
 	$(BIN)/python -m benchmarks --short
@@ -123,5 +162,6 @@ audit: $(DEV_STAMP) ## Compare the pinned packages with known vulnerabilities (n
 	    --progress-spinner off --vulnerability-service osv -r requirements/$$set.txt || exit 1; \
 	done
 
-clean: ## Remove the virtual environment and the caches
+clean: ## Remove the virtual environment, the built page, and the caches
 	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache
+	rm -rf $(WEB)/node_modules drivora_service/dashboard/built

