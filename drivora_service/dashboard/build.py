@@ -89,10 +89,9 @@ def run_npm(folder: Path, *arguments: str) -> None:
         said = "\n".join(done.stdout.splitlines()[-40:])
         reason = f"`npm {' '.join(arguments)}` ended with {done.returncode}"
         if arguments[:1] == ("ci",):
-            registry = os.environ.get("npm_config_registry", "https://registry.npmjs.org")
             reason += (
-                f". The page's packages come from {registry} (or npm's cache), which has to be "
-                "reached once; npm_config_registry names another registry"
+                ". The page's packages come from the npm registry (or npm's cache), which has to "
+                "be reached once; NPM_CONFIG_REGISTRY names another registry"
             )
         raise RuntimeError(f"the page could not be built: {reason}. npm printed:\n{said}")
 

@@ -5,10 +5,8 @@ Passes its arguments to npm. Its programs find the Python that started it in ``D
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 from drivora_service.dashboard.build import npm_command
 from tests.dashboard.write_types import WEB
@@ -20,10 +18,9 @@ def main(arguments: list[str]) -> int:
     environment["DRIVORA_PYTHON"] = sys.executable
     code = subprocess.run(command, cwd=WEB, env=environment, check=False).returncode
     if code and arguments[:1] == ["ci"]:
-        registry = os.environ.get("npm_config_registry", "https://registry.npmjs.org")
         print(
-            f"The page's development tools could not be installed. They come from {registry} "
-            "(or npm's cache); npm_config_registry names another registry.",
+            "The page's development tools could not be installed. They come from the npm registry "
+            "(or npm's cache); NPM_CONFIG_REGISTRY names another registry.",
             file=sys.stderr,
         )
     return code

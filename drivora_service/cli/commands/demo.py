@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -49,19 +50,20 @@ def demo(
         running_service(data_dir, workers=workers) as url,
         Client(url) as client,
     ):
-        note(f"the service runs at {url} with {workers} workers")
+        note(f"the service runs at {url} with {workers} workers; a browser shows its page there")
         runs = _judged(client, documents)
         _print_verdicts(town, runs)
         campaign = search_with(client, data_dir, simulations=simulations)
-    shown = max(runs, key=lambda run: run.violations or 0)
-    picture = _draw(data_dir, shown)
-    finished = sum(run.status is RunStatus.FINISHED for run in runs)
-    record = campaign.campaign
-    typer.echo(
-        f"{finished} of {len(runs)} runs judged, and failures in {record.counts.violating} of "
-        f"{record.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
-    )
-    _print_where(data_dir, shown, picture, campaign)
+        shown = max(runs, key=lambda run: run.violations or 0)
+        picture = _draw(data_dir, shown)
+        finished = sum(run.status is RunStatus.FINISHED for run in runs)
+        record = campaign.campaign
+        typer.echo(
+            f"{finished} of {len(runs)} runs judged, and failures in {record.counts.violating} of "
+            f"{record.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
+        )
+        _print_where(data_dir, shown, picture, campaign)
+        _serve_at_a_terminal(url)
     if finished < len(runs) or record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
 
@@ -157,9 +159,18 @@ def _print_where(data_dir: Path, run: Run, picture: Path | None, campaign: DemoC
         ]
     lines += [
         f"  drivora plot {run.id} --data-dir {data_dir}",
-        f"  drivora serve --data-dir {data_dir}    then open",
-        f"    http://127.0.0.1:8000/api/v1/campaigns/{campaign_id}",
-        f"    http://127.0.0.1:8000/api/v1/batches/{run.batch_id}",
-        f"    http://127.0.0.1:8000/api/v1/runs/{run.id}",
+        f"  drivora serve --data-dir {data_dir}    then open http://127.0.0.1:8000 in a browser",
     ]
     typer.echo("\n".join(lines))
+
+
+def _serve_at_a_terminal(url: str) -> None:
+    """Keeps the service until Ctrl-C, for the reader at a terminal; programs go on at once."""
+    import contextlib
+    import signal
+
+    if not sys.stdout.isatty():
+        return
+    typer.echo(f"\nThe page, until Ctrl-C ends the service:\n  {url}")
+    with contextlib.suppress(KeyboardInterrupt):
+        signal.pause()
