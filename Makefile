@@ -36,6 +36,8 @@ $(BIN)/python:
 
 $(RUN_STAMP): requirements/run.txt pyproject.toml | $(BIN)/python
 	$(PIP) install --quiet --require-hashes -r requirements/run.txt
+# Before the installation, which would build it, too, but bury its errors in those of pip.
+	@$(BIN)/python drivora_service/dashboard/build.py
 	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
 	$(BIN)/python -m drivora_service.system_libraries
 	@touch $@
@@ -44,7 +46,7 @@ $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
 	$(PIP) install --quiet --require-hashes -r requirements/dev.txt
 	@touch $@
 
-# The installation builds the page; later this does, if its sources have changed.
+# Builds the page again if its sources have changed since the installation.
 $(PAGE_STAMP): $(PAGE_SOURCES) | $(RUN_STAMP)
 	@$(BIN)/python -m drivora_service.dashboard.build
 	@touch $@

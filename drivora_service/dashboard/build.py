@@ -22,6 +22,15 @@ _STAMP = "sources.sha256"
 _UNBUILT = frozenset({"node_modules", "browser", "coverage"})
 """Folders of the sources that the built page does not depend on."""
 
+_NPM_SETTINGS = {
+    "npm_config_audit": "false",
+    "npm_config_fund": "false",
+    "npm_config_update_notifier": "false",
+    # A registry that cannot be reached is reported after seconds, by default after a minute.
+    "npm_config_fetch_retry_mintimeout": "2000",
+    "npm_config_fetch_retry_factor": "2",
+}
+
 
 class PageBuildHook(BuildHookInterface[Any]):
     """Builds the page before the package's files are collected."""
@@ -111,9 +120,7 @@ def npm_command(*arguments: str) -> tuple[list[str], dict[str, str]]:
     cli = modules / "node_modules" / "npm" / "bin" / "npm-cli.js"
     # Programs that npm starts, such as the bundler, find the same Node.
     path = os.pathsep.join([str(node.parent), os.environ.get("PATH", "")])
-    quiet = {"npm_config_audit": "false", "npm_config_fund": "false"}
-    quiet["npm_config_update_notifier"] = "false"
-    return [str(node), str(cli), *arguments], {**os.environ, **quiet, "PATH": path}
+    return [str(node), str(cli), *arguments], {**_NPM_SETTINGS, **os.environ, "PATH": path}
 
 
 def hash_of_sources(sources: Path) -> str:
