@@ -35,6 +35,18 @@ const screens = [
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/runs/Runs"), "Runs"),
   }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/networks",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/networks/Networks"), "Networks"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/networks/$name",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/networks/Network"), "Network"),
+  }),
 ] as const;
 
 export function makeRouter(queries: QueryClient) {

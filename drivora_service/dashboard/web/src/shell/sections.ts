@@ -1,2 +1,5 @@
 /** The screens in the order of the top line; `g` and the key go there. */
-export const SECTIONS = [{ to: "/runs", name: "Runs", key: "r" }] as const;
+export const SECTIONS = [
+  { to: "/runs", name: "Runs", key: "r" },
+  { to: "/networks", name: "Networks", key: "n" },
+] as const;
