@@ -24,7 +24,12 @@ class _Link:
     targets: tuple[str, ...]
 
 
-_RUN = ("GET /runs/{run_id}", "GET /runs/{run_id}/scenario", "GET /runs/{run_id}/observations")
+_RUN = (
+    "GET /runs/{run_id}",
+    "GET /runs/{run_id}/scenario",
+    "GET /runs/{run_id}/observations",
+    "GET /runs/{run_id}/timeline",
+)
 _JOB = ("GET /jobs/{job_id}", "POST /jobs/{job_id}:cancel")
 _BATCH = (
     "GET /batches/{batch_id}",

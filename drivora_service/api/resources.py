@@ -23,6 +23,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("jobs", "/jobs([/:].*)?"),
         ("batches", "/batches([/:].*)?"),
         ("runs", "/runs([/:].*)?"),
+        ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
         ("campaigns", "/campaigns(:validate|/[^/]*)?"),
         ("comparisons", "/campaigns(:compare|/[^/]*/figures)"),
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures)(/.*)?"),

@@ -8,7 +8,7 @@ from shapely import LineString, line_locate_point, points
 from drivora_service.geometry.arrays import BoolArray, ByteArray
 from drivora_service.networks.road_network import Connection, RoadNetwork
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import Col, EgoCol, Light
+from drivora_service.observations.trace import Col, EgoCol, Light, Trace
 
 BESIDE_ROUTE = 8.0
 """Metres from the route from which on an ego is on another road: the recorded next
@@ -22,12 +22,16 @@ def signal_shown(ego: EgoView, connection: Connection) -> ByteArray | None:
 
     A signal that is off, by ``simulation.lights``, counts as none in that row.
     """
-    trace = ego.trace
+    shown = signal_in_run(ego.trace, connection)
+    return None if shown is None else shown[ego.first : ego.first + ego.count]
+
+
+def signal_in_run(trace: Trace, connection: Connection) -> ByteArray | None:
+    """Returns the (T,) ``Light`` of a movement in every row of a trace; see ``signal_shown``."""
     if connection.traffic_light not in trace.light_ids:
         return None
-    column = trace.light_ids.index(connection.traffic_light)
-    states = trace.light_states[ego.first : ego.first + ego.count, column]
-    shown = np.zeros(ego.count, dtype=np.uint8)
+    states = trace.light_states[:, trace.light_ids.index(connection.traffic_light)]
+    shown = np.zeros(trace.step_count, dtype=np.uint8)
     for state in np.unique(states).tolist():
         letter = trace.light_state_names[state][connection.link_index]
         shown[states == state] = _SHOWN.get(letter, Light.NONE)

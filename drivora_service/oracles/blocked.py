@@ -70,6 +70,7 @@ class Blocked:
                         first + int(np.argmax(clock[first:last] >= self.duration - 1e-9)),
                         f"Stood for {seconds:.1f} s without a signal to wait for.",
                         duration=seconds,
+                        until=float(ego.times[last - 1]),
                         since=float(ego.times[first]),
                         severity=Severity.MINOR,
                     )

@@ -80,6 +80,7 @@ class MinimumSpeed:
                     "are allowed and nothing was in the way.",
                     severity=Severity.OBSERVATION,
                     duration=seconds,
+                    until=float(ego.times[last - 1]),
                     speed=mean,
                     speed_limit=float(limit[first]),
                 )

@@ -44,6 +44,7 @@ class OffRoad:
                     at_fault=True,
                     distance=furthest,
                     duration=seconds,
+                    until=float(ego.times[last - 1]),
                 )
             )
         if verdicts:

@@ -65,6 +65,7 @@ class Speeding:
                     severity=Severity.MINOR,
                     at_fault=True,
                     duration=seconds,
+                    until=float(ego.times[last - 1]),
                     speed=float(ego.speed[worst]),
                     speed_limit=float(limit[worst]),
                     excess_integral=float(over[first:last].sum() * ego.step_length),

@@ -86,6 +86,7 @@ class Tailgating:
                     severity=Severity.OBSERVATION,
                     counterpart=leader,
                     duration=seconds,
+                    until=float(ego.times[last - 1]),
                     distance=float(ahead.room[k]),
                     safe_distance=float(needed[k]),
                     speed=float(speed[k]),

@@ -13,8 +13,8 @@ from matplotlib.patches import Patch
 
 from drivora_service.observations.trace import Light, Role, Trace
 from drivora_service.oracles.accountability import IN_WORDS, accountability
+from drivora_service.oracles.violation_marks import Mark
 from drivora_service.plotting import colors
-from drivora_service.plotting.verdict_marks import Mark
 from drivora_service.plotting.view import View
 
 Handle = Line2D | Patch | tuple[Line2D, ...]

@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.violation_marks import Mark
 from drivora_service.plotting import colors
 from drivora_service.plotting.view import View
 
 _BADGE_IN = 0.24
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mark:
-    """A violation with its number on the map."""
-
-    number: int
-    verdict: Verdict
-
-
-def marks_of(verdicts: Sequence[Verdict]) -> tuple[Mark, ...]:
-    """Numbers the violations in order of time; those without a time come last."""
-    violated = [v for v in verdicts if v.outcome is Outcome.VIOLATED]
-    violated.sort(key=lambda v: (v.time is None, v.time or 0.0, v.oracle, v.ego))
-    return tuple(Mark(number=k + 1, verdict=v) for k, v in enumerate(violated))
 
 
 def draw_marks(axes: Axes, marks: Sequence[Mark], view: View) -> None:

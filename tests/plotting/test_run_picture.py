@@ -11,8 +11,8 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.violation_marks import marks_of
 from drivora_service.plotting.run_picture import draw_run
-from drivora_service.plotting.verdict_marks import marks_of
 from drivora_service.plotting.view import view_of_run
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 

@@ -12,6 +12,7 @@ from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
+    from drivora_service.api.schemas.timeline import Timeline
     from drivora_service.store.records import JobFilter, RunSummary
     from drivora_service.store.run_counts import RunCounts
 
@@ -80,6 +81,13 @@ def run_observations(
         accept=form,
         run_id=run_id,
     )
+
+
+def run_timeline(run_id: str) -> Call[Timeline]:
+    """Returns what happened when in a run: violations, signals, actors, lines of agents' logs."""
+    from drivora_service.api.schemas.timeline import Timeline
+
+    return get(f"{PREFIX}/runs/{{run_id}}/timeline", Timeline, run_id=run_id)
 
 
 def observation_query(

@@ -641,6 +641,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/runs/{run_id}/timeline": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Timeline
+         * @description Returns what happened when in a run: violations, signals, actors, lines of agents' logs.
+         */
+        get: operations["get_timeline_api_v1_runs__run_id__timeline_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/runs:counts": {
         parameters: {
             query?: never;
@@ -936,6 +956,31 @@ export interface components {
          */
         Accountability: "avoidable" | "not_measurable" | "unavoidable" | "undetermined" | "not_judged" | "not_at_fault";
         /**
+         * ActorPresence
+         * @description The times of an actor in the world.
+         */
+        ActorPresence: {
+            /** Id */
+            id: string;
+            /**
+             * Length
+             * @description Metres.
+             */
+            length: number;
+            /** Model */
+            model: string;
+            /** Present */
+            present: components["schemas"]["StepSpan"][];
+            role: components["schemas"]["Role"];
+            /** Row */
+            row: number;
+            /**
+             * Width
+             * @description Metres.
+             */
+            width: number;
+        };
+        /**
          * Agent
          * @description An ADS that can drive an ego.
          */
@@ -1039,6 +1084,26 @@ export interface components {
          * @enum {string}
          */
         Answer: "yes" | "no" | "not_measurable";
+        /**
+         * Approach
+         * @description Steps in which a signal was the next one on an ego's route.
+         */
+        Approach: {
+            /**
+             * Ego
+             * @description Row of the ego.
+             */
+            ego: number;
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /**
+             * Passed
+             * @description Step in which its front passed the stop line, or null.
+             */
+            passed: number | null;
+        };
         /**
          * Attempt
          * @description One attempt of a worker at a run.
@@ -2119,6 +2184,42 @@ export interface components {
             start_time: number;
         };
         /**
+         * EgoPart
+         * @description An ego's part of a run.
+         */
+        EgoPart: {
+            /**
+             * Agent
+             * @description Its agent; "" for runs of versions that did not record it.
+             */
+            agent: string;
+            end: components["schemas"]["TerminalEvent"];
+            /** First */
+            first: number;
+            /** Id */
+            id: string;
+            /**
+             * Last
+             * @description Less than `first` if its part never began.
+             */
+            last: number;
+            /**
+             * Privileged
+             * @description Whether it bypassed the perception model.
+             */
+            privileged: boolean;
+            /**
+             * Route Length
+             * @description Metres.
+             */
+            route_length: number;
+            /**
+             * Row
+             * @description Row of the ego in the trace.
+             */
+            row: number;
+        };
+        /**
          * Evaluation
          * @description A candidate at length.
          */
@@ -2737,6 +2838,21 @@ export interface components {
             to_lane: string;
         };
         /**
+         * LightPhase
+         * @description Steps in which a signal showed a colour.
+         */
+        LightPhase: {
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /**
+             * Light
+             * @description none (off), green, yellow or red.
+             */
+            light: string;
+        };
+        /**
          * LightTimesDocument
          * @description Durations of the stages of a junction's programme.
          */
@@ -2801,6 +2917,18 @@ export interface components {
             z: number | null;
         };
         /**
+         * LogLine
+         * @description A line of an agent's log.
+         */
+        LogLine: {
+            /** Ego */
+            ego: string;
+            /** Message */
+            message: string;
+            /** Step */
+            step: number;
+        };
+        /**
          * MapRegionDocument
          * @description The road network and region of the scenario.
          */
@@ -2822,6 +2950,34 @@ export interface components {
          * @enum {string}
          */
         Marking: "none" | "broken" | "solid" | "centre" | "edge";
+        /**
+         * MetLight
+         * @description A signal that an ego met.
+         */
+        MetLight: {
+            /** Approaches */
+            approaches: components["schemas"]["Approach"][];
+            /**
+             * Id
+             * @description The traffic light.
+             */
+            id: string;
+            /**
+             * Lane
+             * @description Lane before the stop line.
+             */
+            lane: string;
+            /**
+             * Link
+             * @description Position of the signal in the light's states.
+             */
+            link: number;
+            /**
+             * Phases
+             * @description Of the whole run.
+             */
+            phases: components["schemas"]["LightPhase"][];
+        };
         /**
          * MethodBands
          * @description The failures of a method's repetitions on a scenario with an agent.
@@ -3398,6 +3554,12 @@ export interface components {
              */
             min_y: number;
         };
+        /**
+         * Role
+         * @description The role of an actor in the scenario.
+         * @enum {string}
+         */
+        Role: "ego" | "npc_vehicle" | "npc_walker" | "npc_obstacle" | "background";
         /**
          * Run
          * @description A run and, once it has ended, its results.
@@ -4031,6 +4193,16 @@ export interface components {
             weather: boolean;
         };
         /**
+         * StepSpan
+         * @description Steps from ``first`` to ``last``.
+         */
+        StepSpan: {
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+        };
+        /**
          * StopLineGeometry
          * @description The end of a lane before a junction.
          */
@@ -4582,6 +4754,12 @@ export interface components {
          */
         TableName: "campaigns" | "evaluations" | "failures";
         /**
+         * TerminalEvent
+         * @description The event that ended an ego's part.
+         * @enum {string}
+         */
+        TerminalEvent: "arrived" | "collision" | "stuck" | "time_limit" | "route_deviation";
+        /**
          * Tester
          * @description A testing method that a campaign can name.
          */
@@ -4684,6 +4862,52 @@ export interface components {
             values: {
                 [key: string]: unknown;
             };
+        };
+        /**
+         * Timeline
+         * @description What happened when in a run.
+         */
+        Timeline: {
+            /**
+             * Actors
+             * @description In the order of their rows.
+             */
+            actors: components["schemas"]["ActorPresence"][];
+            /**
+             * Duration
+             * @description Seconds from the first step to the last one.
+             */
+            duration: number;
+            /** Egos */
+            egos: components["schemas"]["EgoPart"][];
+            /**
+             * Lights
+             * @description Signals that egos met.
+             */
+            lights: components["schemas"]["MetLight"][];
+            /**
+             * Log
+             * @description The first lines of the agents' logs.
+             */
+            log: components["schemas"]["LogLine"][];
+            /**
+             * Log Lines
+             * @description Number of all lines.
+             */
+            log_lines: number;
+            /** Network */
+            network: string;
+            /** Run Id */
+            run_id: string;
+            /**
+             * Step Length
+             * @description Seconds between two steps.
+             */
+            step_length: number;
+            /** Steps */
+            steps: number;
+            /** Violations */
+            violations: components["schemas"]["ViolationMark"][];
         };
         /**
          * TraceRows
@@ -4850,6 +5074,62 @@ export interface components {
              * @default false
              */
             undetermined: boolean;
+        };
+        /**
+         * ViolationMark
+         * @description A violation and its moments.
+         */
+        ViolationMark: {
+            accountability: components["schemas"]["Accountability"];
+            /** At Fault */
+            at_fault: boolean | null;
+            avoidable: components["schemas"]["Answer"] | null;
+            /**
+             * Avoidable Until
+             * @description Last step in which a careful driver could still avoid it; null: it could not, or this is not measured.
+             */
+            avoidable_until: number | null;
+            /**
+             * Counterpart
+             * @description Id of the other actor; "" if there is none.
+             */
+            counterpart: string;
+            /** Ego */
+            ego: string;
+            /**
+             * First
+             * @description Step in which it began; null for a run as a whole.
+             */
+            first: number | null;
+            /**
+             * Last
+             * @description Last step in which it went on; `first` for a moment.
+             */
+            last: number | null;
+            /**
+             * Location
+             * @description Where it began, metres.
+             */
+            location: number[] | null;
+            /**
+             * Message
+             * @description One sentence.
+             */
+            message: string;
+            /**
+             * Number
+             * @description In order of time, from 1, as in pictures of the run.
+             */
+            number: number;
+            /** Oracle */
+            oracle: string;
+            physically_avoidable: components["schemas"]["Answer"] | null;
+            /**
+             * Risk Perceived
+             * @description Step from which on a careful driver perceives the risk; null: not measured.
+             */
+            risk_perceived: number | null;
+            severity: components["schemas"]["Severity"];
         };
         /**
          * WalkerWaypointDocument
@@ -7501,6 +7781,82 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_timeline_api_v1_runs__run_id__timeline_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Timeline"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

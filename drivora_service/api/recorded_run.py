@@ -1,0 +1,78 @@
+"""A run with its recording and its road network, for answers that are computed from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drivora_service.api.context import ApiContext
+from drivora_service.errors import Conflict, UnknownName
+from drivora_service.store.records import RunRecord
+
+if TYPE_CHECKING:
+    from drivora_service.observations.run_view import EgoView, RunView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedRun:
+    """A run whose recording exists.
+
+    Attributes:
+        record: The run.
+        path: Its trace file.
+    """
+
+    record: RunRecord
+    path: Path
+
+    @property
+    def state(self) -> str:
+        """Text that changes with the recording and with the results."""
+        return f"{self.record.trace_sha256} {self.record.revision}"
+
+
+def recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
+    """Returns a run with its recording.
+
+    Raises:
+        UnknownName: There is no such run, or it recorded nothing, or its trace was removed.
+    """
+    with context.database.read() as transaction:
+        record = transaction.jobs.detail(run_id)
+    path = context.trace_path(record.id)
+    if not record.trace_sha256 or not path.is_file():
+        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
+    return RecordedRun(record=record, path=path)
+
+
+def view_of(context: ApiContext, run: RecordedRun) -> RunView:
+    """Reads the recording of a run, and returns it as oracles see it.
+
+    Raises:
+        Conflict: Its road network has changed since.
+        UnknownName: Its road network is not in the catalogue.
+        StoreError: Its trace is damaged.
+    """
+    from drivora_service.observations.run_view import RunView
+    from drivora_service.observations.trace_file import read_trace
+
+    trace = read_trace(run.path)
+    network = context.networks.get(trace.network)
+    if network.sha256 != trace.network_sha256:
+        raise Conflict(
+            f"run {run.record.id!r} was recorded on another version of the road network "
+            f"{trace.network!r}: run it again"
+        )
+    return RunView(trace, network)
+
+
+def ego_of(view: RunView, row: int) -> EgoView:
+    """Returns an ego of a run by its row.
+
+    Raises:
+        UnknownName: The run has no such ego.
+    """
+    if not 0 <= row < len(view.egos):
+        raise UnknownName("ego", str(row), tuple(str(ego.row) for ego in view.egos))
+    return view.egos[row]
