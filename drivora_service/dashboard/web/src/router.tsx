@@ -31,6 +31,18 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/campaigns",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/campaigns/Campaigns"), "Campaigns"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/campaigns/$id",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/campaign/Campaign"), "Campaign"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/runs",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/runs/Runs"), "Runs"),

@@ -1,5 +1,6 @@
 /** The screens in the order of the top line; `g` and the key go there. */
 export const SECTIONS = [
+  { to: "/campaigns", name: "Campaigns", key: "c" },
   { to: "/runs", name: "Runs", key: "r" },
   { to: "/networks", name: "Networks", key: "n" },
 ] as const;

@@ -16,9 +16,7 @@ export function ticks(low: number, high: number, about = 5): readonly number[] {
   const step = power * (factor < 1.5 ? 1 : factor < 3.5 ? 2 : factor < 7.5 ? 5 : 10);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
-  return Array.from({ length: last - first + 1 }, (_, place) =>
-    round((first + place) * step),
-  );
+  return Array.from({ length: last - first + 1 }, (_, place) => round((first + place) * step));
 }
 
 /** Returns ticks of counts: whole numbers only. */

@@ -1,0 +1,159 @@
+import { useQuery } from "@tanstack/react-query";
+import { Link, useParams, useSearch } from "@tanstack/react-router";
+import { firstOf } from "../../address";
+import { api, body, type Schemas } from "../../api/client";
+import { Mark } from "../../components/Mark";
+import { count, duration } from "../../components/numbers";
+import { Progress } from "../../components/Progress";
+import { Loading, Refused } from "../../components/States";
+import { Tabs } from "../../components/Tabs";
+import { useTitle } from "../../shell/useTitle";
+import { Actions } from "../campaigns/Actions";
+import { lookOfSearch } from "../campaigns/state";
+import { Ancestry } from "./Ancestry";
+import { Evaluations } from "./Evaluations";
+import { Found } from "./Found";
+import { Kinds } from "./Kinds";
+import { Newest } from "./Newest";
+import { Settings } from "./Settings";
+
+export function Campaign() {
+  const { id } = useParams({ from: "/campaigns/$id" });
+  const query = useQuery({
+    queryKey: ["campaign", id],
+    queryFn: async () =>
+      body(
+        await api.GET("/api/v1/campaigns/{campaign_id}", { params: { path: { campaign_id: id } } }),
+      ),
+  });
+  useTitle(query.data?.name ?? "Campaign");
+  if (query.isPending) return <Loading />;
+  if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
+  return <Loaded campaign={query.data} />;
+}
+
+function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
+  const search = useSearch({ from: "/campaigns/$id" });
+  const { id, name, state, request, message } = campaign;
+  const tabs = [
+    { name: "failures", title: "Failures", count: campaign.counts.violating },
+    { name: "ancestry", title: "Ancestry" },
+    { name: "evaluations", title: "Evaluations", count: campaign.counts.evaluations },
+    { name: "settings", title: "Settings" },
+  ];
+  const open = tabs.find((tab) => tab.name === firstOf(search, "tab"))?.name ?? "failures";
+  return (
+    <>
+      <div className="head">
+        <h1>{name || id}</h1>
+        <Mark {...lookOfSearch(state, request)} />
+        <div className="actions">
+          <Actions kind="campaign" id={id} name={name} state={state} request={request} />
+        </div>
+        <Facts campaign={campaign} />
+      </div>
+      {message && (
+        <section className="state error" role="alert">
+          <p>{message}</p>
+        </section>
+      )}
+      <Answer campaign={campaign} />
+      <div className="two wide-first">
+        <section className="panel">
+          <div className="inside">
+            <Found campaign={campaign} />
+          </div>
+        </section>
+        <section className="panel">
+          <header>
+            <h2>Newest failures</h2>
+          </header>
+          <div className="inside">
+            <Newest campaign={campaign} />
+          </div>
+        </section>
+      </div>
+      <Tabs tabs={tabs} open={open} search={search} />
+      {open === "failures" && <Kinds campaign={campaign} />}
+      {open === "ancestry" && <Ancestry campaign={campaign} />}
+      {open === "evaluations" && <Evaluations campaign={campaign} />}
+      {open === "settings" && <Settings campaign={campaign} />}
+    </>
+  );
+}
+
+function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
+  const { tester, agent, town, study_id, cell, simulations, budget, rate, left_s, state } =
+    campaign;
+  return (
+    <p className="facts">
+      <span>{cell?.method ?? tester}</span>
+      <span>{cell?.agent ?? agent}</span>
+      <span>{cell?.scenario ?? town}</span>
+      {study_id && (
+        <Link to="/campaigns" search={{ study: study_id }}>
+          campaigns of its study
+        </Link>
+      )}
+      <Progress done={simulations} of={budget} />
+      {rate !== null && <span>{rate.toFixed(1)} simulations a second</span>}
+      {state === "running" && left_s !== null && <span>{duration(left_s)} left</span>}
+    </p>
+  );
+}
+
+/** How the search stands, in one sentence. */
+function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
+  const { counts, simulations, kinds } = campaign;
+  const lost = counts.failed + counts.invalid;
+  const filter = (accountability: string) => ({ tab: "failures", accountability });
+  return (
+    <p className="answer">
+      {counts.violating === 0 ? (
+        `No failure in ${count(simulations)} simulations`
+      ) : (
+        <>
+          <Link to="." search={{ tab: "evaluations", violating: "true" }} resetScroll={false}>
+            {count(counts.violating)} of {count(simulations)} simulations
+          </Link>{" "}
+          failed, in {kinds.length} {kinds.length === 1 ? "kind" : "kinds"}:{" "}
+          <Link
+            className={counts.avoidable ? "bad" : undefined}
+            to="."
+            search={filter("avoidable")}
+            resetScroll={false}
+          >
+            {counts.avoidable === null ? "an unknown number" : count(counts.avoidable)} at fault and
+            avoidable
+          </Link>
+          ,{" "}
+          <Link to="." search={filter("unavoidable")} resetScroll={false}>
+            {counts.unavoidable === null ? "an unknown number" : count(counts.unavoidable)} at fault
+            but unavoidable
+          </Link>
+          {counts.undetermined ? (
+            <>
+              ,{" "}
+              <Link to="." search={filter("undetermined")} resetScroll={false}>
+                {count(counts.undetermined)} undetermined
+              </Link>
+            </>
+          ) : null}
+        </>
+      )}
+      {lost > 0 && (
+        <>
+          {"; "}
+          <Link
+            to="."
+            search={{ tab: "evaluations", status: counts.failed ? "failed" : "invalid" }}
+            resetScroll={false}
+          >
+            {count(lost)} candidates without a result
+          </Link>
+        </>
+      )}
+      .
+    </p>
+  );
+}

@@ -1,0 +1,153 @@
+import { Link } from "@tanstack/react-router";
+import type { Schemas } from "../../api/client";
+import { Sparkline } from "../../components/charts/Sparkline";
+import type { Column } from "../../components/DataTable";
+import { Mark } from "../../components/Mark";
+import { count, duration, fixed } from "../../components/numbers";
+import { Progress } from "../../components/Progress";
+import { Actions } from "./Actions";
+import { useDiscoveries } from "./discoveries";
+import { lookOfSearch } from "./state";
+
+type Campaign = Schemas["CampaignSummary"];
+
+const POINTS = 40;
+
+function Spark({ campaign }: { readonly campaign: Campaign }) {
+  const { data } = useDiscoveries(campaign.id, POINTS, 1, campaign.simulations > 0);
+  if (!data) return null;
+  const avoidable = data.avoidable.at(-1) ?? 0;
+  const others = data.others.at(-1) ?? 0;
+  return (
+    <Sparkline
+      at={[...data.at, data.simulations]}
+      lower={[...data.avoidable, avoidable]}
+      upper={[...data.others, others]}
+      end={data.budget}
+      label={`Failures against simulations: ${avoidable} that count, ${others} others`}
+    />
+  );
+}
+
+function First({ campaign }: { readonly campaign: Campaign }) {
+  const { data } = useDiscoveries(campaign.id, POINTS, 1, campaign.simulations > 0);
+  if (!data) return null;
+  return data.first_failure === null ? <span className="quiet">none</span> : data.first_failure;
+}
+
+/** Returns the candidates with failures that do not count: no ego at fault, or not avoidable. */
+function others({ counts }: Campaign): number {
+  return counts.violating - (counts.avoidable ?? 0);
+}
+
+export const COLUMNS: readonly Column<Campaign>[] = [
+  {
+    id: "name",
+    title: "Campaign",
+    width: "minmax(200px, 1.6fr)",
+    cell: ({ id, name }) => (
+      <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
+        {name || id}
+      </Link>
+    ),
+  },
+  {
+    id: "state",
+    title: "State",
+    width: "112px",
+    cell: ({ state, request, message }) => (
+      <span title={message || undefined}>
+        <Mark {...lookOfSearch(state, request)} />
+      </span>
+    ),
+  },
+  { id: "tester", title: "Method", width: "104px", cell: ({ tester }) => tester },
+  { id: "agent", title: "ADS", width: "96px", cell: ({ agent }) => agent },
+  {
+    id: "scene",
+    title: "Scene",
+    width: "minmax(90px, 0.7fr)",
+    cell: ({ cell, town }) => cell?.scenario ?? town,
+  },
+  {
+    id: "progress",
+    title: "Simulations",
+    width: "150px",
+    cell: ({ simulations, budget }) => <Progress done={simulations} of={budget} />,
+  },
+  {
+    id: "avoidable",
+    title: "Count",
+    hint: "Simulations with a failure that counts: an ego was at fault and it was avoidable",
+    width: "62px",
+    numeric: true,
+    cell: ({ id, counts }) =>
+      counts.avoidable === null ? (
+        <span title="Judged before this was recorded">unknown</span>
+      ) : counts.avoidable === 0 ? (
+        <span className="quiet">0</span>
+      ) : (
+        <Link
+          className="bad"
+          to="/campaigns/$id"
+          params={{ id }}
+          search={{ tab: "failures", accountability: "avoidable" }}
+        >
+          {count(counts.avoidable)}
+        </Link>
+      ),
+  },
+  {
+    id: "others",
+    title: "Others",
+    hint: "Simulations with other failures only: unavoidable, undetermined, or no ego at fault",
+    width: "64px",
+    numeric: true,
+    cell: (campaign) =>
+      others(campaign) === 0 ? (
+        <span className="quiet">0</span>
+      ) : (
+        <Link to="/campaigns/$id" params={{ id: campaign.id }} search={{ tab: "failures" }}>
+          {count(others(campaign))}
+        </Link>
+      ),
+  },
+  {
+    id: "first",
+    title: "First",
+    hint: "Simulations up to the first failure, itself included",
+    width: "58px",
+    numeric: true,
+    cell: (campaign) => <First campaign={campaign} />,
+  },
+  {
+    id: "spark",
+    title: "Found",
+    hint: "Failures against simulations: red those that count, grey all",
+    width: "120px",
+    cell: (campaign) => <Spark campaign={campaign} />,
+  },
+  {
+    id: "rate",
+    title: "Rate (1/s)",
+    hint: "Simulations a second of work",
+    width: "74px",
+    numeric: true,
+    cell: ({ rate }) => fixed(rate, 1),
+  },
+  {
+    id: "left",
+    title: "Left",
+    width: "88px",
+    numeric: true,
+    cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
+  },
+  {
+    id: "actions",
+    title: "",
+    width: "132px",
+    cell: ({ id, name, state, request }) => (
+      <Actions kind="campaign" id={id} name={name} state={state} request={request} small />
+    ),
+  },
+];
