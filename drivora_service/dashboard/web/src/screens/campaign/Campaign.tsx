@@ -126,11 +126,14 @@ function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
             {counts.avoidable === null ? "an unknown number" : count(counts.avoidable)} at fault and
             avoidable
           </Link>
-          ,{" "}
-          <Link to="." search={filter("unavoidable")} resetScroll={false}>
-            {counts.unavoidable === null ? "an unknown number" : count(counts.unavoidable)} at fault
-            but unavoidable
-          </Link>
+          {counts.unavoidable ? (
+            <>
+              ,{" "}
+              <Link to="." search={filter("unavoidable")} resetScroll={false}>
+                {count(counts.unavoidable)} at fault but not avoidable
+              </Link>
+            </>
+          ) : null}
           {counts.undetermined ? (
             <>
               ,{" "}

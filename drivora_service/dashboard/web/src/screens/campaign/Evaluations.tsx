@@ -13,8 +13,14 @@ type Row = Schemas["EvaluationSummary"];
 
 const STATUSES = ["judged", "invalid", "failed"] as const;
 const FILTERS = [
-  { name: "status", title: "Status", values: STATUSES },
-  { name: "violating", title: "Failure", values: ["true", "false"] },
+  { name: "status", title: "Status", values: STATUSES, single: true },
+  {
+    name: "violating",
+    title: "Failures",
+    values: ["true", "false"],
+    words: { true: "with a failure", false: "without" },
+    single: true,
+  },
 ] as const;
 
 /** Candidates without a verdict never look like passed ones. */

@@ -44,7 +44,7 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
           <Curves
             label={`Failures against simulations of ${campaign.name}`}
             width={width}
-            height={280}
+            height={390}
             names={190}
             curves={curvesOf(found.data)}
             bands={behind}

@@ -8,15 +8,22 @@ import { count, fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useList } from "../../lists/useList";
 import { ACCOUNTABILITIES, kindText, plain, wordsOfKind } from "../failures/words";
+import { ACCOUNTABILITY_WORDS } from "../runs/filters";
 
 type Kind = Schemas["FailureKind"];
 type Failure = Schemas["Failure"];
 
 const CONFIRMATIONS = ["open", "confirmed", "flaky"] as const;
 const FILTERS = [
-  { name: "accountability", title: "Accountability", values: ACCOUNTABILITIES },
-  { name: "confirmation", title: "Confirmation", values: CONFIRMATIONS },
-  { name: "oracle", title: "Oracle" },
+  {
+    name: "accountability",
+    title: "Avoidability",
+    values: ACCOUNTABILITIES,
+    words: ACCOUNTABILITY_WORDS,
+    single: true,
+  },
+  { name: "confirmation", title: "Second run", values: CONFIRMATIONS, single: true },
+  { name: "oracle", title: "Oracle", single: true },
 ] as const;
 
 /** The failures of a campaign: their kinds, and the violations of those that are chosen. */

@@ -15,7 +15,7 @@ type State = Schemas["CampaignState"];
 
 const FILTERS = [
   { name: "state", title: "State", values: STATES },
-  { name: "study", title: "Study" },
+  { name: "study", title: "Study", single: true },
 ] as const;
 
 const isState = (value: string): value is State => STATES.some((state) => state === value);

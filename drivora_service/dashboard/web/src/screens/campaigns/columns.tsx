@@ -7,7 +7,7 @@ import { count, duration, fixed } from "../../components/numbers";
 import { Progress } from "../../components/Progress";
 import { Actions } from "./Actions";
 import { useDiscoveries } from "./discoveries";
-import { lookOfSearch } from "./state";
+import { lookOfSearch, shortName } from "./state";
 
 type Campaign = Schemas["CampaignSummary"];
 
@@ -44,42 +44,42 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "name",
     title: "Campaign",
-    width: "minmax(200px, 1.6fr)",
-    cell: ({ id, name }) => (
+    width: "minmax(190px, 1.6fr)",
+    cell: ({ id, name, cell }) => (
       <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
-        {name || id}
+        {shortName(name, cell) || id}
       </Link>
     ),
   },
   {
     id: "state",
     title: "State",
-    width: "112px",
+    width: "108px",
     cell: ({ state, request, message }) => (
       <span title={message || undefined}>
         <Mark {...lookOfSearch(state, request)} />
       </span>
     ),
   },
-  { id: "tester", title: "Method", width: "104px", cell: ({ tester }) => tester },
-  { id: "agent", title: "ADS", width: "96px", cell: ({ agent }) => agent },
+  { id: "tester", title: "Method", width: "94px", cell: ({ tester }) => tester },
+  { id: "agent", title: "ADS", width: "86px", cell: ({ agent }) => agent },
   {
     id: "scene",
     title: "Scene",
-    width: "minmax(90px, 0.7fr)",
+    width: "minmax(104px, 0.7fr)",
     cell: ({ cell, town }) => cell?.scenario ?? town,
   },
   {
     id: "progress",
     title: "Simulations",
-    width: "150px",
+    width: "132px",
     cell: ({ simulations, budget }) => <Progress done={simulations} of={budget} />,
   },
   {
     id: "avoidable",
     title: "Count",
     hint: "Simulations with a failure that counts: an ego was at fault and it was avoidable",
-    width: "62px",
+    width: "58px",
     numeric: true,
     cell: ({ id, counts }) =>
       counts.avoidable === null ? (
@@ -101,7 +101,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "others",
     title: "Others",
     hint: "Simulations with other failures only: unavoidable, undetermined, or no ego at fault",
-    width: "64px",
+    width: "62px",
     numeric: true,
     cell: (campaign) =>
       others(campaign) === 0 ? (
@@ -116,7 +116,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "first",
     title: "First",
     hint: "Simulations up to the first failure, itself included",
-    width: "58px",
+    width: "54px",
     numeric: true,
     cell: (campaign) => <First campaign={campaign} />,
   },
@@ -124,28 +124,28 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "spark",
     title: "Found",
     hint: "Failures against simulations: red those that count, grey all",
-    width: "120px",
+    width: "118px",
     cell: (campaign) => <Spark campaign={campaign} />,
   },
   {
     id: "rate",
-    title: "Rate (1/s)",
+    title: "Rate",
     hint: "Simulations a second of work",
-    width: "74px",
+    width: "54px",
     numeric: true,
     cell: ({ rate }) => fixed(rate, 1),
   },
   {
     id: "left",
     title: "Left",
-    width: "88px",
+    width: "76px",
     numeric: true,
     cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
   },
   {
     id: "actions",
     title: "",
-    width: "132px",
+    width: "122px",
     cell: ({ id, name, state, request }) => (
       <Actions kind="campaign" id={id} name={name} state={state} request={request} small />
     ),

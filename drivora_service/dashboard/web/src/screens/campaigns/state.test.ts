@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { actionsOf, lookOfSearch } from "./state";
+import { actionsOf, lookOfSearch, shortName } from "./state";
 
 it("offers what the state allows", () => {
   expect(actionsOf("running", "")).toEqual(["pause", "cancel"]);
@@ -10,4 +10,10 @@ it("offers what the state allows", () => {
 });
 it("says what will happen to a running one", () => {
   expect(lookOfSearch("running", "pause").text).toBe("running, will pause");
+});
+it("names a campaign of a study by its repetition, and others as they are", () => {
+  const cell = { scenario: "left turn", agent: "idm", method: "random", repetition: 2 };
+  expect(shortName("nightly, left turn, idm, random, 2", cell)).toBe("nightly · 2");
+  expect(shortName("renamed", cell)).toBe("renamed");
+  expect(shortName("nightly, left turn, idm, random, 2", null)).toContain("left turn");
 });

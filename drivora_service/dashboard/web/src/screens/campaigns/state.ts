@@ -40,3 +40,11 @@ export function actionsOf(
   }
   return ["resume", "cancel"];
 }
+
+/** Returns the name without its place in the study, which other columns show, but for the repetition. */
+export function shortName(name: string, cell: Schemas["StudyCell"] | null | undefined): string {
+  if (!cell) return name;
+  const { scenario, agent, method, repetition } = cell;
+  const place = `, ${scenario}, ${agent}, ${method}, ${repetition}`;
+  return name.endsWith(place) ? `${name.slice(0, -place.length)} · ${repetition}` : name;
+}

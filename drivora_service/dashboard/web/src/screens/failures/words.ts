@@ -6,9 +6,9 @@ type Accountability = Schemas["Accountability"];
 /** How it is shown that a failure counts, or why it does not. */
 export const ACCOUNTABILITY: Readonly<Record<Accountability, MarkLook>> = {
   avoidable: { sign: "✕", tone: "bad", text: "at fault, avoidable" },
-  unavoidable: { sign: "◐", tone: "lost", text: "at fault, unavoidable" },
+  unavoidable: { sign: "◐", tone: "lost", text: "at fault, not avoidable" },
   undetermined: { sign: "?", tone: "lost", text: "fault undetermined" },
-  not_measurable: { sign: "?", tone: "lost", text: "avoidability not measurable" },
+  not_measurable: { sign: "?", tone: "lost", text: "at fault, avoidability not measurable" },
   not_judged: { sign: "◇", tone: "quiet", text: "fault not judged" },
   not_at_fault: { sign: "○", tone: "quiet", text: "not at fault" },
 };
