@@ -49,6 +49,18 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/batches",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/batches/Batches"), "Batches"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/batches/$batchId",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/batches/BatchScreen"), "BatchScreen"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/networks",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/networks/Networks"), "Networks"),

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { newRows, renewed, settled } from "./merge";
+import { inserted, newRows, type Overlay, renewed, rowsOf, settled, UNCHANGED } from "./merge";
 
 interface Row {
   readonly id: string;
@@ -7,6 +7,7 @@ interface Row {
 }
 const idOf = (row: Row) => row.id;
 const rows = (...ids: string[]): Row[] => ids.map((id) => ({ id, state: "queued" }));
+const start: Overlay<Row> = UNCHANGED;
 
 describe("a list that is shown", () => {
   it("finds what is new before the first row that it has", () => {
@@ -19,15 +20,25 @@ describe("a list that is shown", () => {
     expect(newRows(rows("a"), rows("z", "y"), idOf)).toHaveLength(2);
   });
   it("renews rows in place, and keeps the place of one that has left until it is settled", () => {
-    const shown = { rows: rows("c", "b", "a"), left: new Set<string>() };
-    const fresh = [{ id: "c", state: "running" }];
-    const next = renewed(shown, fresh, new Set(["c", "b"]), idOf);
-    expect(next.rows.map((row) => row.state)).toEqual(["running", "queued", "queued"]);
+    const read = rows("c", "b", "a");
+    const next = renewed(start, [{ id: "c", state: "running" }], new Set(["c", "b"]), idOf);
+    expect(rowsOf(read, next, idOf).map((row) => row.state)).toEqual([
+      "running",
+      "queued",
+      "queued",
+    ]);
     expect([...next.left]).toEqual(["b"]);
-    expect(settled(next, idOf).rows.map(idOf)).toEqual(["c", "a"]);
+    expect(rowsOf(read, settled(next), idOf).map(idOf)).toEqual(["c", "a"]);
   });
   it("takes back a row that has come again", () => {
-    const shown = { rows: rows("b"), left: new Set(["b"]) };
-    expect(renewed(shown, rows("b"), new Set(["b"]), idOf).left.size).toBe(0);
+    const gone = settled(renewed(start, [], new Set(["b"]), idOf));
+    expect(rowsOf(rows("b"), gone, idOf)).toHaveLength(0);
+    expect(rowsOf(rows("b"), renewed(gone, rows("b"), new Set(), idOf), idOf)).toHaveLength(1);
+  });
+  it("inserts new rows before those that were inserted earlier", () => {
+    const once = inserted({ ...start, news: rows("b") });
+    const twice = inserted({ ...once, news: rows("c") });
+    expect(rowsOf(rows("a"), twice, idOf).map(idOf)).toEqual(["c", "b", "a"]);
+    expect(twice.news).toHaveLength(0);
   });
 });

@@ -1,9 +1,37 @@
 /** How a list that is shown takes what has changed, without rows that move under the pointer. */
 
-export interface Rows<Row> {
-  readonly rows: readonly Row[];
-  /** Rows that are shown, but that the list would not have any more. */
+/** What has changed since the pages of a list were read. */
+export interface Overlay<Row> {
+  /** New rows that were inserted before all pages. */
+  readonly inserted: readonly Row[];
+  /** New rows that wait to be inserted. */
+  readonly news: readonly Row[];
+  /** Newer states of rows, by id. */
+  readonly fresh: ReadonlyMap<string, Row>;
+  /** Rows that the list would not have any more, but that keep their places. */
   readonly left: ReadonlySet<string>;
+  /** Rows that are not shown any more. */
+  readonly gone: ReadonlySet<string>;
+}
+
+export const UNCHANGED: Overlay<never> = {
+  inserted: [],
+  news: [],
+  fresh: new Map<string, never>(),
+  left: new Set(),
+  gone: new Set(),
+};
+
+/** Returns the rows of a list: those of its pages under what has changed since. */
+export function rowsOf<Row>(
+  read: readonly Row[],
+  { inserted, fresh, gone }: Overlay<Row>,
+  idOf: (row: Row) => string,
+): readonly Row[] {
+  if (inserted.length === 0 && fresh.size === 0 && gone.size === 0) return read;
+  return [...inserted, ...read]
+    .filter((row) => !gone.has(idOf(row)))
+    .map((row) => fresh.get(idOf(row)) ?? row);
 }
 
 /** Returns the rows of a fresh first page that come before all known ones. */
@@ -17,34 +45,37 @@ export function newRows<Row>(
   return firstKnown < 0 ? fresh : fresh.slice(0, firstKnown);
 }
 
-/** Replaces rows by their fresh states where they are, and marks those that changed and left.
+/** Takes fresh rows where they are.
  *
- * @param changed Ids that were told to have changed; those that `fresh` does not have any more have
- *   left the list, if their place is within what `fresh` covers.
+ * @param covered Ids of changed rows whose place was asked for again: those that `fresh` does not
+ *   have have left the list.
  */
 export function renewed<Row>(
-  shown: Rows<Row>,
-  fresh: readonly Row[],
-  changed: ReadonlySet<string>,
+  now: Overlay<Row>,
+  rows: readonly Row[],
+  covered: ReadonlySet<string>,
   idOf: (row: Row) => string,
-): Rows<Row> {
-  const byId = new Map(fresh.map((row) => [idOf(row), row]));
-  const left = new Set(shown.left);
-  const rows = shown.rows.map((row) => {
-    const id = idOf(row);
-    const now = byId.get(id);
-    if (now === undefined) {
-      if (changed.has(id)) left.add(id);
-      return row;
-    }
-    left.delete(id);
-    return now;
-  });
-  return { rows, left };
+): Overlay<Row> {
+  const fresh = new Map(now.fresh);
+  const left = new Set(now.left);
+  const gone = new Set(now.gone);
+  for (const row of rows) {
+    fresh.set(idOf(row), row);
+    left.delete(idOf(row));
+    gone.delete(idOf(row));
+  }
+  const had = new Set(rows.map(idOf));
+  for (const id of covered) if (!had.has(id)) left.add(id);
+  return { ...now, fresh, left, gone };
 }
 
-/** Returns the rows without those that have left. */
-export function settled<Row>(shown: Rows<Row>, idOf: (row: Row) => string): Rows<Row> {
-  if (shown.left.size === 0) return shown;
-  return { rows: shown.rows.filter((row) => !shown.left.has(idOf(row))), left: new Set() };
+/** Takes away the rows that have left. */
+export function settled<Row>(now: Overlay<Row>): Overlay<Row> {
+  if (now.left.size === 0) return now;
+  return { ...now, gone: new Set([...now.gone, ...now.left]), left: new Set() };
+}
+
+/** Inserts the new rows that waited. */
+export function inserted<Row>(now: Overlay<Row>): Overlay<Row> {
+  return { ...now, inserted: [...now.news, ...now.inserted], news: [] };
 }

@@ -4,24 +4,31 @@ import {
   useInfiniteQuery,
   useQueryClient,
 } from "@tanstack/react-query";
-import { useCallback, useEffect, useRef, useState } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { listen } from "../live/hub";
-import type { ChangeKind } from "../live/messages";
-import { newRows, type Rows, renewed, settled } from "./merge";
+import type { Change, ChangeKind } from "../live/messages";
+import { inserted, newRows, type Overlay, renewed, rowsOf, settled, UNCHANGED } from "./merge";
 import type { Page } from "./useList";
 
 const GATHER_MS = 1000;
 const MOST_PAGES_AT_ONCE = 4;
 
+type Owned = Exclude<ChangeKind, "workers">;
+
 interface Options<Row> {
   readonly key: readonly unknown[];
-  readonly kind: ChangeKind;
+  readonly kind: Owned;
   readonly ask: (pageToken: string | undefined) => Promise<Page<Row>>;
   readonly idOf: (row: Row) => string;
   /** Whether the pointer is over the rows: they keep their places then. */
   readonly held: boolean;
   /** Whether new rows come first; else they come at the end, and are found there. */
   readonly newestFirst: boolean;
+}
+
+interface Changed<Row> {
+  readonly base: Page<Row> | undefined;
+  readonly overlay: Overlay<Row>;
 }
 
 interface Pages<Row> {
@@ -35,7 +42,7 @@ interface Pages<Row> {
  * reader says so.
  */
 export function useLiveList<Row>(options: Options<Row>) {
-  const { key, kind, idOf, newestFirst } = options;
+  const { key, kind, idOf } = options;
   const queries = useQueryClient();
   const query = useInfiniteQuery({
     // Not the key that changes touch: this hook renews what it shows by itself.
@@ -47,101 +54,103 @@ export function useLiveList<Row>(options: Options<Row>) {
     gcTime: 0,
   });
   const { data } = query;
-  const [shown, setShown] = useState<Rows<Row>>({ rows: [], left: new Set() });
-  const [news, setNews] = useState<readonly Row[]>([]);
-  const [source, setSource] = useState<Pages<Row>>();
-  if (data && data !== source) {
-    // More pages were read, or all were read anew: rows that were renewed keep their new state.
-    const grown = source && data.pages[0] === source.pages[0];
-    setSource(data);
-    const from = grown ? source.pages.length : 0;
-    const added = data.pages.slice(from).flatMap((page) => page.items);
-    setShown(
-      grown
-        ? { rows: [...shown.rows, ...added], left: shown.left }
-        : { rows: added, left: new Set() },
-    );
-    if (!grown) setNews([]);
-  }
-  const latest = useRef({ shown, news, data, ask: options.ask, newestFirst });
-  latest.current = { shown, news, data, ask: options.ask, newestFirst };
+  const base = data?.pages[0];
+  const [changed, setChanged] = useState<Changed<Row>>({ base: undefined, overlay: UNCHANGED });
+  // What has changed counts for the pages that were read before, not for those read since.
+  const overlay: Overlay<Row> = changed.base === base ? changed.overlay : UNCHANGED;
+  const read = useMemo(() => data?.pages.flatMap((page) => page.items) ?? [], [data]);
+  const rows = useMemo(() => rowsOf(read, overlay, idOf), [read, overlay, idOf]);
+  const change = useCallback((by: (now: Overlay<Row>) => Overlay<Row>) => {
+    const { base: of } = latest.current;
+    setChanged((now) => ({ base: of, overlay: by(now.base === of ? now.overlay : UNCHANGED) }));
+  }, []);
+  const latest = useRef({ ...options, rows, data, base, news: overlay.news });
+  latest.current = { ...options, rows, data, base, news: overlay.news };
 
   const hash = JSON.stringify(key);
+  const { refetch } = query;
   const again = useCallback(() => {
     // Of a long list only the beginning is read anew: the rest follows as the reader scrolls.
     queries.setQueryData<InfiniteData<Page<Row>>>(
       ["shown", ...(JSON.parse(hash) as unknown[])],
       (now) => now && { pages: now.pages.slice(0, 1), pageParams: now.pageParams.slice(0, 1) },
     );
-    void query.refetch();
-  }, [queries, hash, query.refetch]);
+    setChanged({ base: undefined, overlay: UNCHANGED });
+    void refetch();
+  }, [queries, hash, refetch]);
+
   useEffect(() => {
-    let changed = new Set<string>();
+    let ids = new Set<string>();
     let timer: ReturnType<typeof setTimeout> | undefined;
-    let over = false;
     const renew = async () => {
-      const ids = changed;
-      changed = new Set();
-      const { data: pages, ask } = latest.current;
+      timer = undefined;
+      const touched = ids;
+      ids = new Set();
+      const { data: pages, ask, base: of } = latest.current;
       if (!pages) return;
-      const asked = tokensOf(pages, ids, idOf).slice(0, MOST_PAGES_AT_ONCE);
+      const asked = tokensOf(pages, touched, idOf).slice(0, MOST_PAGES_AT_ONCE);
       const answers = await Promise.all(
         asked.map((token) => ask(token || undefined).catch(() => undefined)),
       );
-      if (over) return;
-      const fresh = answers.flatMap((answer) => answer?.items ?? []);
-      const covered = coveredBy(pages, asked, answers, ids, idOf);
-      setShown((now) => renewed(now, fresh, covered, idOf));
+      if (of !== latest.current.base) return;
       const first = answers[asked.indexOf("")];
-      if (!first) return;
-      if (latest.current.shown.rows.length === 0) {
+      if (latest.current.rows.length === 0) {
         // Nothing can jump where nothing is shown.
-        if (first.items.length > 0) again();
-      } else if (latest.current.newestFirst)
-        setNews(newRows(latest.current.shown.rows, first.items, idOf));
+        if (first && first.items.length > 0) again();
+        return;
+      }
+      const fresh = answers.flatMap((answer) => answer?.items ?? []);
+      const covered = coveredBy(pages, asked, answers, touched, idOf);
+      change((now) => {
+        const next = renewed(now, fresh, covered, idOf);
+        const found =
+          first && latest.current.newestFirst
+            ? newRows(latest.current.rows, first.items, idOf)
+            : now.news;
+        return { ...(latest.current.held ? next : settled(next)), news: found };
+      });
     };
     const stop = listen((told) => {
       if (told.type === "reset") again();
       if (told.type !== "changes") return;
-      const mine = told.changes.filter((change) => change.kind === kind);
-      if (mine.length === 0) return;
-      for (const { id } of mine) changed.add(id);
-      timer ??= setTimeout(() => {
-        timer = undefined;
-        void renew();
-      }, GATHER_MS);
+      const before = ids.size;
+      for (const one of told.changes) {
+        const id = changedOf(one, kind);
+        if (id) ids.add(id);
+      }
+      if (ids.size > before) timer ??= setTimeout(() => void renew(), GATHER_MS);
     });
     return () => {
-      over = true;
       stop();
       clearTimeout(timer);
     };
-  }, [kind, idOf, again]);
+  }, [kind, idOf, again, change]);
 
   const { held } = options;
   useEffect(() => {
-    if (!held) setShown((now) => settled(now, idOf));
-  }, [held, idOf]);
-
-  const insertNews = useCallback(() => {
-    const { news: rows } = latest.current;
-    setNews([]);
-    // A whole page of new rows may have more behind it: the list is read anew then.
-    if (latest.current.data && rows.length >= (latest.current.data.pages[0]?.items.length ?? 0))
-      again();
-    else setShown((now) => ({ rows: [...rows, ...now.rows], left: now.left }));
-  }, [again]);
+    if (!held) change(settled);
+  }, [held, change]);
 
   return {
     query,
-    rows: shown.rows,
-    left: shown.left,
-    news: news.length,
-    insertNews,
+    rows,
+    left: overlay.left,
+    news: overlay.news.length,
+    insertNews: () => {
+      // A whole page of new rows may have more behind it: the list is read anew then.
+      if (overlay.news.length >= (base?.items.length ?? 0)) again();
+      else change(inserted);
+    },
     more: () => {
       if (query.hasNextPage && !query.isFetchingNextPage) void query.fetchNextPage();
     },
   };
+}
+
+/** Returns the object of a kind that a change touches: a run's change also touches its batch. */
+function changedOf(change: Change, kind: Owned): string | undefined {
+  if (change.kind === kind) return change.id;
+  return kind === "run" ? undefined : change[`${kind}_id`];
 }
 
 /** Returns the tokens of the pages that have a changed row; the first page always, for new rows. */

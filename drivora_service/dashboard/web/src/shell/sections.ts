@@ -2,5 +2,6 @@
 export const SECTIONS = [
   { to: "/campaigns", name: "Campaigns", key: "c" },
   { to: "/runs", name: "Runs", key: "r" },
+  { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },
 ] as const;

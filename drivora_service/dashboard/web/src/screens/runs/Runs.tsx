@@ -29,7 +29,7 @@ export function Runs() {
   const names = useRunNames();
   const sha = firstOf(search, "scenario_sha256");
   const filters = {
-    ...askedBy(search, runFilters(undefined, names)),
+    ...askedBy(search, runFilters(undefined, names, search)),
     ...(sha && { scenario_sha256: sha }),
   };
   const oldestFirst = firstOf(search, "order") === "created_at";
@@ -74,7 +74,7 @@ export function Runs() {
         <h1>Runs</h1>
         {counts.data && <RunsAnswer counts={counts.data} search={search} />}
       </div>
-      <Filters filters={runFilters(counts.data, names)} search={search}>
+      <Filters filters={runFilters(counts.data, names, search)} search={search}>
         <div className="end">
           <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />
           <ColumnMenu all={all} ids={columns.ids} toggle={columns.toggle} reset={columns.reset} />

@@ -23,7 +23,7 @@ export const USUAL_COLUMNS = [
 /** Returns all columns that the list of runs can show. */
 export function runColumns(oldestFirst: boolean, onSort: () => void): readonly Column<Run>[] {
   return [
-    { id: "status", title: "Result", width: "175px", cell: (run) => <Mark {...lookOfRun(run)} /> },
+    { id: "status", title: "Result", width: "190px", cell: (run) => <Mark {...lookOfRun(run)} /> },
     {
       id: "label",
       title: "Label",
@@ -109,7 +109,12 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
       id: "batch_id",
       title: "Batch",
       width: "200px",
-      cell: (run) => <Same name="batch" value={run.batch_id} />,
+      cell: (run) =>
+        run.batch_id && (
+          <Link to="/batches/$batchId" params={{ batchId: run.batch_id }}>
+            <code>{run.batch_id}</code>
+          </Link>
+        ),
     },
     {
       id: "created_at",

@@ -1,4 +1,4 @@
-import type { Search } from "../../address";
+import { firstOf, type Search } from "../../address";
 import type { Schemas } from "../../api/client";
 import type { Filter } from "../../components/filterValues";
 import { NOT_JUDGED, STATUS_WORDS } from "./status";
@@ -16,7 +16,11 @@ export const ACCOUNTABILITY_WORDS: Readonly<Record<Schemas["Accountability"], st
 };
 
 /** Returns the filters of the list of runs; counts are those that each other value would give. */
-export function runFilters(counts: Counts | undefined, names: Names): readonly Filter[] {
+export function runFilters(
+  counts: Counts | undefined,
+  names: Names,
+  search: Search,
+): readonly Filter[] {
   return [
     {
       name: "status",
@@ -38,8 +42,10 @@ export function runFilters(counts: Counts | undefined, names: Names): readonly F
       title: "Oracle",
       single: true,
       counts: counts?.oracle ?? {},
-      hint: "Runs in which this oracle found a violation",
+      hint: "Runs in which this oracle found a violation, or the outcome that is chosen",
     },
+    // An outcome says something of an oracle only.
+    ...(firstOf(search, "oracle") ? [OUTCOME] : []),
     {
       name: "at_fault",
       title: "At fault",
@@ -83,6 +89,14 @@ export function runFilters(counts: Counts | undefined, names: Names): readonly F
     { name: "until", title: "Until", single: true, time: true, hint: "Queued before this time" },
   ];
 }
+
+const OUTCOME: Filter = {
+  name: "outcome",
+  title: "Outcome",
+  values: ["violated", "not_measurable"],
+  single: true,
+  hint: "What the oracle found: violated, unless said otherwise",
+};
 
 /** Names by id, for filters by what runs belong to. */
 export interface Names {

@@ -1,0 +1,164 @@
+import { useQuery } from "@tanstack/react-query";
+import { Link, useNavigate } from "@tanstack/react-router";
+import { useState } from "react";
+import { api, body } from "../../api/client";
+import { type Column, DataTable } from "../../components/DataTable";
+import { Mark } from "../../components/Mark";
+import { count, moment } from "../../components/numbers";
+import { Shares } from "../../components/Shares";
+import { Empty, Loading, Refused } from "../../components/States";
+import { News } from "../../lists/News";
+import { useLiveList } from "../../lists/useLiveList";
+import { useTitle } from "../../shell/useTitle";
+import { BatchActions } from "./BatchActions";
+import { type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
+
+const PAGE = 100;
+const idOf = (batch: Batch) => batch.id;
+
+const COLUMNS: readonly Column<Batch>[] = [
+  {
+    id: "name",
+    title: "Batch",
+    width: "minmax(180px, 2fr)",
+    cell: (batch) => (
+      <Link to="/batches/$batchId" params={{ batchId: batch.id }}>
+        {batch.name || <code>{batch.id}</code>}
+      </Link>
+    ),
+  },
+  {
+    id: "state",
+    title: "State",
+    width: "100px",
+    cell: (batch) => <Mark {...lookOfBatch(batch)} />,
+  },
+  { id: "priority", title: "Priority", width: "90px", cell: (batch) => batch.priority },
+  {
+    id: "progress",
+    title: "Progress",
+    width: "minmax(140px, 1fr)",
+    cell: (batch) => <Shares shares={sharesOf(batch)} of={batch.size} />,
+  },
+  {
+    id: "ended",
+    title: "Ended",
+    width: "80px",
+    numeric: true,
+    cell: (batch) => count(standingOf(batch).ended),
+  },
+  { id: "size", title: "Runs", width: "80px", numeric: true, cell: (batch) => count(batch.size) },
+  {
+    id: "violated",
+    title: "With violations",
+    width: "110px",
+    numeric: true,
+    cell: (batch) =>
+      batch.violated_runs > 0 ? (
+        <Link to="/runs" search={{ batch: batch.id, violated: "true" }}>
+          {count(batch.violated_runs)}
+        </Link>
+      ) : (
+        "0"
+      ),
+  },
+  {
+    id: "not_judged",
+    title: "Not judged",
+    width: "90px",
+    numeric: true,
+    cell: (batch) => count(standingOf(batch).notJudged),
+  },
+  {
+    id: "created_at",
+    title: "Queued at",
+    width: "162px",
+    cell: (batch) => moment(batch.created_at),
+  },
+  {
+    id: "actions",
+    title: "",
+    width: "150px",
+    cell: (batch) => (
+      <span className="row-actions">
+        <BatchActions batch={batch} />
+      </span>
+    ),
+  },
+];
+
+/** The batches that were submitted, newest first. */
+export function Batches() {
+  useTitle("Batches");
+  const navigate = useNavigate();
+  const [held, setHeld] = useState(false);
+  const { query, rows, left, news, insertNews, more } = useLiveList<Batch>({
+    key: ["batch", "list"],
+    kind: "batch",
+    ask: async (page_token) =>
+      body(
+        await api.GET("/api/v1/batches", {
+          params: { query: { limit: PAGE, ...(page_token ? { page_token } : {}) } },
+        }),
+      ),
+    idOf,
+    held,
+    newestFirst: true,
+  });
+  return (
+    <>
+      <div className="head">
+        <h1>Batches</h1>
+        <Answer />
+      </div>
+      {query.isPending ? (
+        <Loading />
+      ) : query.isError ? (
+        <Refused error={query.error} onRepeat={() => void query.refetch()} />
+      ) : rows.length === 0 ? (
+        <Empty
+          title="No batch yet"
+          command={`drivora run scenarios/ --server ${window.location.origin}`}
+        >
+          <p>Scenarios that are submitted together are a batch.</p>
+        </Empty>
+      ) : (
+        <div className="with-news">
+          <News news={news} onInsert={insertNews} />
+          <DataTable
+            label="Batches"
+            columns={COLUMNS}
+            rows={rows}
+            idOf={idOf}
+            left={left}
+            onHold={setHeld}
+            onEnd={more}
+            onOpen={({ id }) => void navigate({ to: "/batches/$batchId", params: { batchId: id } })}
+            height="calc(100vh - 150px)"
+          />
+        </div>
+      )}
+    </>
+  );
+}
+
+/** How many runs wait, whatever batch they are of. */
+function Answer() {
+  const counts = useQuery({
+    queryKey: ["run", "list", "counts", {}],
+    queryFn: async () => body(await api.GET("/api/v1/runs:counts")),
+  });
+  if (!counts.data) return null;
+  const { queued = 0, running = 0 } = counts.data.status;
+  return (
+    <p className="answer" role="status">
+      {queued + running === 0 ? (
+        "No run waits."
+      ) : (
+        <Link to="/runs" search={{ status: ["queued", "running"] }}>
+          {count(running)} running, {count(queued)} waiting
+        </Link>
+      )}
+    </p>
+  );
+}
