@@ -49,6 +49,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/agents",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/agents/Agents"), "Agents"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/batches",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/batches/Batches"), "Batches"),

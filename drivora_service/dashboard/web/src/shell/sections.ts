@@ -4,4 +4,5 @@ export const SECTIONS = [
   { to: "/runs", name: "Runs", key: "r" },
   { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },
+  { to: "/agents", name: "Agents", key: "a" },
 ] as const;
