@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from sqlalchemy import insert
@@ -24,10 +24,12 @@ from drivora_service.store.campaign_tables import (
     FailureRow,
 )
 from drivora_service.store.database import Database
+from drivora_service.store.found_tables import FoundRow
 
 CAMPAIGNS = 300
 _BEGIN = datetime(2026, 1, 1, tzinfo=UTC)
 _CHUNK = 5000
+_RULES = ("following", "cut_in", "standing", "right_of_way", "signals", "across")
 
 
 def fill_campaigns(database: Database, evaluations: int) -> None:
@@ -121,6 +123,7 @@ def _fill_chunk(
     session.execute(insert(EvaluationRow), evaluations)
     if failures:
         session.execute(insert(FailureRow), failures)
+        session.execute(insert(FoundRow), [_found(failure) for failure in failures])
 
 
 def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[dict[str, Any]]:
@@ -139,6 +142,17 @@ def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[d
             "group": draw.randrange(8),
             "verdict": _VERDICT,
         }
+
+
+def _found(failure: dict[str, Any]) -> dict[str, Any]:
+    same = ("campaign_seq", "number", "place", "oracle", "at_fault", "accountability")
+    return {name: failure[name] for name in same} | {
+        "found_at": _BEGIN + timedelta(seconds=10 * failure["number"]),
+        "group": f"{failure['oracle']}|npc_vehicle, front|{_RULES[failure['group'] % len(_RULES)]}",
+        "agent": "idm",
+        "town": "Town01",
+        "confirmation": failure["confirmation"],
+    }
 
 
 def _count(

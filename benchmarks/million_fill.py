@@ -24,6 +24,7 @@ from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
 from drivora_service.store.facets import Facet, add_counts, facet_key
+from drivora_service.store.found_tables import FoundRow
 from drivora_service.store.tables import (
     AttemptRow,
     BatchRow,
@@ -63,7 +64,14 @@ _FAULTS = (
 _BEGIN = datetime(2026, 1, 1, tzinfo=UTC)
 _CHUNK = 5000
 
-Table = type[DocumentRow] | type[RunRow] | type[ReportRow] | type[VerdictRow] | type[AttemptRow]
+Table = (
+    type[DocumentRow]
+    | type[RunRow]
+    | type[ReportRow]
+    | type[VerdictRow]
+    | type[AttemptRow]
+    | type[FoundRow]
+)
 
 
 def fill_runs(database: Database, runs: int) -> None:
@@ -146,6 +154,7 @@ def _fill_chunk(
         ReportRow: [],
         VerdictRow: [],
         AttemptRow: [],
+        FoundRow: [],
     }
     counts: Counter[tuple[int, Facet]] = Counter()
     for index in range(count):
@@ -242,6 +251,24 @@ def _fill_chunk(
                 "facet": key,
             }
             for oracle, outcome, how in verdicts
+        ]
+        # The verdicts of the report are always the same: the first one stands for all.
+        rows[FoundRow] += [
+            {
+                "found_at": when,
+                "run_seq": seq,
+                "batch_seq": batch_seq,
+                "place": 0,
+                "oracle": oracle,
+                "group_name": f"{oracle}|npc_vehicle, front|following",
+                "agent": facet.agent,
+                "town": facet.town,
+                "at_fault": how[0],
+                "accountability": how[1],
+                "confirmation": "",
+            }
+            for oracle, outcome, how in verdicts
+            if outcome is Outcome.VIOLATED
         ]
     connection = session.connection()
     for table, values in rows.items():

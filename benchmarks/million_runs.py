@@ -135,6 +135,15 @@ _OTHERS = {
     "evaluations, generation + status": (
         "/campaigns/CAMPAIGN/evaluations?generation=900&status=invalid"
     ),
+    "all failures": "/failures",
+    "all failures, avoidable": "/failures?accountability=avoidable",
+    "all failures, agent, only old": "/failures?agent=retired-agent",
+    "all failures, none": "/failures?oracle=deadlock",
+    "all failures, campaign": "/failures?campaign=CAMPAIGN",
+    "all failures, since": "/failures?since=2026-01-10T00:00:00Z&oracle=collision",
+    "groups of failures": "/failures/groups",
+    "groups of failures, avoidable": "/failures/groups?accountability=avoidable",
+    "groups of failures, campaign": "/failures/groups?campaign=CAMPAIGN",
     "failures": "/campaigns/CAMPAIGN/failures",
     "failures, kind": "/campaigns/CAMPAIGN/failures?kind=collision|road 59",
     "failures, kind, none": "/campaigns/CAMPAIGN/failures?kind=none",

@@ -7,12 +7,11 @@ kind may still differ much; ``campaigns.grouping`` compares their numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.oracles.failure_facts import relation
 from drivora_service.oracles.verdict import Verdict
 
 _SEPARATOR = "|"
@@ -46,16 +45,3 @@ class FailureKinds:
 def junction_of(internal_edge_id: str) -> str:
     """Returns the junction of an internal edge: SUMO calls them ``:JUNCTION_NUMBER``."""
     return internal_edge_id.removeprefix(":").rpartition("_")[0]
-
-
-def relation(evidence: Mapping[str, Any]) -> str:
-    """Returns the relation of the other actor to the ego from an oracle's evidence, or "".
-
-    For a collision it is the role of the other actor and the touched part of the ego; for a
-    deadlock, the number of actors that wait for one another.
-    """
-    cycle = evidence.get("cycle")
-    if isinstance(cycle, list | tuple):
-        return f"cycle of {len(cycle)}"
-    told = (evidence.get("counterpart_role"), evidence.get("face"))
-    return ", ".join(str(part) for part in told if part)

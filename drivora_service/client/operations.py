@@ -11,6 +11,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
 from drivora_service.client.call import Call, Listing
 from drivora_service.client.calls import campaigns as campaign_calls
 from drivora_service.client.calls import catalogues as catalogue_calls
+from drivora_service.client.calls import failures as failure_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import runs as run_calls
 from drivora_service.client.calls import studies as study_calls
@@ -141,6 +142,10 @@ class Operations:
     figures = Answered(campaign_calls.figures)
     discoveries = Answered(campaign_calls.discoveries)
     compare_campaigns = Answered(campaign_calls.compare_campaigns)
+
+    found_failures = Listed(failure_calls.found_failures)
+    found_failure = Answered(failure_calls.found_failure)
+    failure_groups = Listed(failure_calls.failure_groups)
 
     post_study = Answered(study_calls.post_study)
     studies = Listed(study_calls.studies)

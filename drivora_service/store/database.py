@@ -27,6 +27,7 @@ from drivora_service.store.changes import ChangeCounter
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
 from drivora_service.store.figures import FigureRepository
+from drivora_service.store.found_lists import FoundRepository
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
@@ -89,6 +90,11 @@ class Transaction:
     def changes(self) -> ChangeRepository:
         """The changes of runs, batches, campaigns and studies."""
         return ChangeRepository(self.session)
+
+    @property
+    def found(self) -> FoundRepository:
+        """The failures of all campaigns and batches."""
+        return FoundRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:

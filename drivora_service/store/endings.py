@@ -16,6 +16,11 @@ from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.candidates import candidate_to_json
 from drivora_service.store.facets import facet_key, facet_of
+from drivora_service.store.found_writing import (
+    forget_found,
+    found_in_run,
+    write_found_in_runs,
+)
 from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
 
@@ -43,6 +48,7 @@ def reset_run(session: Session, row: RunRow) -> None:
     """Resets an ended run to its state before the first attempt; its attempts stay on record."""
     session.execute(delete(ReportRow).where(ReportRow.run_seq == row.seq))
     session.execute(delete(VerdictRow).where(VerdictRow.run_seq == row.seq))
+    forget_found(session, row.seq)
     row.cause = row.trace_sha256 = ""
     row.started_at = row.ended_at = row.not_before = None
     row.violations = row.at_fault_violations = row.observations = None
@@ -61,6 +67,15 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
     session.add_all(
         VerdictRow(**values) for values in verdict_values(row.seq, row.batch_seq, facet, report)
     )
+    found = found_in_run(
+        report,
+        run_seq=row.seq,
+        batch_seq=row.batch_seq,
+        agent=row.agent,
+        town=row.town,
+        found_at=ended,
+    )
+    write_found_in_runs(session, found)
 
 
 def end_values(report: RunReport, *, keeps_trace: bool, ended: datetime) -> dict[str, Any]:

@@ -29,6 +29,11 @@ from drivora_service.store.failure_kinds import (
     count_failures,
     count_groups,
 )
+from drivora_service.store.found_writing import (
+    confirm_found,
+    found_in_campaign,
+    write_found_in_campaign,
+)
 from drivora_service.store.tables import DocumentRow
 
 
@@ -69,15 +74,25 @@ class EvaluationRepository:
             rows = [_new_row(campaign.seq, record, now) for record, _ in entries]
             self._session.execute(insert(EvaluationRow), rows)
         best: dict[str, list[float]] = json.loads(campaign.best)
+        found: list[dict[str, Any]] = []
         for record, _ in entries:
             if record.violations:
                 failures = _failure_rows(campaign.seq, record)
                 self._session.add_all(failures)
                 count_failures(self._session, failures)
+                found += found_in_campaign(
+                    record.violations,
+                    campaign_seq=campaign.seq,
+                    number=record.number,
+                    agent=campaign.agent,
+                    town=_town(campaign, record.seed_number),
+                    found_at=now,
+                )
             _count(campaign, record)
             measurement = record.report.measurement
             if measurement is not None and record.status is EvaluationStatus.JUDGED:
                 best = _better(best, record.number, measurement)
+        write_found_in_campaign(self._session, found)
         campaign.best = json.dumps(best)
         campaign.active_s += active_s
         campaign.updated_at = now
@@ -188,6 +203,7 @@ class EvaluationRepository:
             )
         ).all()
         count_confirmation(self._session, failures, confirmation)
+        confirm_found(self._session, campaign.seq, number, confirmation)
         for failure in failures:
             failure.confirmation, failure.trace = confirmation, trace
 
@@ -234,6 +250,15 @@ def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> Eval
         known = (f"0 to {campaign.evaluations - 1}",) if campaign.evaluations else ()
         raise UnknownName("evaluation", str(number), known)
     return row
+
+
+def _town(campaign: CampaignRow, seed_number: int) -> str:
+    """Returns the road network of a seed scenario."""
+    seeds = json.loads(campaign.document).get("scenarios") or ()
+    if seed_number >= len(seeds):
+        return campaign.town
+    town: str = seeds[seed_number]["scenario"]["map_region"]["town"]
+    return town
 
 
 def _failure_rows(campaign_seq: int, record: EvaluationRecord) -> list[FailureRow]:

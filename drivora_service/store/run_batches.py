@@ -19,6 +19,7 @@ from drivora_service.runs.lifecycle import RunState, Transition
 from drivora_service.runs.report import RunFailure, RunReport
 from drivora_service.store.endings import end_values, report_values, verdict_values
 from drivora_service.store.facets import Facet, FacetChanges, add_counts, facet_key
+from drivora_service.store.found_writing import found_in_run, write_found_in_runs
 from drivora_service.store.queued_runs import ATTEMPTS, RUNS, QueuedRun, facet_after
 from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, ReportRow, VerdictRow
@@ -44,6 +45,7 @@ class RunBatch:
         self._ended: list[Row] = []
         self._reports: list[Row] = []
         self._verdicts: list[Row] = []
+        self._found: list[Row] = []
         self._counts: FacetChanges = Counter()
         self._queued: Counter[int] = Counter()
         self._served: Counter[int] = Counter()
@@ -146,6 +148,14 @@ class RunBatch:
         values["facet"] = facet = self._count(run, after)
         self._ended.append(values)
         self._verdicts += verdict_values(run.seq, run.batch_seq, facet, report)
+        self._found += found_in_run(
+            report,
+            run_seq=run.seq,
+            batch_seq=run.batch_seq,
+            agent=run.agent,
+            town=run.town,
+            found_at=ended,
+        )
 
     def _count(self, run: QueuedRun, after: Facet) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
@@ -176,6 +186,7 @@ class RunBatch:
         ):
             if rows:
                 connection.execute(statement, rows)
+        write_found_in_runs(self._session, self._found)
         add_counts(self._session, self._counts)
         self._write_batches(connection, first + len(changed))
 

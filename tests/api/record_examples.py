@@ -41,6 +41,9 @@ _TIMES = {
     "ended_at": "2026-03-02T09:30:21Z",
     "updated_at": "2026-03-02T09:30:21Z",
     "told_at": "2026-03-02T09:30:04Z",
+    "found_at": "2026-03-02T09:30:04Z",
+    "first_seen": "2026-03-02T09:30:04Z",
+    "last_seen": "2026-03-02T09:30:19Z",
 }
 _REVISION = 4711
 _DURATIONS = {
@@ -203,6 +206,11 @@ class _Recording:
         self._keep(examples.EVALUATION, self._get(evaluation))
         self._keep(examples.EVALUATION_SCENARIO, self._get(f"{evaluation}/scenario"))
         self._keep(examples.EVALUATION_FRAME, self._lines(f"{evaluation}/observations", 1))
+        wanted = "oracle=collision&accountability=avoidable"
+        found = self._get(f"/failures?{wanted}&limit=1")
+        self._keep(examples.FOUND_FAILURES, found)
+        self._keep(examples.FOUND_FAILURE, self._get(f"/failures/{found['items'][0]['id']}"))
+        self._keep(examples.FAILURE_GROUPS, self._get("/failures/groups?limit=2"))
         studied = [
             self._post(
                 "/campaigns",

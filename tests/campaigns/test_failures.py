@@ -10,8 +10,9 @@ import pytest
 from sklearn.cluster import DBSCAN
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.failure_kinds import FailureKinds, junction_of, relation
+from drivora_service.campaigns.failure_kinds import FailureKinds, junction_of
 from drivora_service.campaigns.grouping import Grouping, scale, situation_features
+from drivora_service.oracles.failure_facts import relation
 from drivora_service.oracles.verdict import Outcome, Verdict
 
 

@@ -417,6 +417,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/failures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Failures
+         * @description Lists the failures of all campaigns and batches, the last found first.
+         */
+        get: operations["list_failures_api_v1_failures_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/groups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Groups
+         * @description Lists the groups of the failures that pass the filters, the last seen first.
+         */
+        get: operations["list_groups_api_v1_failures_groups_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/{number}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Failure
+         * @description Returns a failure of a campaign or of a run.
+         */
+        get: operations["get_failure_api_v1_failures__number__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs": {
         parameters: {
             query?: never;
@@ -2531,6 +2591,66 @@ export interface components {
             verdict: components["schemas"]["Verdict"];
         };
         /**
+         * FailureGroup
+         * @description Failures of one group that pass a filter.
+         */
+        FailureGroup: {
+            /**
+             * Avoidable
+             * @description Those that are the fault of an ego and avoidable.
+             */
+            avoidable: number;
+            /**
+             * Campaigns
+             * @description Number of campaigns that found some.
+             */
+            campaigns: number;
+            /**
+             * Failures
+             * @description Number of failures.
+             */
+            failures: number;
+            /**
+             * Failures Url
+             * @description Address of its failures.
+             */
+            failures_url: string;
+            /**
+             * First Seen
+             * Format: date-time
+             * @description When the first was found.
+             */
+            first_seen: string;
+            /**
+             * Group
+             * @description Oracle, relation of the other actor to the ego, and manoeuvre.
+             */
+            group: string;
+            /**
+             * Last Seen
+             * Format: date-time
+             * @description When the last was found.
+             */
+            last_seen: string;
+            /** Oracle */
+            oracle: string;
+            /**
+             * Others
+             * @description The others.
+             */
+            others: number;
+            /**
+             * Sentence
+             * @description The facts of the example.
+             */
+            sentence: string;
+            /**
+             * Towns
+             * @description Number of road networks.
+             */
+            towns: number;
+        };
+        /**
          * FailureKind
          * @description Failures of one kind. All numbers but `violations` count simulations.
          */
@@ -2605,6 +2725,100 @@ export interface components {
              * @default []
              */
             privileged: string[];
+        };
+        /**
+         * FoundFailure
+         * @description A failure of a campaign, or a violation that counts of a run outside campaigns.
+         */
+        FoundFailure: {
+            /** @description null if it was judged before this was recorded. */
+            accountability: components["schemas"]["Accountability"] | null;
+            /** Agent */
+            agent: string;
+            /** At Fault */
+            at_fault: boolean | null;
+            /**
+             * Avoidable Until
+             * @description Last moment at which braking would have avoided it, simulation time in seconds; null if it was not avoidable, or that is not measurable.
+             */
+            avoidable_until: number | null;
+            /**
+             * Batch Id
+             * @description Batch of the run; empty in campaigns, and for a job that was posted singly.
+             */
+            batch_id: string;
+            /**
+             * Campaign Id
+             * @description Campaign that found it; empty for a run outside campaigns.
+             */
+            campaign_id: string;
+            /** @description Whether an identical run repeated it; null outside campaigns. */
+            confirmation: components["schemas"]["Confirmation"] | null;
+            /**
+             * Evaluation
+             * @description Number of its evaluation; null outside campaigns.
+             */
+            evaluation: number | null;
+            /**
+             * Found At
+             * Format: date-time
+             */
+            found_at: string;
+            /**
+             * Group
+             * @description Oracle, relation of the other actor to the ego, and manoeuvre: the same on all road networks and in all campaigns.
+             */
+            group: string;
+            /**
+             * Id
+             * @description Grows with the time at which it was found.
+             */
+            id: number;
+            /**
+             * Is Recorded
+             * @description Whether there is a recording of its run.
+             */
+            is_recorded: boolean;
+            /**
+             * Kind
+             * @description Its kind in the campaign; empty outside campaigns.
+             */
+            kind: string;
+            /** Oracle */
+            oracle: string;
+            /**
+             * Picture Url
+             * @description Address of a picture of its moments; empty if none can be drawn, because nothing is recorded.
+             */
+            picture_url: string;
+            /**
+             * Place
+             * @description Its place among the failures of the evaluation, or among the verdicts of the run.
+             */
+            place: number;
+            /**
+             * Run Id
+             * @description Id of its run; empty if there is none any more.
+             */
+            run_id: string;
+            /**
+             * Run Url
+             * @description Address of its run; empty if there is none any more.
+             */
+            run_url: string;
+            /**
+             * Scenario Url
+             * @description Address of its scenario.
+             */
+            scenario_url: string;
+            /**
+             * Sentence
+             * @description Its facts: parties, speed, manoeuvre, place, fault.
+             */
+            sentence: string;
+            /** Town */
+            town: string;
+            verdict: components["schemas"]["Verdict"];
         };
         /**
          * Frame
@@ -3392,9 +3606,37 @@ export interface components {
          * Page
          * @description One page of a list, and the token of the next.
          */
+        Page_FailureGroup_: {
+            /** Items */
+            items: components["schemas"]["FailureGroup"][];
+            /**
+             * Next Page Token
+             * @description Value of `page_token` for the next page; empty at the end.
+             * @default
+             */
+            next_page_token: string;
+        };
+        /**
+         * Page
+         * @description One page of a list, and the token of the next.
+         */
         Page_Failure_: {
             /** Items */
             items: components["schemas"]["Failure"][];
+            /**
+             * Next Page Token
+             * @description Value of `page_token` for the next page; empty at the end.
+             * @default
+             */
+            next_page_token: string;
+        };
+        /**
+         * Page
+         * @description One page of a list, and the token of the next.
+         */
+        Page_FoundFailure_: {
+            /** Items */
+            items: components["schemas"]["FoundFailure"][];
             /**
              * Next Page Token
              * @description Value of `page_token` for the next page; empty at the end.
@@ -6921,6 +7163,240 @@ export interface operations {
             };
         };
     };
+    list_failures_api_v1_failures_get: {
+        parameters: {
+            query?: {
+                /** @description Items of a page. */
+                limit?: number;
+                /** @description `next_page_token` of the page before, of the same query. */
+                page_token?: string;
+                /** @description Of this oracle. */
+                oracle?: string;
+                /** @description Of this group. */
+                group?: string;
+                /** @description By the fault of an ego, or not. */
+                at_fault?: boolean | null;
+                /** @description For which an ego is accountable so far; `avoidable`: its fault. */
+                accountability?: components["schemas"]["Accountability"] | null;
+                /** @description Of this agent. */
+                agent?: string;
+                /** @description On this network. */
+                town?: string;
+                /** @description Found by this campaign. */
+                campaign?: string;
+                /** @description Of runs of this batch, outside campaigns. */
+                batch?: string;
+                /** @description Whether it happened again, in a campaign. */
+                confirmation?: components["schemas"]["Confirmation"] | null;
+                /** @description Found at this time or later. */
+                since?: string | null;
+                /** @description Found before this time. */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_FoundFailure_"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_groups_api_v1_failures_groups_get: {
+        parameters: {
+            query?: {
+                /** @description Items of a page. */
+                limit?: number;
+                /** @description `next_page_token` of the page before, of the same query. */
+                page_token?: string;
+                /** @description Of this oracle. */
+                oracle?: string;
+                /** @description Of this group. */
+                group?: string;
+                /** @description By the fault of an ego, or not. */
+                at_fault?: boolean | null;
+                /** @description For which an ego is accountable so far; `avoidable`: its fault. */
+                accountability?: components["schemas"]["Accountability"] | null;
+                /** @description Of this agent. */
+                agent?: string;
+                /** @description On this network. */
+                town?: string;
+                /** @description Found by this campaign. */
+                campaign?: string;
+                /** @description Of runs of this batch, outside campaigns. */
+                batch?: string;
+                /** @description Whether it happened again, in a campaign. */
+                confirmation?: components["schemas"]["Confirmation"] | null;
+                /** @description Found at this time or later. */
+                since?: string | null;
+                /** @description Found before this time. */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_FailureGroup_"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_failure_api_v1_failures__number__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the failure. */
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundFailure"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     list_jobs_api_v1_jobs_get: {
         parameters: {
             query?: {
@@ -8882,7 +9358,7 @@ export interface operations {
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 0.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
                      */
                     "text/plain": string;
                 };

@@ -1,0 +1,62 @@
+"""Failures of all campaigns and batches, with their addresses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivora_service.shapes import combine
+from drivora_service.store import found_records
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundFailure(found_records.FoundFailure):
+    """A failure of a campaign, or a violation that counts of a run outside campaigns.
+
+    Attributes:
+        run_url: Address of its run; empty if there is none any more.
+        scenario_url: Address of its scenario.
+        picture_url: Address of a picture of its moments; empty if none can be drawn, because
+            nothing is recorded.
+    """
+
+    run_url: str
+    scenario_url: str
+    picture_url: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureGroup(found_records.FailureGroup):
+    """Failures of one group that pass a filter.
+
+    Attributes:
+        failures_url: Address of its failures.
+    """
+
+    example: FoundFailure
+    failures_url: str
+
+
+def found_failure_of(failure: found_records.FoundFailure, base: str) -> FoundFailure:
+    """Returns a failure with its addresses; ``base`` is the address of the API."""
+    run = f"{base}/runs/{failure.run_id}" if failure.run_id else ""
+    evaluation = f"{base}/campaigns/{failure.campaign_id}/evaluations/{failure.evaluation}"
+    own = evaluation if failure.campaign_id else run
+    return combine(
+        FoundFailure,
+        failure,
+        run_url=run,
+        scenario_url=f"{own}/scenario",
+        picture_url=f"{own}/picture" if failure.is_recorded else "",
+    )
+
+
+def failure_group_of(
+    group: found_records.FailureGroup, base: str, failures_url: str
+) -> FailureGroup:
+    """Returns a group with its addresses; ``base`` is the address of the API."""
+    return combine(
+        FailureGroup,
+        group,
+        example=found_failure_of(group.example, base),
+        failures_url=failures_url,
+    )
