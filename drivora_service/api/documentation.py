@@ -71,6 +71,12 @@ def observations_answers(example: str, *errors: int) -> dict[int | str, dict[str
     return _with_errors({"description": "One frame a step", "content": content}, errors)
 
 
+def series_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer as JSON with a recorded example, or as Arrow, and the errors."""
+    content = {JSON: {"example": example}, ARROW: _BINARY}
+    return _with_errors({"description": "Done", "content": content}, errors)
+
+
 def table_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
     """Documents an answer with a table, and the errors."""
     content = {

@@ -76,6 +76,7 @@ RUNS = RECORDED + "runs.json"
 RUN_COUNTS = RECORDED + "run-counts.json"
 RUN_SCENARIO = RECORDED + "run-scenario.json"
 FRAME = RECORDED + "frame.ndjson"
+SERIES = RECORDED + "series.json"
 TIMELINE = RECORDED + "timeline.json"
 
 CAMPAIGN_VALIDATION = RECORDED + "campaign-validation.json"

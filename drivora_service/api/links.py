@@ -29,6 +29,7 @@ _RUN = (
     "GET /runs/{run_id}/scenario",
     "GET /runs/{run_id}/observations",
     "GET /runs/{run_id}/timeline",
+    "GET /runs/{run_id}/series",
 )
 _JOB = ("GET /jobs/{job_id}", "POST /jobs/{job_id}:cancel")
 _BATCH = (

@@ -17,6 +17,7 @@ import numpy as np
 from scipy import signal
 
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.observations.own_frame import own_acceleration
 from drivora_service.observations.trace import Col
 
 SMOOTHING_TIME = 0.4
@@ -63,9 +64,9 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     derivative = max(round(DERIVATIVE_TIME / step_length), _ORDER + 1)
     if len(states) < max(smoothing, derivative):
         return None
-    cos, sin = np.cos(states[:, Col.YAW]), np.sin(states[:, Col.YAW])
+    along, across = own_acceleration(states)
     ax, ay = states[:, Col.AX], states[:, Col.AY]
-    own = np.stack((ax * cos + ay * sin, ay * cos - ax * sin, states[:, Col.YAW_RATE]))
+    own = np.stack((along, across, states[:, Col.YAW_RATE]))
     smooth = signal.savgol_filter(own, smoothing, _ORDER)
     rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
     slopes = signal.savgol_filter(rising, derivative, _ORDER, deriv=1, delta=step_length)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
 from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.trace import LEVEL_GAP, Col, Trace
@@ -64,6 +64,7 @@ class Proximity:
         min_gap_row: Row of ``min_gap`` among the judged rows, -1 without others.
         min_gap_actor: Row of that actor in the trace, -1 without others.
         time_to_collision: (n,) seconds to the first contact with any actor, inf beyond ``HORIZON``.
+        time_to_collision_actor: (n,) row of that actor in the trace, -1 if there is none.
         forward_time_to_collision: (n,) the same for actors that are not behind.
         drac: (n,) deceleration to avoid a crash, m/s²: squared closing speed over twice the gap; 0
             if no gap closes, inf without a gap.
@@ -80,6 +81,7 @@ class Proximity:
     min_gap_row: int
     min_gap_actor: int
     time_to_collision: FloatArray
+    time_to_collision_actor: Int32Array
     forward_time_to_collision: FloatArray
     drac: FloatArray
     required_deceleration: FloatArray
@@ -107,8 +109,9 @@ def look_around(
     safe = safe or SafeDistance()
     n = max(stop - start, 0)
     sizes = _sizes(trace)
-    series = np.zeros((5, n))
+    series = np.zeros((6, n))
     series[:2] = np.inf
+    series[5] = -1.0
     states = np.ascontiguousarray(trace.states)
     present = np.ascontiguousarray(trace.present)
     gap, gap_row, gap_actor = _scan(
@@ -133,6 +136,7 @@ def look_around(
         min_gap_row=gap_row,
         min_gap_actor=gap_actor,
         time_to_collision=series[0],
+        time_to_collision_actor=series[5].astype(np.int32),
         forward_time_to_collision=series[1],
         drac=series[2],
         required_deceleration=series[3],
@@ -181,7 +185,7 @@ def _scan(
     safe: tuple[float, float, float, float],
     series: FloatArray,
 ) -> tuple[float, int, int]:
-    """Fills ``series`` (5, n) and returns the least gap, its judged row, and its actor."""
+    """Fills ``series`` (6, n) and returns the least gap, its judged row, and its actor."""
     actors = states.shape[1]
     length, width = sizes[row, 0], sizes[row, 1]
     radius = 0.5 * math.hypot(length, width)
@@ -222,7 +226,8 @@ def _scan(
                     dx, dy, dvx, dvy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1]
                 )
                 if time <= horizon:
-                    series[0, k] = min(series[0, k], time)
+                    if time < series[0, k]:
+                        series[0, k], series[5, k] = time, j
                     bearing = abs(math.atan2(-dx * sin + dy * cos, dx * cos + dy * sin))
                     if bearing < behind:
                         series[1, k] = min(series[1, k], time)
@@ -262,7 +267,7 @@ def _keep_distance(
             standing.
         lead_braking: Deceleration of the actor ahead, m/s², not negative.
         safe: ``SafeDistance`` as numbers.
-        series: (5, n) rows 2, 3 and 4 are changed in place.
+        series: (6, n) rows 2, 3 and 4 are changed in place.
     """
     room = max(room, 0.0)
     closing = speed - lead

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,3 +58,22 @@ class PartsFile:
     def close(self) -> None:
         """Ends the file; what was written can still be taken."""
         self.closed = True
+
+
+def one_batch(columns: Mapping[str, NDArray[Any]], metadata: Mapping[str, str]) -> TableStream:
+    """Returns columns of numbers as a stream of one batch without nulls.
+
+    Args:
+        columns: (n,) values by name.
+        metadata: Of the schema.
+    """
+    arrays = [pa.array(np.ascontiguousarray(values)) for values in columns.values()]
+    schema = pa.schema(
+        [
+            pa.field(name, array.type, nullable=False)
+            for name, array in zip(columns, arrays, strict=True)
+        ],
+        metadata=dict(metadata),
+    )
+    batch = pa.RecordBatch.from_arrays(arrays, schema=schema)
+    return TableStream(schema=schema, batches=iter((batch,)))

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from functools import cache
 from importlib.metadata import version
+from typing import TYPE_CHECKING, Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import examples
+from drivora_service.api.arrow_answer import ARROW, accepted_form, arrow_answer
 from drivora_service.api.compression import compressed_answer
 from drivora_service.api.conditional import JSON, digest
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.recorded_run import recorded_run, view_of
+from drivora_service.api.documentation import answers, series_answers
+from drivora_service.api.recorded_run import ego_of, recorded_run, view_of
 from drivora_service.api.resource_router import resource_router
+from drivora_service.api.schemas.series import Series
 from drivora_service.api.schemas.timeline import Timeline
 from drivora_service.api.security import reader
 
+if TYPE_CHECKING:
+    from drivora_service.observations.table_stream import TableStream
+
 router = resource_router("runs", Depends(reader))
+
+EgoRow = Annotated[int, Query(ge=0, le=10**4, description="Row of the ego in the trace, from 0.")]
 
 
 @router.get(
@@ -35,6 +43,33 @@ def get_timeline(request: Request, context: Context, run_id: str) -> Response:
         return timeline_of(run.record, view_of(context, run)).model_dump_json().encode()
 
     etag = digest(f"timeline {_software()} {run.state}".encode())
+    return compressed_answer(request, content, media_type=JSON, etag=etag)
+
+
+@router.get(
+    "/runs/{run_id:id}/series",
+    response_model=Series,
+    responses=series_answers(examples.SERIES, 401, 403, 404, 406, 409),
+)
+def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
+    """Returns values of an ego by step, as oracles and metrics measure them; also as Arrow."""
+    run = recorded_run(context, run_id)
+    form = accepted_form(request, (JSON, ARROW))
+    etag = digest(f"series {ego} {_software()} {run.state}".encode())
+    if form == ARROW:
+
+        def table() -> TableStream:
+            from drivora_service.api.run_series import series_table
+
+            return series_table(run_id, ego_of(view_of(context, run), ego))
+
+        return arrow_answer(request, table, etag=etag)
+
+    def content() -> bytes:
+        from drivora_service.api.run_series import series_json
+
+        return series_json(run_id, ego_of(view_of(context, run), ego))
+
     return compressed_answer(request, content, media_type=JSON, etag=etag)
 
 

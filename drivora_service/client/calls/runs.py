@@ -12,6 +12,7 @@ from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
+    from drivora_service.api.schemas.series import Series
     from drivora_service.api.schemas.timeline import Timeline
     from drivora_service.store.records import JobFilter, RunSummary
     from drivora_service.store.run_counts import RunCounts
@@ -88,6 +89,24 @@ def run_timeline(run_id: str) -> Call[Timeline]:
     from drivora_service.api.schemas.timeline import Timeline
 
     return get(f"{PREFIX}/runs/{{run_id}}/timeline", Timeline, run_id=run_id)
+
+
+def run_series(run_id: str, *, ego: int = 0) -> Call[Series]:
+    """Returns values of an ego by step, as oracles and metrics measure them.
+
+    Args:
+        run_id: Id of the run.
+        ego: Row of the ego in the trace, from 0.
+    """
+    from drivora_service.api.schemas.series import Series
+
+    return get(
+        f"{PREFIX}/runs/{{run_id}}/series",
+        Series,
+        query={"ego": ego},
+        accept="application/json",
+        run_id=run_id,
+    )
 
 
 def observation_query(

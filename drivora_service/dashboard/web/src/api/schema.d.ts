@@ -701,6 +701,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/runs/{run_id}/series": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Series
+         * @description Returns values of an ego by step, as oracles and metrics measure them; also as Arrow.
+         */
+        get: operations["get_series_api_v1_runs__run_id__series_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/runs/{run_id}/timeline": {
         parameters: {
             query?: never;
@@ -4316,6 +4336,57 @@ export interface components {
              * @description Candidates with at least one failure.
              */
             violating: number;
+        };
+        /**
+         * Series
+         * @description Values of an ego by step, from the first to the last step of its part.
+         */
+        Series: {
+            /**
+             * Actors
+             * @description Ids of all actors in the order of their rows.
+             */
+            actors: string[];
+            /** Columns */
+            columns: components["schemas"]["SeriesColumnHead"][];
+            /** Ego */
+            ego: string;
+            /**
+             * Lanes
+             * @description SUMO's ids of the lanes by their index.
+             */
+            lanes: {
+                [key: string]: string;
+            };
+            /**
+             * Row
+             * @description Row of the ego in the trace.
+             */
+            row: number;
+            /** Run Id */
+            run_id: string;
+            /**
+             * Values
+             * @description By the names of the columns; null where a value is missing.
+             */
+            values: {
+                [key: string]: (number | null)[];
+            };
+        };
+        /**
+         * SeriesColumnHead
+         * @description What a column of a series is.
+         */
+        SeriesColumnHead: {
+            /** Description */
+            description: string;
+            /** Name */
+            name: string;
+            /**
+             * Unit
+             * @description "" for numbers without one.
+             */
+            unit: string;
         };
         /**
          * Severity
@@ -8257,6 +8328,95 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_series_api_v1_runs__run_id__series_get: {
+        parameters: {
+            query?: {
+                /** @description Row of the ego in the trace, from 0. */
+                ego?: number;
+            };
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Series"];
+                    "application/vnd.apache.arrow.stream": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
