@@ -67,6 +67,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/runs/$runId",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/replay/Run"), "Run"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/networks",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/networks/Networks"), "Networks"),

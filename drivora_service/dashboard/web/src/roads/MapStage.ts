@@ -86,8 +86,9 @@ export class MapStage {
     this.onCamera?.(camera, byHand);
   }
 
-  fit(box: readonly [number, number, number, number], nearest?: number): void {
-    this.look(cameraOf(box, this.px, 28, nearest), true);
+  /** Shows a box; `byHand` tells whether the reader asked for it. */
+  fit(box: readonly [number, number, number, number], byHand = true, nearest?: number): void {
+    this.look(cameraOf(box, this.px, 28, nearest), byHand);
   }
 
   zoom(factor: number): void {

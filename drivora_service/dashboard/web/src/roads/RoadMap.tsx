@@ -57,7 +57,7 @@ export function RoadMap({ geometry, label, onMap, camera, onCamera, children }: 
         };
         undo = latest.current.onMap({ stage: made, signals, palette });
         if (latest.current.camera) made.look(latest.current.camera);
-        else made.fit(geometry.bounds as [number, number, number, number]);
+        else made.fit(geometry.bounds as [number, number, number, number], false);
       },
       (error: unknown) => setFailure(error instanceof Error ? error.message : String(error)),
     );

@@ -81,7 +81,7 @@ export function NetworkMap({
     // A lane that was clicked is in sight already.
     if (first.current) first.current = undefined;
     else if (box.every(Number.isFinite) && !(what === "lane" && clicked?.place.lane.id === id))
-      map.stage.fit(box, 12);
+      map.stage.fit(box, true, 12);
     map.stage.draw();
   }, [map, geometry, what, id, clicked]);
 

@@ -1,0 +1,242 @@
+import { useNavigate, useSearch } from "@tanstack/react-router";
+import { useEffect, useMemo, useRef, useState } from "react";
+import type { Schemas } from "../../api/client";
+import { Loading, Refused } from "../../components/States";
+import { type Camera, cameraText } from "../../roads/camera";
+import { useGeometry } from "../../roads/useGeometry";
+import { useKeys } from "../../shell/keys";
+import { ActorList } from "./ActorList";
+import { readState, TRAILS, trailsText } from "./address";
+import { Controls } from "./Controls";
+import { Clock } from "./clock";
+import { EgoFacts } from "./EgoFacts";
+import { type MapHandle, ReplayMap } from "./ReplayMap";
+import type { Recording } from "./recording";
+import { TimeLine } from "./TimeLine";
+import { useRecording } from "./useRecording";
+import { useTimeline } from "./useTimeline";
+import { VerdictLine } from "./VerdictLine";
+import { gravestFirst } from "./verdictWords";
+
+const SETTLED_MS = 350;
+const NONE: readonly Schemas["ViolationMark"][] = [];
+
+/** Loads what a replay needs, and shows it as soon as its first part is there. */
+export function Replay({ run }: { readonly run: Schemas["Run"] }) {
+  const geometry = useGeometry(run.town);
+  const { recording, loaded, error } = useRecording(run.id);
+  const failure = error ?? geometry.error;
+  if (failure) return <Refused error={failure} />;
+  if (!recording || !geometry.data) return <Loading rows={14} />;
+  return <Player run={run} recording={recording} loaded={loaded} geometry={geometry.data} />;
+}
+
+function Player({
+  run,
+  recording,
+  loaded,
+  geometry,
+}: {
+  readonly run: Schemas["Run"];
+  readonly recording: Recording;
+  readonly loaded: number;
+  readonly geometry: Schemas["NetworkGeometry"];
+}) {
+  const navigate = useNavigate();
+  const search = useSearch({ from: "/runs/$runId" });
+  const state = readState(search);
+  const clock = useMemo(() => new Clock(recording.duration, recording.stepLength), [recording]);
+  const map = useRef<MapHandle>(null);
+  const [ego, setEgo] = useState(0);
+  const begun = useRef(false);
+  if (!begun.current) {
+    begun.current = true;
+    clock.seek(state.time);
+  }
+  useEffect(() => () => clock.pause(), [clock]);
+
+  const put = useMemo(() => {
+    let waiting: Record<string, string | string[] | undefined> = {};
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    return (changes: Record<string, string | string[] | undefined>, at_once = false) => {
+      waiting = { ...waiting, ...changes };
+      clearTimeout(timer);
+      const write = () => {
+        const changed = waiting;
+        waiting = {};
+        const search = (before: object) => ({ ...before, ...changed });
+        void navigate({ to: ".", search, replace: true, resetScroll: false });
+      };
+      if (at_once) write();
+      else timer = setTimeout(write, SETTLED_MS);
+      return () => clearTimeout(timer);
+    };
+  }, [navigate]);
+  useEffect(
+    () =>
+      clock.listen(() => {
+        if (!clock.playing) put({ t: clock.time > 0 ? clock.time.toFixed(2) : undefined });
+      }),
+    [clock, put],
+  );
+  useEffect(() => () => put({})(), [put]);
+
+  const follow = (id: string) => {
+    const actor = recording.actors.find((one) => one.id === id);
+    if (actor && actor.row < recording.egos) setEgo(actor.row);
+    put({ follow: id || undefined }, true);
+  };
+  const hide = (id: string) => {
+    const hidden = state.hidden.includes(id)
+      ? state.hidden.filter((one) => one !== id)
+      : [...state.hidden, id];
+    put({ hide: hidden }, true);
+  };
+  const moments = useMemo(
+    () =>
+      [...new Set(gravestFirst(run.verdicts).flatMap(({ time }) => time ?? []))].sort(
+        (a, b) => a - b,
+      ),
+    [run],
+  );
+  const { data: timeline } = useTimeline(run.id);
+  const untilOf = (verdict: Schemas["Verdict"]) => {
+    const mark = timeline?.violations.find(
+      ({ oracle, ego, first, counterpart }) =>
+        oracle === verdict.oracle &&
+        ego === verdict.ego &&
+        first === verdict.step &&
+        counterpart === verdict.counterpart,
+    );
+    const until = mark?.avoidable_until;
+    return typeof until === "number" ? until * recording.stepLength : null;
+  };
+  const jump = (time: number) => {
+    clock.pause();
+    clock.seek(time);
+  };
+  const jumpBy = (by: 1 | -1) => {
+    const ahead =
+      by > 0
+        ? moments.find((time) => time > clock.time + 1e-3)
+        : moments.findLast((time) => time < clock.time - 1e-3);
+    if (ahead !== undefined) jump(ahead);
+  };
+  const second = Math.round(1 / recording.stepLength);
+  useKeys([
+    { keys: "space", does: "play or pause", run: () => clock.toggle() },
+    { keys: "left", does: "one step back", run: () => clock.toStep(clock.step - 1) },
+    { keys: "right", does: "one step ahead", run: () => clock.toStep(clock.step + 1) },
+    { keys: "shift+left", does: "one second back", run: () => clock.toStep(clock.step - second) },
+    { keys: "shift+right", does: "one second ahead", run: () => clock.toStep(clock.step + second) },
+    { keys: "home", does: "to the start", run: () => clock.toStep(0) },
+    { keys: "end", does: "to the end", run: () => clock.toStep(clock.lastStep) },
+    { keys: "[", does: "previous verdict", run: () => jumpBy(-1) },
+    { keys: "]", does: "next verdict", run: () => jumpBy(1) },
+    { keys: ">", does: "faster", run: () => clock.changeRate(1) },
+    { keys: "<", does: "slower", run: () => clock.changeRate(-1) },
+    { keys: "f", does: "show the whole run", run: () => map.current?.fit() },
+    { keys: "+", does: "nearer", run: () => map.current?.zoom(1.4) },
+    { keys: "-", does: "farther", run: () => map.current?.zoom(1 / 1.4) },
+    { keys: "0", does: "follow no actor", run: () => follow("") },
+    ...recording.actors.slice(0, 9).map((actor, place) => ({
+      keys: String(place + 1),
+      does: `follow ${actor.id}`,
+      run: () => follow(actor.id),
+    })),
+  ]);
+  const keepCamera = (camera: Camera) => put({ camera: cameraText(camera) });
+
+  return (
+    <div className="replay">
+      <VerdictLine verdicts={run.verdicts} untilOf={untilOf} onMoment={jump} />
+      <ReplayMap
+        ref={map}
+        geometry={geometry}
+        recording={recording}
+        loaded={loaded}
+        clock={clock}
+        violations={timeline?.violations ?? NONE}
+        state={state}
+        onCamera={keepCamera}
+        onFollow={follow}
+      />
+      <aside className="beside">
+        <section className="panel" aria-label="Ego">
+          <header>
+            <h2>
+              <span className="actor" data-role="ego">
+                <i style={{ color: `var(--ego-${ego % 6})` }} />
+                {recording.actors[ego]?.id}
+              </span>
+            </h2>
+            {recording.egos > 1 && (
+              <select
+                aria-label="Ego"
+                value={ego}
+                onChange={(event) => setEgo(Number(event.target.value))}
+              >
+                {recording.actors.slice(0, recording.egos).map(({ row, id }) => (
+                  <option key={id} value={row}>
+                    {id}
+                  </option>
+                ))}
+              </select>
+            )}
+          </header>
+          <div className="inside">
+            <EgoFacts recording={recording} clock={clock} ego={ego} />
+          </div>
+        </section>
+        <ActorList
+          recording={recording}
+          clock={clock}
+          ego={ego}
+          followed={state.follow}
+          hidden={state.hidden}
+          onFollow={follow}
+          onHide={hide}
+        />
+      </aside>
+      <Controls clock={clock}>
+        <label>
+          Follow{" "}
+          <select value={state.follow} onChange={(event) => follow(event.target.value)}>
+            <option value="">no actor</option>
+            {recording.actors
+              .filter(({ role }) => role !== "npc_obstacle")
+              .map(({ id }) => (
+                <option key={id} value={id}>
+                  {id}
+                </option>
+              ))}
+          </select>
+        </label>
+        <label>
+          Trails{" "}
+          <select
+            value={state.trails}
+            onChange={(event) => put({ trails: trailsText(Number(event.target.value)) }, true)}
+          >
+            {TRAILS.map((seconds) => (
+              <option key={seconds} value={seconds}>
+                {seconds === 0 ? "none" : seconds >= 1e6 ? "whole" : `${seconds} s`}
+              </option>
+            ))}
+          </select>
+        </label>
+        <button
+          type="button"
+          aria-pressed={state.routes}
+          onClick={() => put({ routes: state.routes ? "no" : undefined }, true)}
+        >
+          Routes
+        </button>
+        <button type="button" onClick={() => map.current?.fit()} title="Show the whole run (f)">
+          Fit
+        </button>
+      </Controls>
+      <TimeLine clock={clock} recording={recording} timeline={timeline} />
+    </div>
+  );
+}

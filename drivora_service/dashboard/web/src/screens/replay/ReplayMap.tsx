@@ -1,0 +1,146 @@
+import { type Ref, useEffect, useImperativeHandle, useMemo, useRef, useState } from "react";
+import type { Schemas } from "../../api/client";
+import type { Camera } from "../../roads/camera";
+import { type DrawnMap, RoadMap } from "../../roads/RoadMap";
+import type { ReplayState } from "./address";
+import type { Clock } from "./clock";
+import { ReplayScene } from "./ReplayScene";
+import type { Recording } from "./recording";
+
+const NEAR_PX = 10;
+const FOLLOW_SCALE = 7;
+
+/** What other parts of the screen may ask of the map. */
+export interface MapHandle {
+  fit: () => void;
+  zoom: (factor: number) => void;
+}
+
+interface Shown extends DrawnMap {
+  readonly scene: ReplayScene;
+}
+
+/** The map of a run at the time of its clock. */
+export function ReplayMap({
+  geometry,
+  recording,
+  loaded,
+  clock,
+  violations,
+  state,
+  onCamera,
+  onFollow,
+  ref,
+}: {
+  readonly geometry: Schemas["NetworkGeometry"];
+  readonly recording: Recording;
+  /** Steps that are there. */
+  readonly loaded: number;
+  readonly clock: Clock;
+  readonly violations: readonly Schemas["ViolationMark"][];
+  readonly state: ReplayState;
+  readonly onCamera: (camera: Camera) => void;
+  readonly onFollow: (id: string) => void;
+  readonly ref: Ref<MapHandle>;
+}) {
+  const [shown, setShown] = useState<Shown>();
+  const [pointed, setPointed] = useState("");
+  const handlers = useRef({ onCamera, onFollow });
+  handlers.current = { onCamera, onFollow };
+  const follow = useRef(state.follow);
+  follow.current = state.follow;
+
+  const onMap = (map: DrawnMap) => {
+    const { stage, signals } = map;
+    const scene = new ReplayScene(map, recording);
+    stage.beforeDraw = (camera, size) => {
+      for (const light of recording.lights.keys())
+        signals.set(light, recording.stateOf(light, clock.step));
+      scene.show(clock.time, camera, size);
+    };
+    stage.onHover = (x, y) => {
+      const row = scene.actorAt(x, y, NEAR_PX / stage.camera.scale);
+      stage.canvas.style.cursor = row === undefined ? "" : "pointer";
+      setPointed(row === undefined ? "" : (recording.actors[row]?.id ?? ""));
+    };
+    stage.onLeave = () => setPointed("");
+    stage.onClick = (x, y) => {
+      const row = scene.actorAt(x, y, NEAR_PX / stage.camera.scale);
+      const id = row === undefined ? undefined : recording.actors[row]?.id;
+      if (id) handlers.current.onFollow(id === follow.current ? "" : id);
+    };
+    const moved = () => {
+      const row = recording.actors.find(({ id }) => id === follow.current)?.row;
+      const place = row === undefined ? undefined : scene.placeOf(row, clock.time);
+      if (place) stage.look({ ...stage.camera, x: place[0], y: place[1] });
+      else stage.draw();
+    };
+    const stop = clock.listen(moved);
+    setShown({ ...map, scene });
+    return () => {
+      stop();
+      setShown(undefined);
+    };
+  };
+
+  const hidden = useMemo(
+    () =>
+      new Set(recording.actors.filter(({ id }) => state.hidden.includes(id)).map(({ row }) => row)),
+    [recording, state.hidden],
+  );
+  const followed = recording.actors.find(({ id }) => id === state.follow)?.row;
+  const { trails, routes } = state;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: more steps are drawn when they come
+  useEffect(() => {
+    shown?.scene.set({ trails, routes, hidden, followed });
+    shown?.stage.draw();
+  }, [shown, trails, routes, hidden, followed, loaded]);
+  useEffect(() => {
+    if (!shown || followed === undefined) return;
+    const place = shown.scene.placeOf(followed, clock.time);
+    if (!place) return;
+    const { camera } = shown.stage;
+    const scale = Math.max(camera.scale, FOLLOW_SCALE);
+    shown.stage.look({ x: place[0], y: place[1], scale });
+  }, [shown, followed, clock]);
+  useEffect(() => {
+    shown?.scene.mark(violations);
+    shown?.stage.draw();
+  }, [shown, violations]);
+
+  const fitted = useRef(state.camera !== undefined);
+  const whole = loaded >= recording.steps;
+  useEffect(() => {
+    if (!shown || fitted.current || followed !== undefined) return;
+    shown.stage.fit(shown.scene.extent(), false);
+    if (whole) fitted.current = true;
+  }, [shown, whole, followed]);
+
+  useImperativeHandle(
+    ref,
+    () => ({
+      fit: () => {
+        if (state.follow) handlers.current.onFollow("");
+        shown?.stage.fit(shown.scene.extent());
+      },
+      zoom: (factor) => shown?.stage.zoom(factor),
+    }),
+    [shown, state.follow],
+  );
+
+  return (
+    <RoadMap
+      geometry={geometry}
+      label="The run on the map"
+      onMap={onMap}
+      camera={state.camera}
+      onCamera={(camera, byHand) => {
+        if (!byHand) return;
+        fitted.current = true;
+        handlers.current.onCamera(camera);
+      }}
+    >
+      {pointed && <div className="over top-left">{pointed}</div>}
+    </RoadMap>
+  );
+}

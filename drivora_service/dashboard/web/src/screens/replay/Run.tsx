@@ -1,0 +1,92 @@
+import { useQuery } from "@tanstack/react-query";
+import { Link, useParams } from "@tanstack/react-router";
+import { api, body, type Schemas } from "../../api/client";
+import { Copy } from "../../components/Copy";
+import { Mark } from "../../components/Mark";
+import { moment } from "../../components/numbers";
+import { Empty, Loading, Refused } from "../../components/States";
+import { useTitle } from "../../shell/useTitle";
+import { lookOfRun } from "../runs/status";
+import { Replay } from "./Replay";
+import "./replay.css";
+
+/** Returns the command that drives the scenario of a run again. */
+function againCommand(id: string): string {
+  return (
+    `drivora runs scenario ${id} --server ${window.location.origin} --out ${id}.json && ` +
+    `drivora run ${id}.json`
+  );
+}
+
+/** A run: its replay, or why there is none. */
+export function Run() {
+  const { runId } = useParams({ from: "/runs/$runId" });
+  const {
+    data: run,
+    error,
+    isPending,
+    refetch,
+  } = useQuery({
+    queryKey: ["run", runId],
+    queryFn: async () =>
+      body(await api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: runId } } })),
+  });
+  useTitle(run?.label || `Run ${runId}`);
+  if (isPending) return <Loading rows={14} />;
+  if (error) return <Refused error={error} onRepeat={() => void refetch()} />;
+  return (
+    <>
+      <div className="head run-head">
+        <h1>{run.label || run.id}</h1>
+        <Mark {...lookOfRun(run)} />
+        <p className="answer">
+          {run.agent} on{" "}
+          <Link to="/networks/$name" params={{ name: run.town }} search={{}}>
+            {run.town}
+          </Link>
+          {run.seed !== null && `, seed ${run.seed}`}
+        </p>
+        <div className="actions">
+          <Copy text={run.id} label="Copy the id" />
+          <Copy text={againCommand(run.id)} label="Copy the command that runs it again" />
+          <a className="button" href={`/api/v1/runs/${run.id}/scenario`}>
+            Scenario
+          </a>
+        </div>
+      </div>
+      {run.trace_sha256 ? <Replay key={run.id} run={run} /> : <NoRecording run={run} />}
+    </>
+  );
+}
+
+function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
+  const { status } = run;
+  if (status === "queued")
+    return (
+      <Empty title="The run waits in the queue">
+        <p>Queued at {moment(run.created_at)}. This page shows it as soon as it has been driven.</p>
+      </Empty>
+    );
+  if (status === "running")
+    return (
+      <Empty title="The run is being driven">
+        <p>Since {moment(run.started_at)}. This page shows it as soon as it has ended.</p>
+      </Empty>
+    );
+  if (status === "finished")
+    return (
+      <Empty
+        title="The run was not recorded, or its recording was pruned"
+        command={againCommand(run.id)}
+      >
+        <p>Its verdicts are kept. The command drives it again, with the same result.</p>
+      </Empty>
+    );
+  return (
+    <Empty title={`Not judged: ${lookOfRun(run).text}`} command={againCommand(run.id)}>
+      {run.cause && <p>{run.cause.replaceAll("_", " ")}</p>}
+      {run.error && <p>{run.error.message}</p>}
+      <p>A run like this neither passes nor fails. The command drives its scenario again.</p>
+    </Empty>
+  );
+}

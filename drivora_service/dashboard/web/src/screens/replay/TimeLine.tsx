@@ -1,0 +1,184 @@
+import { Fragment, useEffect, useRef, useState } from "react";
+import type { Schemas } from "../../api/client";
+import type { Clock } from "./clock";
+import type { Recording } from "./recording";
+import { type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
+import { oracleName } from "./verdictWords";
+
+const ROW_PX = 20;
+const MARK_PX = 19;
+
+/** The run's time from left to right: a click goes there, the wheel comes nearer. */
+export function TimeLine({
+  clock,
+  recording,
+  timeline,
+}: {
+  readonly clock: Clock;
+  readonly recording: Recording;
+  readonly timeline: Schemas["Timeline"] | undefined;
+}) {
+  const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
+  const track = useRef<HTMLDivElement>(null);
+  const cursor = useRef<HTMLDivElement>(null);
+  const current = useRef(range);
+  current.current = range;
+
+  useEffect(() => {
+    const show = () => {
+      const { from, to } = current.current;
+      const share = (clock.time - from) / (to - from);
+      const element = cursor.current;
+      if (!element) return;
+      element.style.left = `${100 * share}%`;
+      element.hidden = share < 0 || share > 1;
+    };
+    show();
+    return clock.listen(show);
+  }, [clock]);
+  // The cursor's place changes with the range as well.
+  useEffect(() => {
+    const element = cursor.current;
+    if (!element) return;
+    const share = (clock.time - range.from) / (range.to - range.from);
+    element.style.left = `${100 * share}%`;
+    element.hidden = share < 0 || share > 1;
+  }, [clock, range]);
+
+  const timeAt = (event: { readonly clientX: number }) => {
+    const box = track.current?.getBoundingClientRect();
+    if (!box) return 0;
+    return range.from + ((event.clientX - box.left) / box.width) * (range.to - range.from);
+  };
+  useEffect(() => {
+    const element = track.current;
+    if (!element) return;
+    const wheel = (event: WheelEvent) => {
+      event.preventDefault();
+      const box = element.getBoundingClientRect();
+      const { from, to } = current.current;
+      const sideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+      const by = ((event.deltaX || event.deltaY) / box.width) * (to - from);
+      const at = from + ((event.clientX - box.left) / box.width) * (to - from);
+      setRange(
+        sideways
+          ? shifted({ from, to }, by, clock.end)
+          : zoomRange({ from, to }, at, Math.exp(-event.deltaY * 0.002), clock.end),
+      );
+    };
+    element.addEventListener("wheel", wheel, { passive: false });
+    return () => element.removeEventListener("wheel", wheel);
+  }, [clock]);
+
+  const share = (time: number) => `${(100 * (time - range.from)) / (range.to - range.from)}%`;
+  const seconds = (step: number) => step * recording.stepLength;
+  const violations = timeline?.violations ?? [];
+  const seats = seatsOf(
+    violations.map(({ first, ego }) => ({ row: ego, time: first === null ? -1 : seconds(first) })),
+    (MARK_PX * (range.to - range.from)) / (track.current?.clientWidth ?? 1000),
+  );
+  const across = (time: number) => `${(100 * time) / (range.to - range.from)}%`;
+  const inside = (time: number) => time >= range.from - 1e-6 && time <= range.to + 1e-6;
+  const egos = recording.actors.slice(0, recording.egos);
+  return (
+    <div className="timeline panel whole-width">
+      <div className="names">
+        <span />
+        {egos.map(({ id }) => (
+          <span key={id} title={id}>
+            {id}
+          </span>
+        ))}
+      </div>
+      <div
+        ref={track}
+        className="track"
+        role="slider"
+        tabIndex={0}
+        aria-label="Time"
+        aria-valuemin={0}
+        aria-valuemax={clock.end}
+        aria-valuenow={Number(clock.time.toFixed(2))}
+        onPointerDown={(event) => {
+          if (event.target instanceof Element && event.target.closest("button")) return;
+          event.currentTarget.setPointerCapture(event.pointerId);
+          clock.pause();
+          clock.seek(timeAt(event));
+        }}
+        onPointerMove={(event) => {
+          if (event.currentTarget.hasPointerCapture(event.pointerId)) clock.seek(timeAt(event));
+        }}
+        onDoubleClick={() => setRange({ from: 0, to: clock.end })}
+        style={{ height: ROW_PX * (egos.length + 1) }}
+      >
+        {ticks(range, 10).map((time) => (
+          <span key={time} className="tick" style={{ left: share(time) }}>
+            {time}
+          </span>
+        ))}
+        {egos.map(({ id, row }) => {
+          const end = (recording.ends[row]?.step ?? 0) * recording.stepLength;
+          const begin = (recording.presence(row)?.[0] ?? 0) * recording.stepLength;
+          return (
+            <span
+              key={id}
+              className="part"
+              title={`${id}: ${recording.ends[row]?.end.replaceAll("_", " ")} at ${end.toFixed(2)} s`}
+              style={{
+                top: ROW_PX * (row + 1),
+                left: share(begin),
+                width: across(end - begin),
+                background: `var(--ego-${row % 6})`,
+              }}
+            />
+          );
+        })}
+        {violations.map((violation, place) => {
+          const { first, risk_perceived: risk, avoidable_until: until } = violation;
+          if (first === null) return null;
+          const row = Math.max(
+            egos.findIndex(({ id }) => id === violation.ego),
+            0,
+          );
+          const top = ROW_PX * (row + 1);
+          const time = seats[place] ?? seconds(first);
+          return (
+            <Fragment key={violation.number}>
+              {risk !== null && (
+                <span
+                  className="risk"
+                  title={`A careful driver perceives the risk from ${seconds(risk).toFixed(2)} s on`}
+                  style={{ top, left: share(seconds(risk)), width: across(seconds(first - risk)) }}
+                />
+              )}
+              {until !== null && inside(seconds(until)) && (
+                <button
+                  type="button"
+                  className="until"
+                  style={{ top, left: share(seconds(until)) }}
+                  title={`${oracleName(violation.oracle)} avoidable until ${seconds(until).toFixed(2)} s`}
+                  onClick={() => clock.toStep(until)}
+                >
+                  ⟩
+                </button>
+              )}
+              {inside(seconds(first)) && (
+                <button
+                  type="button"
+                  className="verdict"
+                  data-severity={violation.severity}
+                  style={{ top, left: share(time) }}
+                  title={`${oracleName(violation.oracle)} at ${seconds(first).toFixed(2)} s: ${violation.message}`}
+                  onClick={() => clock.toStep(first)}
+                >
+                  {violation.number}
+                </button>
+              )}
+            </Fragment>
+          );
+        })}
+        <div ref={cursor} className="cursor" />
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,83 @@
+import type { Schemas } from "../../api/client";
+import { Mark } from "../../components/Mark";
+import { fixed } from "../../components/numbers";
+import { blameWords, gravestFirst, oracleName } from "./verdictWords";
+
+type Verdict = Schemas["Verdict"];
+
+/** What the oracles found, the gravest first; a click goes to its moment. */
+export function VerdictLine({
+  verdicts,
+  untilOf,
+  onMoment,
+}: {
+  readonly verdicts: readonly Verdict[];
+  /** Last moment at which a violation could still be avoided, seconds. */
+  readonly untilOf: (verdict: Verdict) => number | null;
+  readonly onMoment: (time: number) => void;
+}) {
+  const violations = gravestFirst(verdicts);
+  const [first, ...others] = violations.filter(({ severity }) => severity !== "observation");
+  const observed = violations.filter(({ severity }) => severity === "observation");
+  const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
+  return (
+    <div className="verdict-line whole-width">
+      {first ? (
+        <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
+      ) : (
+        <Mark sign="✓" tone="good" text="No oracle was violated" />
+      )}
+      {[...others, ...observed].map((verdict) => (
+        <Violation
+          key={`${verdict.oracle} ${verdict.ego} ${verdict.time} ${verdict.counterpart}`}
+          verdict={verdict}
+          until={untilOf(verdict)}
+          onMoment={onMoment}
+        />
+      ))}
+      {unclear.length > 0 && (
+        <span
+          className="quiet"
+          title={unclear
+            .map(({ oracle, ego, message }) => `${oracle}, ${ego}: ${message}`)
+            .join("\n")}
+        >
+          {unclear.length} not measurable
+        </span>
+      )}
+    </div>
+  );
+}
+
+function Violation({
+  verdict,
+  until,
+  onMoment,
+  whole = false,
+}: {
+  readonly verdict: Verdict;
+  readonly until: number | null;
+  readonly onMoment: (time: number) => void;
+  readonly whole?: boolean;
+}) {
+  const observation = verdict.severity === "observation";
+  const blame = blameWords(verdict, until);
+  const { time } = verdict;
+  const text = whole
+    ? `${oracleName(verdict.oracle)}, ${verdict.ego}: ${verdict.message}`
+    : oracleName(verdict.oracle);
+  const tone = observation ? "quiet" : verdict.at_fault === false ? "lost" : "bad";
+  return (
+    <button
+      type="button"
+      className={whole ? "violation whole" : "violation"}
+      title={`${verdict.ego}: ${verdict.message}${blame ? ` (${blame})` : ""}`}
+      disabled={typeof time !== "number"}
+      onClick={() => typeof time === "number" && onMoment(time)}
+    >
+      <Mark sign={observation ? "○" : "✕"} tone={tone} text={text} />
+      {whole && blame && <strong>{blame}</strong>}
+      {typeof time === "number" && <span className="quiet">{fixed(time, 2)} s</span>}
+    </button>
+  );
+}

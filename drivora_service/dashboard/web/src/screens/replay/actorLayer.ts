@@ -1,0 +1,222 @@
+import { Container, Graphics, GraphicsContext } from "pixi.js";
+import type { Palette } from "../../roads/palette";
+import type { Actor, Recording } from "./recording";
+
+/** Actors smaller than this on the screen are drawn larger, in pixels across. */
+const SMALLEST_PX = 5;
+const BRAKING = -0.5;
+const ARROW_M_PER_MPS2 = 0.7;
+
+interface Drawn {
+  readonly actor: Actor;
+  readonly node: Container;
+  readonly brake: Graphics | undefined;
+  readonly push: Graphics | undefined;
+  readonly wheels: Container | undefined;
+}
+
+export type Look = "whole" | "outline";
+
+/** Returns the colour of an actor: egos in turn, others by their role. */
+export function colourOfActor(actor: Actor, palette: Palette): number {
+  if (actor.role === "ego") return palette.egos[actor.row % palette.egos.length] ?? palette.npc;
+  if (actor.role === "npc_walker") return palette.walker;
+  if (actor.role === "npc_obstacle") return palette.obstacle;
+  return palette.npc;
+}
+
+/** All actors of a recording at a time. Their objects are made once and moved. */
+export class ActorLayer extends Container {
+  readonly hidden = new Set<number>();
+  private readonly drawn: readonly Drawn[];
+
+  constructor(
+    private readonly recording: Recording,
+    palette: Palette,
+    look: Look,
+  ) {
+    super();
+    const shapes = new Map<string, GraphicsContext>();
+    // The egos come first in a recording and are drawn above the others.
+    this.drawn = recording.actors.toReversed().map((actor) => {
+      const node = new Container();
+      const colour = colourOfActor(actor, palette);
+      const key = `${actor.role} ${colour} ${actor.length} ${actor.width}`;
+      let shape = shapes.get(key);
+      if (!shape) {
+        shape = look === "whole" ? wholeShape(actor, colour, palette) : outlineShape(actor, colour);
+        shapes.set(key, shape);
+      }
+      node.addChild(new Graphics(shape));
+      const vehicle = actor.role !== "npc_walker" && actor.role !== "npc_obstacle";
+      const whole = look === "whole";
+      const brake = vehicle && whole ? brakeLights(actor, palette) : undefined;
+      const ego = actor.role === "ego" && whole;
+      const push = ego ? pushArrow(palette) : undefined;
+      const wheels = ego ? frontWheels(actor, palette) : undefined;
+      for (const part of [brake, push, wheels]) if (part) node.addChild(part);
+      this.addChild(node);
+      return { actor, node, brake, push, wheels };
+    });
+  }
+
+  /** Moves the actors to a time, between two steps in proportion. */
+  show(time: number, scale: number): void {
+    const { recording } = this;
+    const count = recording.actors.length;
+    const at = Math.min(time / recording.stepLength, recording.loaded - 1);
+    const step = Math.floor(at + 1e-6);
+    const next = Math.min(step + 1, recording.loaded - 1);
+    const share = Math.max(at - step, 0);
+    for (const { actor, node, brake, push, wheels } of this.drawn) {
+      const here = step * count + actor.row;
+      const x = recording.x[here] as number;
+      if (step < 0 || Number.isNaN(x) || this.hidden.has(actor.row)) {
+        node.visible = false;
+        continue;
+      }
+      const there = next * count + actor.row;
+      const y = recording.y[here] as number;
+      const yaw = recording.yaw[here] as number;
+      const x1 = recording.x[there] as number;
+      node.visible = true;
+      if (share > 0 && !Number.isNaN(x1)) {
+        const turn = Math.sin((recording.yaw[there] as number) - yaw);
+        node.position.set(x + share * (x1 - x), y + share * ((recording.y[there] as number) - y));
+        node.rotation = yaw + share * Math.asin(turn);
+      } else {
+        node.position.set(x, y);
+        node.rotation = yaw;
+      }
+      node.scale.set(Math.max(1, SMALLEST_PX / (Math.max(actor.width, 0.4) * scale)));
+      if (brake) brake.visible = (recording.acceleration[here] as number) < BRAKING;
+      if (push && wheels) {
+        const ego = step * recording.egos + actor.row;
+        const asked = recording.askedAcceleration[ego] as number;
+        const steer = recording.steer[ego] as number;
+        push.visible = Math.abs(asked) > 0.05;
+        push.scale.x = asked * ARROW_M_PER_MPS2;
+        wheels.visible = !Number.isNaN(steer);
+        for (const wheel of wheels.children) wheel.rotation = steer || 0;
+      }
+    }
+  }
+
+  /** Returns the actor whose box holds a place at a time, or is nearest within some metres. */
+  at(x: number, y: number, time: number, within: number): Actor | undefined {
+    const { recording } = this;
+    const step = Math.min(Math.floor(time / recording.stepLength + 1e-6), recording.loaded - 1);
+    const count = recording.actors.length;
+    let best: Actor | undefined;
+    let bestDistance = within;
+    for (const { actor } of this.drawn) {
+      const cell = step * count + actor.row;
+      const ax = recording.x[cell];
+      const ay = recording.y[cell];
+      if (ax === undefined || ay === undefined || this.hidden.has(actor.row)) continue;
+      const yaw = recording.yaw[cell] as number;
+      const dx = x - ax;
+      const dy = y - ay;
+      const along = Math.abs(dx * Math.cos(yaw) + dy * Math.sin(yaw)) - 0.5 * actor.length;
+      const across = Math.abs(dy * Math.cos(yaw) - dx * Math.sin(yaw)) - 0.5 * actor.width;
+      const distance = Math.hypot(Math.max(along, 0), Math.max(across, 0));
+      if (distance <= bestDistance) {
+        best = actor;
+        bestDistance = distance;
+      }
+    }
+    return best;
+  }
+}
+
+function wholeShape(actor: Actor, colour: number, palette: Palette): GraphicsContext {
+  const l = 0.5 * actor.length;
+  const w = 0.5 * actor.width;
+  const shape = new GraphicsContext();
+  const casing = { width: 0.16, color: palette.casing };
+  if (actor.role === "npc_walker") {
+    const r = Math.max(l, w);
+    return shape
+      .circle(0, 0, r)
+      .fill(colour)
+      .stroke({ width: 0.08, color: palette.casing })
+      .moveTo(0, 0)
+      .lineTo(2.2 * r, 0)
+      .stroke({ width: 0.12, color: colour, cap: "round" });
+  }
+  if (actor.role === "npc_obstacle")
+    return shape
+      .rect(-l, -w, 2 * l, 2 * w)
+      .fill(colour)
+      .stroke({ width: 0.08, color: palette.casing })
+      .moveTo(-l, -w)
+      .lineTo(l, w)
+      .moveTo(-l, w)
+      .lineTo(l, -w)
+      .stroke({ width: 0.07, color: palette.casing });
+  shape
+    .roundRect(-l, -w, 2 * l, 2 * w, Math.min(0.45, 0.4 * w))
+    .fill({ color: colour, alpha: actor.role === "background" ? 0.55 : 1 })
+    .stroke(casing);
+  // The wind-screen points ahead; an ego has its whole front light as well.
+  const screen = Math.min(0.28 * l, 0.8);
+  shape
+    .poly([
+      0.42 * l,
+      -0.72 * w,
+      0.42 * l + screen,
+      -0.86 * w,
+      0.42 * l + screen,
+      0.86 * w,
+      0.42 * l,
+      0.72 * w,
+    ])
+    .fill({ color: palette.casing, alpha: 0.75 });
+  if (actor.role === "ego")
+    shape
+      .poly([-0.2 * l, -0.5 * w, 0.25 * l, 0, -0.2 * l, 0.5 * w])
+      .fill({ color: palette.casing, alpha: 0.9 });
+  return shape;
+}
+
+function outlineShape(actor: Actor, colour: number): GraphicsContext {
+  const l = 0.5 * actor.length;
+  const w = 0.5 * actor.width;
+  const shape = new GraphicsContext();
+  const style = { width: 0.22, color: colour };
+  if (actor.role === "npc_walker") return shape.circle(0, 0, Math.max(l, w)).stroke(style);
+  return shape
+    .rect(-l, -w, 2 * l, 2 * w)
+    .moveTo(0.55 * l, -w)
+    .lineTo(l, 0)
+    .lineTo(0.55 * l, w)
+    .stroke(style);
+}
+
+function brakeLights(actor: Actor, palette: Palette): Graphics {
+  const l = 0.5 * actor.length;
+  const w = 0.5 * actor.width;
+  const lights = new Graphics()
+    .rect(-l - 0.12, -w + 0.1, 0.38, 0.5 * w)
+    .rect(-l - 0.12, 0.5 * w - 0.1, 0.38, 0.5 * w)
+    .fill(palette.lights.red);
+  lights.visible = false;
+  return lights;
+}
+
+/** An arrow of one metre: what the agent asks for stretches it ahead or back. */
+function pushArrow(palette: Palette): Graphics {
+  const arrow = new Graphics().rect(0, -0.14, 1, 0.28).fill({ color: palette.ink, alpha: 0.9 });
+  arrow.visible = false;
+  return arrow;
+}
+
+function frontWheels(actor: Actor, palette: Palette): Container {
+  const wheels = new Container();
+  for (const side of [-1, 1]) {
+    const wheel = new Graphics().roundRect(-0.45, -0.14, 0.9, 0.28, 0.1).fill(palette.ink);
+    wheel.position.set(0.3 * actor.length, side * 0.5 * actor.width);
+    wheels.addChild(wheel);
+  }
+  return wheels;
+}

@@ -1,0 +1,37 @@
+import { firstOf, type Search, valuesOf } from "../../address";
+import { type Camera, readCamera } from "../../roads/camera";
+
+/** What a link to a replay says. */
+export interface ReplayState {
+  readonly time: number;
+  readonly follow: string;
+  readonly camera: Camera | undefined;
+  readonly trails: number;
+  readonly routes: boolean;
+  readonly hidden: readonly string[];
+  /** A second run in step with this one. */
+  readonly beside: string;
+}
+
+export const TRAILS = [0, 3, 10, 1e6] as const;
+const USUAL_TRAILS = 3;
+
+export function readState(search: Search): ReplayState {
+  const time = Number(firstOf(search, "t"));
+  const trails = firstOf(search, "trails");
+  return {
+    time: Number.isFinite(time) ? Math.max(time, 0) : 0,
+    follow: firstOf(search, "follow"),
+    camera: readCamera(firstOf(search, "camera")),
+    trails: trails === "" ? USUAL_TRAILS : trails === "all" ? 1e6 : Number(trails) || 0,
+    routes: firstOf(search, "routes") !== "no",
+    hidden: valuesOf(search, "hide"),
+    beside: firstOf(search, "with"),
+  };
+}
+
+/** Returns the word of an address for a length of trails. */
+export function trailsText(seconds: number): string {
+  if (seconds === USUAL_TRAILS) return "";
+  return seconds >= 1e6 ? "all" : String(seconds);
+}

@@ -1,0 +1,63 @@
+import { describe, expect, it } from "vitest";
+import { blameWords, gravestFirst, oracleName } from "./verdictWords";
+
+describe("words of a violation", () => {
+  it.each([
+    [{ at_fault: true, avoidable: "yes" }, 7.4, "at fault, avoidable until 7.40 s"],
+    [{ at_fault: true, avoidable: "yes" }, null, "at fault, avoidable"],
+    [{ at_fault: true, avoidable: "yes" }, 0, "at fault, avoidable until 0.00 s"],
+    [{ at_fault: true, avoidable: "no" }, null, "at fault, not avoidable"],
+    [{ at_fault: false, avoidable: "no" }, null, "not at fault, not avoidable"],
+    [
+      { at_fault: true, avoidable: "not_measurable" },
+      null,
+      "at fault, avoidable or not: not measurable",
+    ],
+    [{ at_fault: null, avoidable: null, undetermined: true }, null, "fault undetermined"],
+    [{ at_fault: null, avoidable: null, undetermined: false }, null, ""],
+    [{ at_fault: true, avoidable: null }, null, "at fault"],
+  ] as const)("%o until %o", (violation, until, words) => {
+    expect(blameWords(violation, until)).toBe(words);
+  });
+  it("name oracles", () => {
+    expect(oracleName("red_light")).toBe("Red light");
+  });
+});
+
+it("the gravest violation comes first, observations last", () => {
+  const verdict = (
+    oracle: string,
+    severity: "major" | "minor" | "observation",
+    at_fault: boolean | null,
+    time: number,
+  ) => ({
+    oracle,
+    severity,
+    at_fault,
+    time,
+    ego: "e",
+    outcome: "violated" as const,
+    message: "",
+    undetermined: false,
+    avoidable: null,
+    physically_avoidable: null,
+    step: 0,
+    location: null,
+    counterpart: "",
+    evidence: {},
+  });
+  const sorted = gravestFirst([
+    verdict("discomfort", "observation", null, 0),
+    verdict("speeding", "minor", null, 1),
+    verdict("collision", "major", false, 2),
+    verdict("red_light", "major", true, 9),
+    verdict("off_road", "major", true, 8),
+  ]);
+  expect(sorted.map(({ oracle }) => oracle)).toEqual([
+    "off_road",
+    "red_light",
+    "collision",
+    "speeding",
+    "discomfort",
+  ]);
+});

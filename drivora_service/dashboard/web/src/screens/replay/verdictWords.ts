@@ -1,0 +1,46 @@
+import type { Schemas } from "../../api/client";
+import { fixed } from "../../components/numbers";
+
+type Verdict = Schemas["Verdict"];
+type Violation = Pick<Verdict, "at_fault" | "avoidable"> & {
+  readonly undetermined?: boolean;
+};
+
+/** Returns the name of an oracle as words. */
+export function oracleName(oracle: string): string {
+  const words = oracle.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/**
+ * Returns whether the ego is at fault and whether a careful driver would have avoided it, in words.
+ * `until` is the last moment, in seconds, at which it could still be avoided.
+ */
+export function blameWords(violation: Violation, until?: number | null): string {
+  const parts: string[] = [];
+  if (violation.at_fault === true) parts.push("at fault");
+  else if (violation.at_fault === false) parts.push("not at fault");
+  else if (violation.undetermined) parts.push("fault undetermined");
+  if (violation.avoidable === "yes")
+    parts.push(typeof until === "number" ? `avoidable until ${fixed(until, 2)} s` : "avoidable");
+  else if (violation.avoidable === "no") parts.push("not avoidable");
+  else if (violation.avoidable === "not_measurable") parts.push("avoidable or not: not measurable");
+  return parts.join(", ");
+}
+
+const RANK: Readonly<Record<string, number>> = { critical: 0, major: 1, minor: 2, observation: 3 };
+
+/** Sorts violations, the gravest first: at fault before others, the earlier of two alike. */
+export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
+  const rank = ({ severity }: Verdict) => RANK[severity ?? "major"] ?? 1;
+  return verdicts
+    .filter(({ outcome }) => outcome === "violated")
+    .sort(
+      (a, b) =>
+        Number(rank(a) === 3) - Number(rank(b) === 3) ||
+        Number(b.at_fault === true) - Number(a.at_fault === true) ||
+        rank(a) - rank(b) ||
+        Number(a.at_fault === false) - Number(b.at_fault === false) ||
+        (a.time ?? Number.POSITIVE_INFINITY) - (b.time ?? Number.POSITIVE_INFINITY),
+    );
+}
