@@ -8,6 +8,8 @@ import {
 } from "@tanstack/react-router";
 import { parseSearch, type Search, stringifySearch } from "./address";
 import { NotFound } from "./components/States";
+import { firstScreen } from "./screens/start/first";
+import { ScreenError } from "./shell/ScreenError";
 import { Shell } from "./shell/Shell";
 
 interface Context {
@@ -17,6 +19,7 @@ interface Context {
 const root = createRootRouteWithContext<Context>()({
   component: Shell,
   notFoundComponent: NotFound,
+  errorComponent: ScreenError,
 });
 const anySearch = (search: Record<string, unknown>) => search as Search;
 
@@ -25,9 +28,11 @@ const screens = [
   createRoute({
     getParentRoute: () => root,
     path: "/",
-    beforeLoad: () => {
-      throw redirect({ to: "/runs", search: {} });
+    beforeLoad: async ({ context }) => {
+      const to = await firstScreen(context.queries);
+      if (to) throw redirect({ to, search: {} });
     },
+    component: lazyRouteComponent(() => import("./screens/start/Start"), "Start"),
   }),
   createRoute({
     getParentRoute: () => root,
@@ -93,6 +98,7 @@ export function makeRouter(queries: QueryClient) {
     stringifySearch,
     scrollRestoration: true,
     defaultPreload: "intent",
+    defaultErrorComponent: ScreenError,
   });
 }
 

@@ -4,6 +4,7 @@ import { LiveState } from "../live/LiveState";
 import { useLiveQueries } from "../live/useLiveQueries";
 import { KeysHelp } from "./KeysHelp";
 import { handleKey, useKeys } from "./keys";
+import { SearchField } from "./SearchField";
 import { SECTIONS } from "./sections";
 import { toggleTheme, useTheme } from "./theme";
 
@@ -47,6 +48,7 @@ export function Shell() {
             </Link>
           ))}
         </nav>
+        <SearchField />
         <LiveState />
         <button type="button" onClick={toggleTheme}>
           {theme === "dark" ? "Light" : "Dark"}
