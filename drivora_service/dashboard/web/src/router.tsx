@@ -48,6 +48,18 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/studies",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/studies/Studies"), "Studies"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/studies/$id",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/study/Study"), "Study"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/runs",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/runs/Runs"), "Runs"),

@@ -1,6 +1,7 @@
 /** The screens in the order of the top line; `g` and the key go there. */
 export const SECTIONS = [
   { to: "/campaigns", name: "Campaigns", key: "c" },
+  { to: "/studies", name: "Studies", key: "s" },
   { to: "/runs", name: "Runs", key: "r" },
   { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },

@@ -20,15 +20,19 @@ export function Sparkline({
   const toY = linear(0, Math.max(1, ...total), 19, 2);
   const area = (y: readonly number[]) => {
     const last = toX(at.at(-1) ?? 0).toFixed(1);
-    return `${stepPath({ x: at, y }, toX, toY)}V19H1Z`.replace("V19", `H${last}V19`);
+    return `${stepPath({ x: at, y }, toX, toY)}H${last}V19H1Z`;
   };
   return (
     <svg className="chart spark" width="100" height="20" role="img" aria-label={label}>
       <line className="grid" x1="1" x2="99" y1="19" y2="19" />
       <path className="area other" d={area(total)} />
-      <path className="area bad" d={area(lower)} />
       <path className="curve other" d={stepPath({ x: at, y: total }, toX, toY)} />
-      <path className="curve bad" d={stepPath({ x: at, y: lower }, toX, toY)} />
+      {lower.some((value) => value > 0) && (
+        <>
+          <path className="area bad" d={area(lower)} />
+          <path className="curve bad" d={stepPath({ x: at, y: lower }, toX, toY)} />
+        </>
+      )}
     </svg>
   );
 }

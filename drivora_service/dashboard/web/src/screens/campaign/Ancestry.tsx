@@ -133,7 +133,7 @@ function Lineage({
                 {plain(name)}
               </th>
             ))}
-            <th scope="col">Changed against its parents</th>
+            <th scope="col">Changed against its first parent</th>
           </tr>
         </thead>
         <tbody>

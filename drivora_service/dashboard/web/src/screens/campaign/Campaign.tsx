@@ -91,8 +91,8 @@ function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       <span>{cell?.agent ?? agent}</span>
       <span>{cell?.scenario ?? town}</span>
       {study_id && (
-        <Link to="/campaigns" search={{ study: study_id }}>
-          campaigns of its study
+        <Link to="/studies/$id" params={{ id: study_id }} search={{}}>
+          its study
         </Link>
       )}
       <Progress done={simulations} of={budget} />

@@ -61,7 +61,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
       </span>
     ),
   },
-  { id: "tester", title: "Method", width: "94px", cell: ({ tester }) => tester },
+  { id: "tester", title: "Method", width: "104px", cell: ({ tester }) => tester },
   { id: "agent", title: "ADS", width: "86px", cell: ({ agent }) => agent },
   {
     id: "scene",
