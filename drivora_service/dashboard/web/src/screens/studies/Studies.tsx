@@ -70,7 +70,7 @@ const COLUMNS: readonly Column<Row>[] = [
   {
     id: "updated",
     title: "Last change",
-    width: "150px",
+    width: "170px",
     cell: ({ updated_at }) => moment(updated_at),
   },
   {

@@ -16,7 +16,7 @@ export function Differing({
     <section>
       <h3>{title}</h3>
       {rows.length === 0 ? (
-        <p className="quiet">They differ in nothing.</p>
+        <p className="quiet">They differ by name only.</p>
       ) : (
         <div className="plain-table">
           <table aria-label={title}>

@@ -29,16 +29,14 @@ export function Figures({
   const by = firstOf(search, "by") === "agent" && agents.length > 1 ? "agent" : "method";
   const method = firstOf(search, "baseline_method");
   const agent = firstOf(search, "baseline_agent");
-  const enabled = finished > 0;
-  const bands = useStudyBands(study.id, enabled);
+  const bands = useStudyBands(study.id, finished);
   const comparison = useComparison(
     study.id,
-    measure.name,
     {
       ...(method ? { baseline_method: method } : {}),
       ...(agent ? { baseline_agent: agent } : {}),
     },
-    finished > 1,
+    finished,
   );
   const campaigns = [...cells.values()].flatMap((cell) => cell.campaigns);
   const simulations = new Map(campaigns.map(({ id, simulations }) => [id, simulations]));
@@ -49,7 +47,7 @@ export function Figures({
   const shown = (bands.data?.bands ?? []).filter(
     ({ scenario, agent }) => everywhere || JSON.stringify([scenario, agent]) === place,
   );
-  if (!enabled)
+  if (finished === 0)
     return (
       <Empty title="No campaign has finished yet">
         <p>Curves and comparisons are made of finished campaigns.</p>
@@ -139,14 +137,21 @@ export function Figures({
             <Loading />
           ) : (
             <>
-              <Overview rows={comparison.data.overview.filter((row) => row.by === by)} />
+              <Overview
+                rows={comparison.data.overview.filter(
+                  (row) => row.by === by && row.measure === measure.name,
+                )}
+              />
               {comparison.data.notes.map((note) => (
                 <p key={note} className="quiet">
                   {note}
                 </p>
               ))}
               <Effects
-                differences={by === "method" ? comparison.data.by_method : comparison.data.by_agent}
+                differences={(by === "method"
+                  ? comparison.data.by_method
+                  : comparison.data.by_agent
+                ).filter((one) => one.measure === measure.name)}
                 names={by === "method" ? methods : agents}
                 title={
                   by === "method" ? "Methods against the baseline" : "ADSs against the baseline"

@@ -16,7 +16,7 @@ export function Matrix({
   const share = ({ failing, simulations }: Cell) => (simulations > 0 ? failing / simulations : 0);
   const most = Math.max(...[...cells.values()].map(share), 1e-9);
   return (
-    <div className="plain-table matrix">
+    <div className="plain-table study-matrix">
       <table aria-label="Failures by scenario, ADS and method">
         <thead>
           <tr>

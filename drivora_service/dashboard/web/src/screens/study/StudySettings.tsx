@@ -3,17 +3,20 @@ import { Differing } from "./Differing";
 interface Labelled {
   readonly label?: string | null;
   readonly name?: string;
+  readonly space?: unknown;
 }
 
 /** In what the scenarios, the ADSs and the methods of a study differ. */
 export function StudySettings({ document }: { readonly document: Record<string, unknown> }) {
-  const { scenarios, agents, methods } = document as {
+  const { scenarios, agents, methods, space } = document as {
+    readonly space?: unknown;
     readonly scenarios?: readonly Labelled[];
     readonly agents?: readonly Labelled[];
     readonly methods?: readonly Labelled[];
   };
   const parts = [
-    ["Scenarios", scenarios],
+    // A scenario without a space of its own has that of the study.
+    ["Scenarios", scenarios?.map((scenario) => ({ ...scenario, space: scenario.space ?? space }))],
     ["ADSs", agents],
     ["Methods", methods],
   ] as const;
@@ -28,7 +31,7 @@ export function StudySettings({ document }: { readonly document: Record<string, 
             key={title}
             title={title}
             names={items.map(({ label, name }, place) => label || name || `${title} ${place + 1}`)}
-            documents={items.map(({ label: _label, ...rest }) => rest)}
+            documents={items.map(({ label: _label, name: _name, ...rest }) => rest)}
           />
         ))}
       </div>

@@ -1,5 +1,6 @@
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { api, body, type Schemas } from "../../api/client";
+import { MEASURES } from "./measures";
 
 const PAGE = 500;
 
@@ -25,21 +26,27 @@ export function useStudyCampaigns(id: string) {
   });
 }
 
-/** Reads the comparison of a study by one measure. */
+/**
+ * Reads the comparison of a study by all measures at once.
+ *
+ * It takes seconds, so that it is asked for anew when a campaign has finished, not with every run.
+ */
 export function useComparison(
   id: string,
-  measure: string,
   baselines: { readonly baseline_method?: string; readonly baseline_agent?: string },
-  enabled: boolean,
+  finished: number,
 ) {
   return useQuery({
-    queryKey: ["study", id, "comparison", measure, baselines],
-    enabled,
+    queryKey: ["comparison", id, baselines, finished],
+    enabled: finished > 1,
     placeholderData: keepPreviousData,
     queryFn: async () =>
       body(
         await api.GET("/api/v1/studies/{study_id}/comparison", {
-          params: { path: { study_id: id }, query: { measure: [measure], ...baselines } },
+          params: {
+            path: { study_id: id },
+            query: { measure: MEASURES.map(({ name }) => name), ...baselines },
+          },
         }),
       ),
   });
@@ -47,11 +54,12 @@ export function useComparison(
 
 const POINTS = 200;
 
-/** Reads the curves of all methods of a study. */
-export function useStudyBands(id: string, enabled: boolean) {
+/** Reads the curves of the finished campaigns of a study by method. */
+export function useStudyBands(id: string, finished: number) {
   return useQuery({
-    queryKey: ["study", id, "bands", "all", POINTS],
-    enabled,
+    queryKey: ["bands", id, finished],
+    enabled: finished > 0,
+    placeholderData: keepPreviousData,
     queryFn: async () =>
       body(
         await api.GET("/api/v1/studies/{study_id}/bands", {
