@@ -192,9 +192,17 @@ class AgentCatalogue:
             UnknownName: If there is no such agent.
             AgentError: If it rejects these parameters.
         """
-        if self._parameters(name) is not SumoDriverParameters:
+        if not self.is_sumo_driver(name):
             return ""
         return read_agent_parameters(name, SumoDriverParameters, parameters).lane_change_model
+
+    def is_sumo_driver(self, name: str) -> bool:
+        """Returns whether a name stands for one of SUMO's drivers, which are not asked by step.
+
+        Raises:
+            UnknownName: If there is no such agent.
+        """
+        return self._parameters(name) is SumoDriverParameters
 
     def create(self, name: str, parameters: Mapping[str, Any]) -> Agent | SumoDriver:
         """Makes an agent for one ego and one run.

@@ -76,6 +76,7 @@ RUNS = RECORDED + "runs.json"
 RUN_COUNTS = RECORDED + "run-counts.json"
 RUN_SCENARIO = RECORDED + "run-scenario.json"
 FRAME = RECORDED + "frame.ndjson"
+PERCEPTION = RECORDED + "perception.json"
 SERIES = RECORDED + "series.json"
 TIMELINE = RECORDED + "timeline.json"
 

@@ -30,6 +30,7 @@ _RUN = (
     "GET /runs/{run_id}/observations",
     "GET /runs/{run_id}/timeline",
     "GET /runs/{run_id}/series",
+    "GET /runs/{run_id}/perception",
 )
 _JOB = ("GET /jobs/{job_id}", "POST /jobs/{job_id}:cancel")
 _BATCH = (

@@ -12,6 +12,7 @@ from drivora_service.store.records import RunRecord
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import EgoView, RunView
+    from drivora_service.scenario.model import Scenario
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,3 +77,20 @@ def ego_of(view: RunView, row: int) -> EgoView:
     if not 0 <= row < len(view.egos):
         raise UnknownName("ego", str(row), tuple(str(ego.row) for ego in view.egos))
     return view.egos[row]
+
+
+def scenario_of(context: ApiContext, run: RecordedRun) -> Scenario:
+    """Returns the scenario of a run."""
+    from drivora_service.scenario.canonical import from_canonical
+
+    with context.database.read() as transaction:
+        return from_canonical(transaction.jobs.document(run.record.id))
+
+
+def is_driven_by_sumo(context: ApiContext, run: RecordedRun, ego: EgoView) -> bool:
+    """Returns whether SUMO drove an ego; an agent that is no longer installed is none of SUMO's."""
+    choice = run.record.agents.get(ego.id)
+    try:
+        return choice is not None and context.agents.is_sumo_driver(choice.name)
+    except UnknownName:
+        return False

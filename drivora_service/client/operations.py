@@ -123,6 +123,7 @@ class Operations:
     run = Answered(run_calls.run)
     run_scenario = Answered(run_calls.run_scenario)
     run_observations = Answered(run_calls.run_observations)
+    run_perception = Answered(run_calls.run_perception)
     run_series = Answered(run_calls.run_series)
     run_timeline = Answered(run_calls.run_timeline)
     save_run_observations = Saved(run_calls.run_observations)

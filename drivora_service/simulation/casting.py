@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivora_service.observations.trace import Actor, Role
 from drivora_service.simulation import background
+from drivora_service.simulation.actor_heights import actor_heights
 from drivora_service.simulation.plan import EpisodePlan, FollowerPlan
 from drivora_service.simulation.traffic import Body
 
@@ -66,16 +67,9 @@ def cast_actors(plan: EpisodePlan) -> Cast:
             background.LENGTH,
             background.WIDTH,
         )
-    heights = (
-        *(ego.model.height for ego in plan.egos),
-        *(follower.model.height for follower in plan.followers),
-        *(driven.model.height for driven in plan.driven),
-        *(item.model.height for item in plan.obstacles),
-        *(background.HEIGHT for _ in range(count)),
-    )
     return Cast(
         actors=tuple(actors),
-        heights=heights,
+        heights=actor_heights(plan),
         bodies=tuple(bodies),
         follower_rows=tuple(range(first_follower, first_follower + len(plan.followers))),
         obstacle_rows=tuple(range(first_obstacle, first_obstacle + len(plan.obstacles))),

@@ -27,10 +27,11 @@ from drivora_service.simulation.arrays import (
 )
 from drivora_service.simulation.commands import write_command
 from drivora_service.simulation.dynamics import Body, CommandMode
-from drivora_service.simulation.perception import Sense, perceive
+from drivora_service.simulation.perception import perceive
 from drivora_service.simulation.phase import SETTING_UP, RunPhase
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.route_tracking import Progress
+from drivora_service.simulation.sensor_noise import SensorNoise, ego_seeds, is_noisy
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 
@@ -92,9 +93,9 @@ class EgoTeam:
         self.progress = first_progress(plan.egos, plan.stuck_after)
         usual = senses_of(plan.weather, plan.scenario.step_length)
         self._senses = [privileged_senses() if sees_all else usual for sees_all in privileged]
-        self._is_noisy = bool(np.any(usual[Sense.POSITION_NOISE : Sense.LAG] > 0.0))
-        seeds = np.random.SeedSequence([plan.scenario.seed, 2]).spawn(2 * count)
-        self._noise = [np.random.default_rng(seed) for seed in seeds[:count]]
+        self._is_noisy = is_noisy(usual)
+        seeds = ego_seeds(plan.scenario.seed, count)
+        self._noise = [SensorNoise(seed) for seed in seeds[:count]]
         self.logs = [AgentLog() for _ in range(count)]
         for m, agent in enumerate(self.agents):
             if not isinstance(agent, SumoDriver):
@@ -107,6 +108,7 @@ class EgoTeam:
         self._buffers: list[tuple[FloatArray, FloatArray, IntArray]] = []
         self._views: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
         self._draws = np.zeros((0, 5))
+        self._sights: IntArray = np.zeros(0, dtype=np.int64)
         self._perceive = perceive
 
     def _set_up(self, m: int, agent: Agent, seed: int) -> None:
@@ -140,6 +142,7 @@ class EgoTeam:
     def _make_room(self, count: int) -> None:
         """Resizes the observation buffers to a world of ``count`` rows."""
         self._draws = np.zeros((count, 5))
+        self._sights = np.zeros(count, dtype=np.int64)
         self._buffers = []
         self._views = []
         self._observations = []
@@ -211,13 +214,11 @@ class EgoTeam:
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         if self._is_noisy:
-            rng = self._noise[m]
-            self._draws[:, :4] = rng.standard_normal((len(self._draws), 4))
-            self._draws[:, 4] = rng.random(len(self._draws))
+            self._noise[m].draw(self._draws)
         objects, sizes, numbers = self._buffers[m]
         count = self._perceive(
             m, step, world.states, world.present, world.sizes, world.heights, world.kinds,
-            self._senses[m], self._draws, objects, sizes, numbers,
+            self._senses[m], self._draws, objects, sizes, numbers, self._sights,
         )  # fmt: skip
         if self._perceive is perceive:
             # Later calls have arguments of the same types.

@@ -38,6 +38,24 @@ class Sense(IntEnum):
     """Whether actors hide each other."""
 
 
+class Sight(IntEnum):
+    """What an ego's perception makes of an actor at a step."""
+
+    ABSENT = 0
+    """It is not in the world of the perceived frame, or is the ego itself."""
+    PERCEIVED = 1
+    OTHER_LEVEL = 2
+    """It is on another level of a bridge."""
+    OUT_OF_RANGE = 3
+    DROPPED = 4
+    """Missed by chance."""
+    HIDDEN = 5
+    """Other actors hide it."""
+
+
+_ABSENT, _PERCEIVED, _OTHER_LEVEL = int(Sight.ABSENT), int(Sight.PERCEIVED), int(Sight.OTHER_LEVEL)
+_OUT_OF_RANGE, _DROPPED = int(Sight.OUT_OF_RANGE), int(Sight.DROPPED)
+_HIDDEN = int(Sight.HIDDEN)
 _RANGE, _LAG, _HIDES = int(Sense.RANGE), int(Sense.LAG), int(Sense.HIDES)
 _POSITION_NOISE, _SPEED_NOISE = int(Sense.POSITION_NOISE), int(Sense.SPEED_NOISE)
 _DROPOUT = int(Sense.DROPOUT)
@@ -57,6 +75,7 @@ def perceive(
     seen: FloatArray,
     seen_sizes: FloatArray,
     seen_numbers: IntArray,
+    sights: IntArray,
 ) -> int:
     """Fills the arrays with the actors that ``ego`` perceives.
 
@@ -74,6 +93,7 @@ def perceive(
         seen: (N, 9) states, filled.
         seen_sizes: (N, 2) sizes, filled.
         seen_numbers: (2, N) kinds and rows of the actors, filled.
+        sights: (N,) ``Sight`` of every actor, filled.
 
     Returns:
         The number of actors perceived.
@@ -90,15 +110,21 @@ def perceive(
     blockers = np.empty(states.shape[0] if hides else 0, dtype=np.int64)
     for j in range(states.shape[0]):
         if j == ego or not present[j]:
+            sights[j] = _ABSENT
             continue
         if abs(states[j, 8] - states[ego, 8]) > LEVEL_GAP:
+            sights[j] = _OTHER_LEVEL
             continue
         if math.hypot(states[j, 0] - x, states[j, 1] - y) > senses[_RANGE]:
+            sights[j] = _OUT_OF_RANGE
             continue
         if noisy and draws[j, 4] < dropout:
+            sights[j] = _DROPPED
             continue
         if hides and is_hidden_by(ego, j, near, blockers, states, sizes, heights):
+            sights[j] = _HIDDEN
             continue
+        sights[j] = _PERCEIVED
         for k in range(states.shape[1]):
             seen[count, k] = states[j, k]
         if noisy:

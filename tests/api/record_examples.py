@@ -181,6 +181,7 @@ class _Recording:
         self._keep(examples.RUN_COUNTS, self._get("/runs:counts"))
         self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
         self._keep(examples.FRAME, self._lines(f"{run}/observations", 1))
+        self._keep(examples.PERCEPTION, self._get(f"{run}/perception"))
         self._keep(examples.SERIES, self._get(f"{run}/series"))
         self._keep(examples.TIMELINE, self._get(f"{run}/timeline"))
 

@@ -49,6 +49,7 @@ def seen(senses: FloatArray, *frames: tuple[Figure, ...]) -> FloatArray:
         0, len(frames) - 1, history, np.ones((len(frames), count), dtype=np.bool_), sizes, heights,
         np.zeros(count, dtype=np.int64), senses, np.zeros((count, 5)), out,
         np.zeros((count, 2)), np.zeros((2, count), dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
     )  # fmt: skip
     return out[:found]
 

@@ -14,8 +14,15 @@ from drivora_service.api.compression import compressed_answer
 from drivora_service.api.conditional import JSON, digest
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, series_answers
-from drivora_service.api.recorded_run import ego_of, recorded_run, view_of
+from drivora_service.api.recorded_run import (
+    ego_of,
+    is_driven_by_sumo,
+    recorded_run,
+    scenario_of,
+    view_of,
+)
 from drivora_service.api.resource_router import resource_router
+from drivora_service.api.schemas.perception import Perception
 from drivora_service.api.schemas.series import Series
 from drivora_service.api.schemas.timeline import Timeline
 from drivora_service.api.security import reader
@@ -69,6 +76,39 @@ def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0)
         from drivora_service.api.run_series import series_json
 
         return series_json(run_id, ego_of(view_of(context, run), ego))
+
+    return compressed_answer(request, content, media_type=JSON, etag=etag)
+
+
+@router.get(
+    "/runs/{run_id:id}/perception",
+    response_model=Perception,
+    responses=series_answers(examples.PERCEPTION, 401, 403, 404, 406, 409),
+)
+def get_perception(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
+    """Returns what an ego perceived: numbers by step, or with Arrow every actor by step."""
+    run = recorded_run(context, run_id)
+    form = accepted_form(request, (JSON, ARROW))
+    etag = digest(f"perception {ego} {_software()} {run.state}".encode())
+    if form == ARROW:
+
+        def table() -> TableStream:
+            from drivora_service.api.run_perception import perception_table
+
+            view = ego_of(view_of(context, run), ego)
+            by_sumo = is_driven_by_sumo(context, run, view)
+            return perception_table(
+                run.record, scenario_of(context, run), view, is_sumo_driver=by_sumo
+            )
+
+        return arrow_answer(request, table, etag=etag)
+
+    def content() -> bytes:
+        from drivora_service.api.run_perception import perception_json
+
+        view = ego_of(view_of(context, run), ego)
+        by_sumo = is_driven_by_sumo(context, run, view)
+        return perception_json(run.record, scenario_of(context, run), view, is_sumo_driver=by_sumo)
 
     return compressed_answer(request, content, media_type=JSON, etag=etag)
 

@@ -11,6 +11,7 @@ from drivora_service.client.calls.jobs import job_query
 from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
+    from drivora_service.api.schemas.perception import Perception
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.series import Series
     from drivora_service.api.schemas.timeline import Timeline
@@ -103,6 +104,24 @@ def run_series(run_id: str, *, ego: int = 0) -> Call[Series]:
     return get(
         f"{PREFIX}/runs/{{run_id}}/series",
         Series,
+        query={"ego": ego},
+        accept="application/json",
+        run_id=run_id,
+    )
+
+
+def run_perception(run_id: str, *, ego: int = 0) -> Call[Perception]:
+    """Returns how many of the other actors an ego perceived, by step.
+
+    Args:
+        run_id: Id of the run.
+        ego: Row of the ego in the trace, from 0.
+    """
+    from drivora_service.api.schemas.perception import Perception
+
+    return get(
+        f"{PREFIX}/runs/{{run_id}}/perception",
+        Perception,
         query={"ego": ego},
         accept="application/json",
         run_id=run_id,

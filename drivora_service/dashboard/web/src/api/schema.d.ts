@@ -681,6 +681,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/runs/{run_id}/perception": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Perception
+         * @description Returns what an ego perceived: numbers by step, or with Arrow every actor by step.
+         */
+        get: operations["get_perception_api_v1_runs__run_id__perception_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/runs/{run_id}/scenario": {
         parameters: {
             query?: never;
@@ -3699,6 +3719,49 @@ export interface components {
          */
         Part: "ego" | "vehicle" | "walker" | "obstacle" | "weather" | "lights";
         /**
+         * Perception
+         * @description How many actors an ego perceived by step, while its agent was asked.
+         */
+        Perception: {
+            /**
+             * Counts
+             * @description Of them by sight, by step; `absent`: those that were not yet there when the frame that is perceived was taken.
+             */
+            counts: {
+                [key: string]: number[];
+            };
+            /** Ego */
+            ego: string;
+            /**
+             * First
+             * @description Step of the first numbers.
+             */
+            first: number;
+            /**
+             * Present
+             * @description Other actors in the world.
+             */
+            present: number[];
+            /**
+             * Privileged
+             * @description Whether it bypassed the perception model.
+             */
+            privileged: boolean;
+            /**
+             * Row
+             * @description Row of the ego in the trace.
+             */
+            row: number;
+            /** Run Id */
+            run_id: string;
+            sensor: components["schemas"]["Sensor"];
+            /**
+             * Sights
+             * @description Meaning of the column `sight` by its value: absent, perceived, or why not.
+             */
+            sights: string[];
+        };
+        /**
          * Phase
          * @description A stage of a light's programme.
          */
@@ -4336,6 +4399,42 @@ export interface components {
              * @description Candidates with at least one failure.
              */
             violating: number;
+        };
+        /**
+         * Sensor
+         * @description The sensor of an ego, by the weather of the run.
+         */
+        Sensor: {
+            /**
+             * Dropout
+             * @description Probability that an actor is missed at a step.
+             */
+            dropout: number;
+            /**
+             * Hides
+             * @description Whether actors hide one another.
+             */
+            hides: boolean;
+            /**
+             * Latency Steps
+             * @description Steps by which what is perceived is older.
+             */
+            latency_steps: number;
+            /**
+             * Position Noise
+             * @description Standard deviation of x and of y, metres.
+             */
+            position_noise: number;
+            /**
+             * Range
+             * @description Metres; null: unlimited.
+             */
+            range: number | null;
+            /**
+             * Speed Noise
+             * @description Standard deviation of vx and of vy, m/s.
+             */
+            speed_noise: number;
         };
         /**
          * Series
@@ -8261,6 +8360,95 @@ export interface operations {
             };
             /** @description Not Acceptable */
             406: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_perception_api_v1_runs__run_id__perception_get: {
+        parameters: {
+            query?: {
+                /** @description Row of the ego in the trace, from 0. */
+                ego?: number;
+            };
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Perception"];
+                    "application/vnd.apache.arrow.stream": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
