@@ -58,6 +58,8 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
     const next = Math.min(Math.max(current + by, 0), rows.length - 1);
     setCurrent(next);
     virtual.scrollToIndex(next);
+    // `enter` opens the row then, and not the button that was pressed before.
+    frame.current?.focus({ preventScroll: true });
     const row = rows[next];
     if (row !== undefined && props.onPoint)
       requestAnimationFrame(() => {

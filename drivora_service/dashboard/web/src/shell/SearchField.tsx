@@ -19,7 +19,7 @@ export function SearchField() {
   const [open, setOpen] = useState(false);
   const [text, setText] = useState("");
   const [place, setPlace] = useState(0);
-  const all = useFound(open);
+  const all = useFound(open, text);
   const shown = matching(all, text);
   useKeys([
     { keys: "s", does: "search everything", run: () => field.current?.focus() },
@@ -31,7 +31,8 @@ export function SearchField() {
     setOpen(false);
     field.current?.blur();
     const { kind, id } = found;
-    if (kind === "campaign") void navigate({ to: "/campaigns/$id", params: { id } });
+    if (kind === "run") void navigate({ to: "/runs/$runId", params: { runId: id } });
+    else if (kind === "campaign") void navigate({ to: "/campaigns/$id", params: { id } });
     else if (kind === "batch") void navigate({ to: "/batches/$batchId", params: { batchId: id } });
     else if (kind === "network") void navigate({ to: "/networks/$name", params: { name: id } });
     else if (kind === "agent") void navigate({ to: "/agents", search: {}, hash: id });

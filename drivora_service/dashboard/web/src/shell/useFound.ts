@@ -1,12 +1,28 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, body } from "../api/client";
-import type { Found } from "./found";
+import { api, body, type Schemas } from "../api/client";
+import { type Found, isId } from "./found";
 
 const NEWEST = 500;
 const newest = { params: { query: { limit: NEWEST } } } as const;
 
-/** Everything that has a name and can be opened; it is asked for when the reader searches. */
-export function useFound(wanted: boolean): readonly Found[] {
+/** Everything that has a name and can be opened; it is asked for when the reader searches.
+ *
+ * Of runs these are the newest, and the one whose whole id was typed.
+ */
+export function useFound(wanted: boolean, text: string): readonly Found[] {
+  const runs = useQuery({
+    queryKey: ["run", "list", "search"],
+    queryFn: async () => body(await api.GET("/api/v1/runs", newest)).items,
+    enabled: wanted,
+  });
+  const id = text.trim();
+  const run = useQuery({
+    queryKey: ["run", id, "search"],
+    queryFn: async () =>
+      body(await api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } } })),
+    enabled: wanted && isId(id),
+    retry: false,
+  });
   const batches = useQuery({
     queryKey: ["batch", "list", "search"],
     queryFn: async () => body(await api.GET("/api/v1/batches", newest)).items,
@@ -37,6 +53,8 @@ export function useFound(wanted: boolean): readonly Found[] {
     ...(campaigns.data ?? []).map(
       ({ id, name, state }): Found => ({ kind: "campaign", id, name: name || id, note: state }),
     ),
+    ...(run.data ? [runFound(run.data)] : []),
+    ...(runs.data ?? []).filter((item) => item.id !== run.data?.id).map(runFound),
     ...(batches.data ?? []).map(
       ({ id, name, size }): Found => ({
         kind: "batch",
@@ -46,4 +64,8 @@ export function useFound(wanted: boolean): readonly Found[] {
       }),
     ),
   ];
+}
+
+function runFound(run: Pick<Schemas["RunSummary"], "id" | "label" | "agent" | "town">): Found {
+  return { kind: "run", id: run.id, name: run.label || run.id, note: `${run.agent}, ${run.town}` };
 }

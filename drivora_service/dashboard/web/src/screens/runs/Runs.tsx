@@ -13,12 +13,14 @@ import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { ViewMenu } from "../../lists/ViewMenu";
 import { useTitle } from "../../shell/useTitle";
+import { CsvButton } from "./CsvButton";
 import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
 import { GIVEN_VIEWS, runFilters } from "./filters";
 import { RunsAnswer } from "./RunsAnswer";
 import { useRunNames } from "./useRunNames";
 
 const PAGE = 200;
+const MOST = 500;
 const idOf = (run: Run) => run.id;
 
 export function Runs() {
@@ -39,17 +41,16 @@ export function Runs() {
     queryFn: async () => body(await api.GET("/api/v1/runs:counts", { params: { query: filters } })),
     placeholderData: keepPreviousData,
   });
+  const ask = (limit: number) => async (page_token: string | undefined) =>
+    body(
+      await api.GET("/api/v1/runs", {
+        params: { query: { limit, order, ...filters, ...(page_token ? { page_token } : {}) } },
+      }),
+    );
   const { query, rows, left, news, insertNews, more } = useLiveList<Run>({
     key: ["run", filters, order],
     kind: "run",
-    ask: async (page_token) =>
-      body(
-        await api.GET("/api/v1/runs", {
-          params: {
-            query: { limit: PAGE, order, ...filters, ...(page_token ? { page_token } : {}) },
-          },
-        }),
-      ),
+    ask: ask(PAGE),
     idOf,
     held,
     newestFirst: !oldestFirst,
@@ -73,13 +74,13 @@ export function Runs() {
       <div className="head">
         <h1>Runs</h1>
         {counts.data && <RunsAnswer counts={counts.data} search={search} />}
-      </div>
-      <Filters filters={runFilters(counts.data, names, search)} search={search}>
-        <div className="end">
+        <div className="actions">
+          <CsvButton ask={ask(MOST)} total={counts.data?.total} />
           <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />
           <ColumnMenu all={all} ids={columns.ids} toggle={columns.toggle} reset={columns.reset} />
         </div>
-      </Filters>
+      </div>
+      <Filters filters={runFilters(counts.data, names, search)} search={search} />
       {query.isPending ? (
         <Loading />
       ) : query.isError ? (
@@ -108,6 +109,7 @@ export function Runs() {
             left={left}
             onHold={setHeld}
             onEnd={more}
+            onOpen={({ id }) => void navigate({ to: "/runs/$runId", params: { runId: id } })}
             height="calc(100vh - 190px)"
           />
         </div>

@@ -27,14 +27,14 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
     {
       id: "label",
       title: "Label",
-      width: "minmax(180px, 2fr)",
+      width: "minmax(180px, 1.4fr)",
       cell: (run) =>
         run.label ? <span title={run.label}>{run.label}</span> : <Unnamed run={run} />,
     },
     {
       id: "agent",
       title: "ADS",
-      width: "minmax(90px, 1fr)",
+      width: "minmax(110px, 1fr)",
       cell: (run) => <Same name="agent" value={run.agent} />,
     },
     {
@@ -125,7 +125,16 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
       cell: (run) => moment(run.created_at),
     },
     { id: "ended_at", title: "Ended at", width: "162px", cell: (run) => moment(run.ended_at) },
-    { id: "id", title: "Run", width: "200px", cell: (run) => <code>{run.id}</code> },
+    {
+      id: "id",
+      title: "Run",
+      width: "200px",
+      cell: (run) => (
+        <Link to="/runs/$runId" params={{ runId: run.id }}>
+          <code>{run.id}</code>
+        </Link>
+      ),
+    },
     {
       id: "scenario_sha256",
       title: "Scenario",
