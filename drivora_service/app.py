@@ -12,6 +12,7 @@ import structlog
 from fastapi import FastAPI
 
 from drivora_service.api.application import create_api
+from drivora_service.api.change_feed import feed_of
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
@@ -52,11 +53,13 @@ class Service:
         drain: Takes no more work, waits for the given seconds for running runs, and puts the others
             back into the queue.
         stop_draining: Ends the wait of a drain.
+        end_streams: Ends the streams of events, which would else last; called in the event loop.
     """
 
     api: FastAPI
     drain: Callable[[float], None]
     stop_draining: Callable[[], None]
+    end_streams: Callable[[], None]
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -187,10 +190,12 @@ def create_service(
         storage_fault=lambda: infrastructure.fault,
         stopping=stopping.is_set,
     )
+    api = create_api(context, lifespan, page=page_routes())
     return Service(
-        api=create_api(context, lifespan, page=page_routes()),
+        api=api,
         drain=drain,
         stop_draining=dispatcher.stop_draining,
+        end_streams=feed_of(api).close,
     )
 
 

@@ -166,6 +166,11 @@ class _Server(uvicorn.Server):
         gc.collect()
         gc.freeze()
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Ends the streams of events, then all connections once their requests are answered."""
+        self._service.end_streams()
+        await super().shutdown(sockets)
+
     def _note_fault(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Logs at most once a minute that no file descriptor is left; logs other faults as usual.
 

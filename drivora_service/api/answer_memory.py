@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from drivora_service.api.load_guard import HEALTH_PATHS
+from drivora_service.api.load_guard import EVENTS_PATH, HEALTH_PATHS
 from drivora_service.api.tokens import TokenFile
 from drivora_service.api_paths import PREFIX
 from drivora_service.errors import ConfigurationError
@@ -20,6 +20,8 @@ MOST_BYTES = 64 << 10
 MOST_ANSWERS = 256
 LONGEST_S = 0.5
 """For which an answer may be given again; some tell of files, or of how long ago something was."""
+
+_NOT_KEPT = HEALTH_PATHS | {EVENTS_PATH}
 
 _Key = tuple[str, bytes, str, str, str, str]
 
@@ -92,7 +94,7 @@ class AnswerMemory:
         """Returns all that an answer depends on, or ``None`` if it is not to be kept."""
         if scope["type"] != "http" or scope["method"] != "GET":
             return None
-        if not scope["path"].startswith(PREFIX) or scope["path"] in HEALTH_PATHS:
+        if not scope["path"].startswith(PREFIX) or scope["path"] in _NOT_KEPT:
             return None
         headers = Headers(scope=scope)
         if "content-length" in headers or "transfer-encoding" in headers:

@@ -8,6 +8,7 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from pydantic import TypeAdapter
 
 from drivora_service.api import problems
 from drivora_service.api.arrow_answer import ARROW
@@ -15,12 +16,15 @@ from drivora_service.api.conditional import JSON
 from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
 from drivora_service.api.observations import CSV, NDJSON, PARQUET
+from drivora_service.api.schemas.events import Begin, Changes, Reset
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.studies.documents import StudyDocument
 
 _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
+EVENTS = "text/event-stream"
+"""Media type of a stream of events."""
 _BINARY: Mapping[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
 _DESCRIPTION = """Post scenarios and campaigns, follow them, fetch what was recorded and judged.
@@ -84,6 +88,16 @@ def table_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
         PARQUET: _BINARY,
     }
     return _with_errors({"description": "The table", "content": content}, errors)
+
+
+def event_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer that is a stream of events, and the errors.
+
+    The schema is that of the stream's text; ``x-events`` has those of the data by event.
+    """
+    data = {name: {"$ref": _SCHEMAS + kind.__name__} for name, kind in _EVENTS.items()}
+    content = {EVENTS: {"schema": {"type": "string"}, "example": example, "x-events": data}}
+    return _with_errors({"description": "The events", "content": content}, errors)
 
 
 def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
@@ -165,6 +179,10 @@ def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema
+            for kind in _EVENTS.values():
+                schema = TypeAdapter(kind).json_schema(ref_template=_SCHEMAS + "{model}")
+                schemas.update(schema.pop("$defs", {}))
+                schemas[kind.__name__] = schema
             _simplify(document)
             api.openapi_schema = document
         return api.openapi_schema
@@ -232,6 +250,7 @@ def _unpack_examples(part: Any) -> None:
                 _unpack_examples(value)
 
 
+_EVENTS: Mapping[str, type] = {"begin": Begin, "changes": Changes, "reset": Reset}
 _ERRORS: Mapping[int, tuple[str, str]] = {
     401: ("Unauthorized", "an API token is needed: Authorization: Bearer …"),
     403: ("Forbidden", "token 'viewer' has scope read; submit is needed"),

@@ -17,12 +17,16 @@ HEALTH_PATHS = frozenset(
     f"{prefix}/{name}" for prefix in ("", PREFIX) for name in ("healthz", "readyz")
 )
 """Answered without a thread and without the database."""
+EVENTS_PATH = f"{PREFIX}/events"
+"""Streams, which last; they have a bound of their own, see ``change_feed``."""
+
+_NOT_COUNTED = HEALTH_PATHS | {EVENTS_PATH}
 
 
 class LoadGuard:
     """ASGI middleware: 503 with ``Retry-After`` for a request beyond ``most`` at once.
 
-    Whether the service lives and is ready can always be asked.
+    Whether the service lives and is ready can always be asked. Streams of events are not counted.
     """
 
     def __init__(self, app: ASGIApp, *, most: int = MOST_REQUESTS) -> None:
@@ -32,7 +36,7 @@ class LoadGuard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves a request."""
-        if scope["type"] != "http" or scope["path"] in HEALTH_PATHS:
+        if scope["type"] != "http" or scope["path"] in _NOT_COUNTED:
             await self._app(scope, receive, send)
             return
         if self._served >= self._most:

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from starlette.routing import BaseRoute, Route, compile_path
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+_IS_HEAD = "drivora.is_head"
+
 
 class MethodTable:
     """The methods of every path of an application.
@@ -37,6 +39,11 @@ class MethodTable:
         return tuple(sorted(found))
 
 
+def is_head(scope: Scope) -> bool:
+    """Returns whether a request that is answered as GET was one for the head only."""
+    return _IS_HEAD in scope
+
+
 class HeadAsGet:
     """ASGI middleware: HEAD is answered as GET, and the server leaves the body out."""
 
@@ -46,5 +53,5 @@ class HeadAsGet:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves a request."""
         if scope["type"] == "http" and scope["method"] == "HEAD":
-            scope = {**scope, "method": "GET"}
+            scope = {**scope, "method": "GET", _IS_HEAD: True}
         await self._app(scope, receive, send)

@@ -29,6 +29,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures)(/.*)?"),
         ("failures", "/failures(/.*)?"),
         ("studies", "/studies([/:].*)?"),
+        ("events", "/events"),
         ("networks", "/networks([/:].*)?"),
         ("catalogues", "/(agents|testers|oracles)([/:].*)?"),
     )

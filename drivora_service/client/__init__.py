@@ -14,6 +14,7 @@ A client of a service, and one of an application::
 from drivora_service.client.async_client import AsyncClient
 from drivora_service.client.call import Call, Document, Language, Listing, ObservationForm
 from drivora_service.client.client import Client
+from drivora_service.client.listening import Event
 from drivora_service.client.transport import ApplicationTransport, AsyncApplicationTransport
 from drivora_service.observations.trace_rows import TraceRows
 
@@ -24,6 +25,7 @@ __all__ = [
     "Call",
     "Client",
     "Document",
+    "Event",
     "Language",
     "Listing",
     "ObservationForm",

@@ -27,7 +27,9 @@ from drivora_service.client.flows import (
     Emit,
     Flow,
     Items,
+    Listen,
     Outcome,
+    Receive,
     Request,
     Sleep,
     Step,
@@ -40,8 +42,10 @@ from drivora_service.client.following import (
     followed_campaign,
     followed_study,
 )
+from drivora_service.client.listening import Event, listened
 from drivora_service.client.operations import AwaitedOperations
 from drivora_service.client.replies import Reply
+from drivora_service.client.streams import AsyncStream
 from drivora_service.client.transport import AsyncApplicationTransport
 from drivora_service.errors import ServiceError
 
@@ -122,6 +126,10 @@ class AsyncClient(AwaitedOperations):
         """Returns the items of a list; a page is asked for when its first item is wanted."""
         return self._emitted(listing_items(listing, self._terms))
 
+    def listen(self, call: Call[bytes]) -> AsyncIterator[Event]:
+        """Returns the events of a call as they are told; the call is made when one is wanted."""
+        return self._emitted(listened(call, self._terms))
+
     async def save(self, call: Call[bytes], path: Path) -> None:
         """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
 
@@ -182,29 +190,31 @@ class AsyncClient(AwaitedOperations):
 
     async def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None
-        while True:
-            try:
-                step = flow.send(outcome)
-            except StopIteration as end:
-                result: T = end.value
-                return result
-            outcome = await self._performed(step)
+        async with AsyncStream(self._http) as stream:
+            while True:
+                try:
+                    step = flow.send(outcome)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                outcome = await self._performed(step, stream)
 
     async def _emitted(self, flow: Items[T]) -> AsyncIterator[T]:
         outcome: Outcome = None
         with contextlib.closing(flow):
-            while True:
-                try:
-                    step = flow.send(outcome)
-                except StopIteration:
-                    return
-                if isinstance(step, Emit):
-                    yield step.value
-                    outcome = None
-                else:
-                    outcome = await self._performed(step)
+            async with AsyncStream(self._http) as stream:
+                while True:
+                    try:
+                        step = flow.send(outcome)
+                    except StopIteration:
+                        return
+                    if isinstance(step, Emit):
+                        yield step.value
+                        outcome = None
+                    else:
+                        outcome = await self._performed(step, stream)
 
-    async def _performed(self, step: Step) -> Outcome:
+    async def _performed(self, step: Step, stream: AsyncStream) -> Outcome:
         match step:
             case Sleep():
                 await asyncio.sleep(step.seconds)
@@ -212,6 +222,15 @@ class AsyncClient(AwaitedOperations):
             case Request():
                 try:
                     return await self._reply(step)
+                except httpx.RequestError as error:
+                    return error
+            case Listen() | Receive():
+                if self._http.is_closed:
+                    raise ServiceError(CLOSED)
+                try:
+                    if isinstance(step, Listen):
+                        return await stream.listen(step)
+                    return await stream.receive()
                 except httpx.RequestError as error:
                     return error
 

@@ -26,7 +26,9 @@ from drivora_service.client.flows import (
     Emit,
     Flow,
     Items,
+    Listen,
     Outcome,
+    Receive,
     Request,
     Sleep,
     Step,
@@ -39,8 +41,10 @@ from drivora_service.client.following import (
     followed_campaign,
     followed_study,
 )
+from drivora_service.client.listening import Event, listened
 from drivora_service.client.operations import BlockingOperations
 from drivora_service.client.replies import Reply
+from drivora_service.client.streams import Stream
 from drivora_service.client.transport import ApplicationTransport
 from drivora_service.errors import ServiceError
 
@@ -123,6 +127,10 @@ class Client(BlockingOperations):
         """Returns the items of a list; a page is asked for when its first item is wanted."""
         return self._emitted(listing_items(listing, self._terms))
 
+    def listen(self, call: Call[bytes]) -> Iterator[Event]:
+        """Returns the events of a call as they are told; the call is made when one is wanted."""
+        return self._emitted(listened(call, self._terms))
+
     def save(self, call: Call[bytes], path: Path) -> None:
         """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
 
@@ -183,17 +191,18 @@ class Client(BlockingOperations):
 
     def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None
-        while True:
-            try:
-                step = flow.send(outcome)
-            except StopIteration as end:
-                result: T = end.value
-                return result
-            outcome = self._performed(step)
+        with Stream(self._http) as stream:
+            while True:
+                try:
+                    step = flow.send(outcome)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                outcome = self._performed(step, stream)
 
     def _emitted(self, flow: Items[T]) -> Iterator[T]:
         outcome: Outcome = None
-        with contextlib.closing(flow):
+        with contextlib.closing(flow), Stream(self._http) as stream:
             while True:
                 try:
                     step = flow.send(outcome)
@@ -203,9 +212,9 @@ class Client(BlockingOperations):
                     yield step.value
                     outcome = None
                 else:
-                    outcome = self._performed(step)
+                    outcome = self._performed(step, stream)
 
-    def _performed(self, step: Step) -> Outcome:
+    def _performed(self, step: Step, stream: Stream) -> Outcome:
         match step:
             case Sleep():
                 time.sleep(step.seconds)
@@ -213,6 +222,15 @@ class Client(BlockingOperations):
             case Request():
                 try:
                     return self._reply(step)
+                except httpx.RequestError as error:
+                    return error
+            case Listen() | Receive():
+                if self._http.is_closed:
+                    raise ServiceError(CLOSED)
+                try:
+                    if isinstance(step, Listen):
+                        return stream.listen(step)
+                    return stream.receive()
                 except httpx.RequestError as error:
                     return error
 

@@ -59,8 +59,24 @@ class Emit(Generic[T]):
     value: T
 
 
-Step = Request | Sleep
-Outcome = Reply | httpx.RequestError | None
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Listen:
+    """Open the stream of an answer, in place of the last one; the outcome is as of a request.
+
+    The ``Reply`` has no content if its status is 200.
+    """
+
+    call: Call[Any]
+    headers: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Receive:
+    """Wait for the next part of the stream; the outcome is ``None`` at its end."""
+
+
+Step = Request | Sleep | Listen | Receive
+Outcome = Reply | httpx.RequestError | bytes | None
 Flow = Generator[Step, Outcome, T]
 Items = Generator[Step | Emit[T], Outcome, None]
 
@@ -88,8 +104,14 @@ class Answer(Generic[T]):
 
 
 @dataclass(slots=True)
-class _Patience:
-    """The waits between tries."""
+class Patience:
+    """The waits between tries.
+
+    Attributes:
+        seconds: For which tries are made.
+        begun: Monotonic seconds of the first one.
+        least_s: Of the next wait.
+    """
 
     seconds: float
     begun: float = field(default_factory=time.monotonic)
@@ -116,17 +138,17 @@ def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[A
     if call.is_once and not terms.service.is_local:
         headers["Idempotency-Key"] = uuid.uuid4().hex
         is_repeatable = True
-    patience = _Patience(terms.retry_s)
+    patience = Patience(terms.retry_s)
     while True:
         outcome = yield Request(call=call, headers=headers, target=target)
         if isinstance(outcome, Reply):
             try:
                 return Answer(read_reply(call, outcome, terms.service), outcome.retry_after_s)
             except ServiceError as error:
-                fault, may_pass = error, _may_pass(outcome)
+                fault, may_pass = error, may_pass(outcome)
                 retry_after_s = outcome.retry_after_s
                 is_harmless = is_repeatable or _was_not_done(outcome, terms.service)
-        elif outcome is not None:
+        elif isinstance(outcome, httpx.RequestError):
             fault, retry_after_s = no_answer(outcome, terms.service), None
             is_harmless = is_repeatable
             # What an application in this process does not answer, it would not the next time.
@@ -157,7 +179,8 @@ def listing_items(listing: Listing[T], terms: Terms) -> Items[T]:
             return
 
 
-def _may_pass(reply: Reply) -> bool:
+def may_pass(reply: Reply) -> bool:
+    """Returns whether the reason of a refusal may pass."""
     if reply.status in UNAVAILABLE:
         return True
     # The same request, whose answer was lost, is still being done.

@@ -11,10 +11,12 @@ from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
 from drivora_service.client.call import Call, Listing
 from drivora_service.client.calls import campaigns as campaign_calls
 from drivora_service.client.calls import catalogues as catalogue_calls
+from drivora_service.client.calls import events as event_calls
 from drivora_service.client.calls import failures as failure_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import runs as run_calls
 from drivora_service.client.calls import studies as study_calls
+from drivora_service.client.listening import Event
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -64,6 +66,32 @@ class Listed(Generic[P, T]):
         @wraps(self.make)
         def method(*args: P.args, **kwargs: P.kwargs) -> Iterator[T] | AsyncIterator[T]:
             return client.items(self.make(*args, **kwargs))
+
+        return method
+
+
+class Told(Generic[P]):
+    """A method that returns the events of a call as they are told."""
+
+    def __init__(self, make: Callable[P, Call[bytes]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, client: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, client: BlockingOperations, owner: type) -> Callable[P, Iterator[Event]]: ...
+    @overload
+    def __get__(
+        self, client: AwaitedOperations, owner: type
+    ) -> Callable[P, AsyncIterator[Event]]: ...
+    def __get__(self, client: BlockingOperations | AwaitedOperations | None, owner: type) -> Any:
+        if client is None:
+            return self
+
+        @wraps(self.make)
+        def method(*args: P.args, **kwargs: P.kwargs) -> Iterator[Event] | AsyncIterator[Event]:
+            return client.listen(self.make(*args, **kwargs))
 
         return method
 
@@ -160,6 +188,8 @@ class Operations:
     study_table = Answered(study_calls.study_table)
     save_study_table = Saved(study_calls.study_table)
 
+    events = Told(event_calls.events)
+
     networks = Answered(catalogue_calls.networks)
     network = Answered(catalogue_calls.network)
     network_geometry = Answered(catalogue_calls.network_geometry)
@@ -183,6 +213,10 @@ class BlockingOperations(Operations, ABC):
         """Returns the items of a list; a page is asked for when its first item is wanted."""
 
     @abstractmethod
+    def listen(self, call: Call[bytes]) -> Iterator[Event]:
+        """Returns the events of a call as they are told; the call is made when one is wanted."""
+
+    @abstractmethod
     def save(self, call: Call[bytes], path: Path) -> None:
         """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
 
@@ -201,6 +235,10 @@ class AwaitedOperations(Operations, ABC):
     @abstractmethod
     def items(self, listing: Listing[T]) -> AsyncIterator[T]:
         """Returns the items of a list; a page is asked for when its first item is wanted."""
+
+    @abstractmethod
+    def listen(self, call: Call[bytes]) -> AsyncIterator[Event]:
+        """Returns the events of a call as they are told; the call is made when one is wanted."""
 
     @abstractmethod
     async def save(self, call: Call[bytes], path: Path) -> None:

@@ -85,11 +85,21 @@ class ChangeRepository:
         """Returns whether what has changed after a position can be told."""
         return is_known(self._session, position)
 
+    def has(self, object_id: str) -> bool:
+        """Returns whether there is a run, batch, campaign or study of an id."""
+        if object_id.startswith(SINGLE_JOBS):
+            return False
+        return any(
+            self._session.scalar(select(row.id).where(row.id == object_id)) is not None
+            for row in (RunRow, BatchRow, CampaignRow, StudyRow)
+        )
+
     def after(
         self,
         revision: int,
         kinds: Collection[ChangedKind] = tuple(ChangedKind),
         *,
+        until: Position | None = None,
         limit: int = MOST_CHANGES,
     ) -> ChangeList:
         """Returns the objects that changed after a revision, oldest change first, as they are now.
@@ -97,10 +107,11 @@ class ChangeRepository:
         Args:
             revision: Only changes that were counted after it.
             kinds: Only objects of these kinds.
+            until: Only changes up to this position; ``None``: up to the newest one.
             limit: Greatest number of changes.
         """
         # Read before the rows: a row that is changed meanwhile comes with the next list.
-        newest = latest_position(self._session)
+        newest = until or latest_position(self._session)
         values = {"after": revision, "newest": newest.revision, "limit": limit + 1}
         connection = self._session.connection()
         found = [

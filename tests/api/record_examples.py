@@ -45,7 +45,7 @@ _TIMES = {
     "first_seen": "2026-03-02T09:30:04Z",
     "last_seen": "2026-03-02T09:30:19Z",
 }
-_REVISION = 4711
+_REVISION, _EPOCH = 4711, "5f0c2b7a91de"
 _DURATIONS = {
     "wall_time_s": 0.11,
     "step_cost_us": 58.0,
@@ -173,6 +173,7 @@ class _Recording:
         )
         self._keep(examples.BATCH, self._wait(batch, lambda found: found["done"]))
         self._keep(examples.BATCHES, self._get("/batches?limit=1"))
+        self._keep(examples.EVENTS, self._events(f"of={job['id']}&after=0", 2))
         self._keep(examples.JOB, self._get(f"/jobs/{job['id']}"))
         self._keep(examples.JOBS, self._get("/jobs?limit=1&status=cancelled"))
         run = f"/runs/{job['id']}"
@@ -308,6 +309,21 @@ class _Recording:
         answer = self._client.get(f"{PREFIX}{path}", headers={"Accept": "application/x-ndjson"})
         answer.raise_for_status()
         return "".join(answer.text.splitlines(keepends=True)[:count])
+
+    def _events(self, query: str, count: int) -> str:
+        """Returns the first events of a stream, with numbers that stay."""
+        events: list[str] = []
+        lines: list[str] = []
+        with self._client.stream("GET", f"{PREFIX}/events?{query}") as answer:
+            for line in answer.iter_lines():
+                lines.append(line)
+                if not line:
+                    events.append("\n".join(lines) + "\n")
+                    lines.clear()
+                if len(events) == count:
+                    break
+        text = re.sub(r'(?<="revision":)\d+', str(_REVISION), "".join(events))
+        return re.sub(r"^id: .*$", f"id: {_EPOCH}.{_REVISION}", text, flags=re.MULTILINE)
 
     def _keep(self, example: str, answer: object, *, most: int = _MOST_ITEMS) -> None:
         name = example.removeprefix(examples.RECORDED)

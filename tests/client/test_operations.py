@@ -12,7 +12,7 @@ import pytest
 
 from drivora_service.api.schemas.service import Health
 from drivora_service.client import AsyncClient, Call, Client, Listing
-from drivora_service.client.operations import Answered, Listed, Operations, Saved
+from drivora_service.client.operations import Answered, Listed, Operations, Saved, Told
 from drivora_service.store.records import RunSummary
 from tests.client.scripted_server import ok, scripted
 
@@ -26,7 +26,7 @@ _GIVEN: Mapping[str, Any] = {
 _METHODS = {
     name: value
     for name, value in vars(Operations).items()
-    if isinstance(value, Answered | Listed | Saved)
+    if isinstance(value, Answered | Listed | Saved | Told)
 }
 
 

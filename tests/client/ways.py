@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
 from typing import Any, cast
 
 from drivora_service.client import AsyncClient, Client
@@ -31,8 +31,12 @@ class _Blocking:
 
     def _iterated(self, items: AsyncIterator[Any]) -> Iterator[Any]:
         end = object()
-        while (item := self._runner.run(_awaited(anext(items, end)))) is not end:
-            yield item
+        try:
+            while (item := self._runner.run(_awaited(anext(items, end)))) is not end:
+                yield item
+        finally:
+            if isinstance(items, AsyncGenerator):
+                self._runner.run(items.aclose())
 
     def close(self) -> None:
         self._runner.run(self._client.aclose())

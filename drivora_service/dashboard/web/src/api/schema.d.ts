@@ -417,6 +417,31 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Events
+         * @description Tells what changes, as server-sent events, until the client goes.
+         *
+         *     `begin` comes first. `changes` has the objects that changed, as they are now: a client that
+         *     connects again with the last `id` misses nothing, also where the service was killed meanwhile.
+         *     `reset` says that what changed since that `id` cannot be told, as after a restored backup: ask
+         *     for everything anew. A comment comes after 15 s of silence. What retention removes is not told.
+         */
+        get: operations["get_events_api_v1_events_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/failures": {
         parameters: {
             query?: never;
@@ -1380,6 +1405,17 @@ export interface components {
             rejected: number;
         };
         /**
+         * Begin
+         * @description The beginning of a stream.
+         */
+        Begin: {
+            /**
+             * Revision
+             * @description Count of all changes after which the stream tells what changes.
+             */
+            revision: number;
+        };
+        /**
          * BestScore
          * @description The least value of an objective so far.
          */
@@ -2027,6 +2063,68 @@ export interface components {
             town: string;
             /** Valid */
             valid: boolean;
+        };
+        /**
+         * Change
+         * @description An object that has changed, as it is now.
+         */
+        Change: {
+            /**
+             * Batch Id
+             * @description Batch of a run, of a campaign, or itself; empty without one.
+             * @default
+             */
+            batch_id: string;
+            /**
+             * Campaign Id
+             * @description Campaign that it is or belongs to; empty without one.
+             * @default
+             */
+            campaign_id: string;
+            /**
+             * Id
+             * @description Id of the object.
+             */
+            id: string;
+            kind: components["schemas"]["ChangedKind"];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one.
+             */
+            revision: number;
+            /**
+             * Status
+             * @description Status of a run, state of another; empty for a study of which only the store knows.
+             */
+            status: string;
+            /**
+             * Study Id
+             * @description Study that it is or belongs to; empty without one.
+             * @default
+             */
+            study_id: string;
+        };
+        /**
+         * ChangedKind
+         * @description The kinds of objects whose changes are counted.
+         * @enum {string}
+         */
+        ChangedKind: "run" | "batch" | "campaign" | "study";
+        /**
+         * Changes
+         * @description Objects that have changed, each once, as they are now; at most 500.
+         */
+        Changes: {
+            /**
+             * Changes
+             * @description Oldest change first.
+             */
+            changes: components["schemas"]["Change"][];
+            /**
+             * Revision
+             * @description Count of all changes up to which all are told.
+             */
+            revision: number;
         };
         /**
          * Check
@@ -3878,6 +3976,17 @@ export interface components {
              * @description Lower edge of y, in the document's frame.
              */
             min_y: number;
+        };
+        /**
+         * Reset
+         * @description What changed before cannot be told: everything is to be asked for anew.
+         */
+        Reset: {
+            /**
+             * Revision
+             * @description Count of all changes after which the stream tells what changes.
+             */
+            revision: number;
         };
         /**
          * Role
@@ -7306,6 +7415,90 @@ export interface operations {
             };
             /** @description Unsupported Media Type */
             415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_events_api_v1_events_get: {
+        parameters: {
+            query?: {
+                /** @description Only of these kinds; may be repeated. */
+                kind?: components["schemas"]["ChangedKind"][] | null;
+                /** @description Only this batch, campaign, study or run, and what belongs to it. */
+                of?: string;
+                /** @description `id` of an event, or a `revision`: what has changed since comes first. Empty: only what changes from now on. */
+                after?: string;
+            };
+            header?: {
+                /** @description The same, as clients send it that connect again; it counts. */
+                "last-event-id"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The events */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example event: begin
+                     *     id: 5f0c2b7a91de.4711
+                     *     data: {"revision":4711}
+                     *
+                     *     event: changes
+                     *     id: 5f0c2b7a91de.4711
+                     *     data: {"revision":4711,"changes":[{"kind":"run","id":"0193a5b0c4d2000000000001","status":"finished","revision":4711,"batch_id":"","campaign_id":"","study_id":""}]}
+                     */
+                    "text/event-stream": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,0 +1,123 @@
+"""One client's stream of server-sent events."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from starlette.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from drivora_service.api.change_feed import ChangeFeed
+from drivora_service.api.documentation import EVENTS
+from drivora_service.api.schemas.events import Begin, Changes, Reset
+from drivora_service.errors import StoreError
+from drivora_service.shapes import to_json
+from drivora_service.store.change_lists import ChangedKind
+from drivora_service.store.revisions import Position
+
+HEARTBEAT_S = 15.0
+"""Seconds of silence after which a comment is sent, with the position of the stream."""
+_FAULT_S = 1.0
+
+HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+"""No cache and no proxy may hold events back."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """What a stream tells.
+
+    Attributes:
+        kinds: Kinds of objects.
+        of: Id of the object that they are or belong to; "": all.
+        begin: Position after which changes are told.
+        is_reset: Whether the client has seen changes that this database does not know.
+    """
+
+    kinds: frozenset[ChangedKind]
+    of: str
+    begin: Position
+    is_reset: bool
+
+
+class EventStream(StreamingResponse):
+    """An answer that tells what changes until the client goes or the service is stopped.
+
+    A client that reads slowly gets what has changed meanwhile as it is then; nothing is kept for
+    it. One that reads nothing is dropped with its connection.
+    """
+
+    def __init__(self, feed: ChangeFeed, wanted: Wanted, is_allowed: Callable[[], bool]) -> None:
+        """Prepares; the stream has joined the feed and leaves it at its end.
+
+        Args:
+            feed: What changes.
+            wanted: What of it is told.
+            is_allowed: Returns whether the client's token is still valid.
+        """
+        super().__init__(_events(feed, wanted, is_allowed), headers=HEADERS, media_type=EVENTS)
+        self._feed = feed
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serves the request."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._feed.leave()
+
+
+async def _events(
+    feed: ChangeFeed, wanted: Wanted, is_allowed: Callable[[], bool]
+) -> AsyncIterator[bytes]:
+    position = wanted.begin
+    yield _frame("begin", position, Begin, Begin(revision=position.revision))
+    if wanted.is_reset:
+        yield _frame("reset", position, Reset, Reset(revision=position.revision))
+    beat_at = time.monotonic() + HEARTBEAT_S
+    while not feed.is_closed:
+        moved, newest = feed.moved, feed.newest
+        if newest is not None and newest.revision > position.revision:
+            after = position.revision
+            try:
+                listed = await feed.changes(after, wanted.kinds)
+            except StoreError:
+                await _wait(moved, _FAULT_S)
+                continue
+            position = listed.position
+            told = tuple(c for c in listed.changes if not wanted.of or c.is_of(wanted.of))
+            if told:
+                changes = Changes(revision=position.revision, changes=told)
+                yield feed.frame(
+                    (after, wanted.kinds, wanted.of),
+                    lambda at=position, of=changes: _frame("changes", at, Changes, of),  # type: ignore[misc] # mypy infers no type of defaults
+                )
+                beat_at = time.monotonic() + HEARTBEAT_S
+        else:
+            await _wait(moved, beat_at - time.monotonic())
+        if time.monotonic() >= beat_at:
+            if not is_allowed():
+                return
+            # An id without data is no event; a client that comes again names it.
+            yield f": heartbeat\nid: {position}\n\n".encode()
+            beat_at = time.monotonic() + HEARTBEAT_S
+
+
+def _frame(event: str, position: Position, kind: Any, data: object) -> bytes:
+    """Writes an event; JSON has no line breaks of its own."""
+    return b"event: %s\nid: %s\ndata: %s\n\n" % (
+        event.encode(),
+        str(position).encode(),
+        to_json(kind, data),
+    )
+
+
+async def _wait(moved: asyncio.Event, seconds: float) -> None:
+    try:
+        async with asyncio.timeout(max(seconds, 0.0)):
+            await moved.wait()
+    except TimeoutError:
+        pass

@@ -1,0 +1,89 @@
+"""Events: what changes, told as it happens."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Depends, Header, Query, Request, Response
+
+from drivora_service.api import examples
+from drivora_service.api.change_feed import feed_of
+from drivora_service.api.context import Context
+from drivora_service.api.documentation import EVENTS, event_answers
+from drivora_service.api.event_stream import HEADERS, EventStream, Wanted
+from drivora_service.api.methods import is_head
+from drivora_service.api.resource_router import resource_router
+from drivora_service.api.security import Credentials, is_valid, reader
+from drivora_service.errors import UnknownName
+from drivora_service.store.change_lists import ChangedKind
+from drivora_service.store.revisions import read_position
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
+
+router = resource_router("events", Depends(reader))
+
+
+@router.get(
+    "/events",
+    response_class=Response,
+    responses=event_answers(examples.EVENTS, 401, 403, 404, 422),
+)
+async def get_events(
+    request: Request,
+    context: Context,
+    credentials: Credentials,
+    kind: Annotated[
+        list[ChangedKind] | None, Query(description="Only of these kinds; may be repeated.")
+    ] = None,
+    of: Annotated[
+        str,
+        Query(
+            max_length=40,
+            description="Only this batch, campaign, study or run, and what belongs to it.",
+        ),
+    ] = "",
+    after: Annotated[
+        str,
+        Query(
+            max_length=40,
+            pattern=r"^(([0-9a-f]{12}\.)?[0-9]{1,15})?$",
+            description="`id` of an event, or a `revision`: what has changed since comes first. "
+            "Empty: only what changes from now on.",
+        ),
+    ] = "",
+    last_event_id: Annotated[
+        str, Header(description="The same, as clients send it that connect again; it counts.")
+    ] = "",
+) -> Response:
+    """Tells what changes, as server-sent events, until the client goes.
+
+    `begin` comes first. `changes` has the objects that changed, as they are now: a client that
+    connects again with the last `id` misses nothing, also where the service was killed meanwhile.
+    `reset` says that what changed since that `id` cannot be told, as after a restored backup: ask
+    for everything anew. A comment comes after 15 s of silence. What retention removes is not told.
+    """
+    if is_head(request.scope):
+        return Response(headers=HEADERS, media_type=EVENTS)
+    feed = feed_of(request.app)
+    kinds = frozenset(kind or ChangedKind)
+    wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
+    feed.join()
+    return EventStream(feed, wanted, partial(is_valid, context, credentials))
+
+
+def _wanted(
+    transaction: Transaction, *, kinds: frozenset[ChangedKind], of: str, after: str
+) -> Wanted:
+    if of and not transaction.changes.has(of):
+        raise UnknownName("batch, campaign, study or run", of, ())
+    latest = transaction.changes.latest()
+    position = read_position(after)
+    is_known = position is not None and transaction.changes.is_known(position)
+    return Wanted(
+        kinds=kinds,
+        of=of,
+        begin=position if position is not None and is_known else latest,
+        is_reset=bool(after) and not is_known,
+    )
