@@ -75,7 +75,7 @@ export function ActorList({
     },
     {
       id: "distance",
-      title: "to ego (m)",
+      title: "away (m)",
       hint: "From the ego, centre to centre",
       width: "78px",
       numeric: true,

@@ -1,19 +1,25 @@
+import type { ReactNode } from "react";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
 import type { Recording } from "./recording";
 import { useStep } from "./useMoment";
+import type { Series } from "./useSeries";
 
 const DEGREES = 180 / Math.PI;
+
+const LIGHTS = ["", "green", "yellow", "red"] as const;
 
 /** The ego's state and what its agent asks for, at the time. */
 export function EgoFacts({
   recording,
   clock,
   ego,
+  series,
 }: {
   readonly recording: Recording;
   readonly clock: Clock;
   readonly ego: number;
+  readonly series: Series | undefined;
 }) {
   const step = Math.min(useStep(clock), recording.loaded - 1);
   const cell = step * recording.actors.length + ego;
@@ -46,6 +52,7 @@ export function EgoFacts({
         {number(recording.routeS[own], 1, "m")}
         <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
       </dd>
+      {series && <Around series={series} step={step} number={number} />}
       {end && step >= end.step && (
         <>
           <dt>Ended</dt>
@@ -55,5 +62,54 @@ export function EgoFacts({
         </>
       )}
     </dl>
+  );
+}
+
+/** What is around the ego: the nearest actor, the one ahead, the lane and the next signal. */
+function Around({
+  series,
+  step,
+  number,
+}: {
+  readonly series: Series;
+  readonly step: number;
+  readonly number: (value: number, digits: number, unit: string) => ReactNode;
+}) {
+  const ttc = series.at("time_to_collision", step);
+  const gap = series.at("gap", step);
+  const lead = series.at("lead_gap", step);
+  const light = series.at("light_distance", step);
+  const lane = series.lane(series.at("lane", step));
+  const colour = LIGHTS[series.at("light", step)];
+  return (
+    <>
+      <dt title={series.description("time_to_collision")}>TTC</dt>
+      <dd>
+        {Number.isNaN(ttc) ? <span className="quiet">none within 10 s</span> : `${fixed(ttc, 2)} s`}
+        {!Number.isNaN(ttc) && (
+          <span className="quiet"> {series.actor(series.at("time_to_collision_actor", step))}</span>
+        )}
+      </dd>
+      <dt title={series.description("gap")}>Nearest</dt>
+      <dd>
+        {Number.isNaN(gap) ? <span className="quiet">no other actor</span> : number(gap, 1, "m")}
+        <span className="quiet"> {series.actor(series.at("gap_actor", step))}</span>
+      </dd>
+      <dt title={series.description("lead_gap")}>Ahead</dt>
+      <dd>
+        {Number.isNaN(lead) ? <span className="quiet">no actor</span> : number(lead, 1, "m")}
+        <span className="quiet"> {series.actor(series.at("lead_actor", step))}</span>
+      </dd>
+      <dt>Lane</dt>
+      <dd>{lane ? <code>{lane}</code> : <span className="quiet">off all lanes</span>}</dd>
+      <dt>Light ahead</dt>
+      <dd>
+        {Number.isNaN(light) ? (
+          <span className="quiet">none</span>
+        ) : (
+          `${colour || "off"}, ${fixed(light, 1)} m`
+        )}
+      </dd>
+    </>
   );
 }

@@ -6,14 +6,18 @@ import { type Camera, cameraText } from "../../roads/camera";
 import { useGeometry } from "../../roads/useGeometry";
 import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
+import { AgentLog } from "./AgentLog";
 import { readState, TRAILS, trailsText } from "./address";
 import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
+import { Plots } from "./Plots";
 import { type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
 import { TimeLine } from "./TimeLine";
+import type { Range } from "./timeScale";
 import { useRecording } from "./useRecording";
+import { useSeries } from "./useSeries";
 import { useTimeline } from "./useTimeline";
 import { VerdictLine } from "./VerdictLine";
 import { gravestFirst } from "./verdictWords";
@@ -47,7 +51,14 @@ function Player({
   const state = readState(search);
   const clock = useMemo(() => new Clock(recording.duration, recording.stepLength), [recording]);
   const map = useRef<MapHandle>(null);
-  const [ego, setEgo] = useState(0);
+  const [ego, setEgo] = useState(() =>
+    Math.max(
+      recording.actors.slice(0, recording.egos).findIndex(({ id }) => id === state.follow),
+      0,
+    ),
+  );
+  const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
+  const series = useSeries(run.id, ego);
   const begun = useRef(false);
   if (!begun.current) {
     begun.current = true;
@@ -185,7 +196,7 @@ function Player({
             )}
           </header>
           <div className="inside">
-            <EgoFacts recording={recording} clock={clock} ego={ego} />
+            <EgoFacts recording={recording} clock={clock} ego={ego} series={series.data} />
           </div>
         </section>
         <ActorList
@@ -197,6 +208,7 @@ function Player({
           onFollow={follow}
           onHide={hide}
         />
+        {recording.log.length > 0 && <AgentLog recording={recording} clock={clock} ego={ego} />}
       </aside>
       <Controls clock={clock}>
         <label>
@@ -236,7 +248,17 @@ function Player({
           Fit
         </button>
       </Controls>
-      <TimeLine clock={clock} recording={recording} timeline={timeline} />
+      <TimeLine
+        clock={clock}
+        recording={recording}
+        timeline={timeline}
+        range={range}
+        onRange={setRange}
+      />
+      {series.data && (
+        <Plots series={series.data} clock={clock} ego={ego} range={range} onRange={setRange} />
+      )}
+      {series.error && <Refused error={series.error} />}
     </div>
   );
 }

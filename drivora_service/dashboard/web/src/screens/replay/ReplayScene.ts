@@ -11,6 +11,7 @@ import { TrailLayer } from "./trailLayer";
 const ROUTE_M = 0.28;
 const LABEL_ABOVE_PX = 14;
 const MARK_PX = 9;
+const MARK_NEAR_S = 2;
 const LEAST_SIDE_M = 60;
 
 type Violation = Schemas["ViolationMark"];
@@ -30,7 +31,8 @@ export class ReplayScene {
   private readonly routes: Graphics;
   private readonly labels = new Map<number, Text>();
   private readonly overlay = new Container();
-  private readonly marks: { node: Container; x: number; y: number }[] = [];
+  private readonly marks: { node: Container; x: number; y: number; time: number }[] = [];
+  private readonly names = new Container();
   private trails: TrailLayer | undefined;
   private trailsOf = "";
   private options: SceneOptions = {
@@ -49,7 +51,7 @@ export class ReplayScene {
     this.routes = routesOf(recording, map.palette.egos);
     this.actors = new ActorLayer(recording, map.palette, look);
     map.stage.world.addChild(this.below, this.routes, this.actors);
-    map.stage.screen.addChild(this.overlay);
+    map.stage.screen.addChild(this.overlay, this.names);
     for (const actor of recording.actors) if (actor.role === "ego") this.label(actor.row);
   }
 
@@ -68,7 +70,7 @@ export class ReplayScene {
     this.marks.length = 0;
     const { palette } = this.map;
     const taken = new Map<string, number>();
-    for (const { number, location, severity } of violations) {
+    for (const { number, location, severity, first } of violations) {
       if (!location) continue;
       const [x, y] = location as [number, number];
       const colour = severity === "observation" ? palette.npc : palette.violation;
@@ -98,7 +100,7 @@ export class ReplayScene {
       text.position.set(centre, -2 * MARK_PX);
       node.addChild(badge, text);
       this.overlay.addChild(node);
-      this.marks.push({ node, x, y });
+      this.marks.push({ node, x, y, time: (first ?? 0) * this.recording.stepLength });
     }
   }
 
@@ -118,7 +120,9 @@ export class ReplayScene {
       const half = 0.5 * Math.max(actor?.width ?? 0, 1) * camera.scale;
       text.position.set(left, top - Math.max(half, 4) - LABEL_ABOVE_PX);
     }
-    for (const { node, x, y } of this.marks) {
+    for (const { node, x, y, time: moment } of this.marks) {
+      // Marks of other moments stay in the background.
+      node.alpha = Math.abs(time - moment) < MARK_NEAR_S ? 1 : 0.4;
       const [left, top] = toScreen(camera, size, x, y);
       node.position.set(left, top);
     }
@@ -171,7 +175,7 @@ export class ReplayScene {
   }
 
   destroy(): void {
-    for (const part of [this.below, this.routes, this.actors, this.overlay])
+    for (const part of [this.below, this.routes, this.actors, this.overlay, this.names])
       part.destroy({ children: true });
   }
 
@@ -192,7 +196,7 @@ export class ReplayScene {
     });
     text.anchor.set(0.5, 0.5);
     this.labels.set(row, text);
-    this.overlay.addChild(text);
+    this.names.addChild(text);
   }
 
   /** Makes the trails when they are wanted, and anew when steps or hidden actors have changed. */

@@ -1,9 +1,10 @@
-import { Fragment, useEffect, useRef, useState } from "react";
+import { Fragment, useEffect, useRef } from "react";
 import type { Schemas } from "../../api/client";
 import type { Clock } from "./clock";
+import { stripsOf } from "./lightStrips";
 import type { Recording } from "./recording";
 import { type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
-import { oracleName } from "./verdictWords";
+import { oracleName, untilWords } from "./verdictWords";
 
 const ROW_PX = 20;
 const MARK_PX = 19;
@@ -13,16 +14,21 @@ export function TimeLine({
   clock,
   recording,
   timeline,
+  range,
+  onRange,
 }: {
   readonly clock: Clock;
   readonly recording: Recording;
   readonly timeline: Schemas["Timeline"] | undefined;
+  readonly range: Range;
+  readonly onRange: (range: Range) => void;
 }) {
-  const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
   const track = useRef<HTMLDivElement>(null);
   const cursor = useRef<HTMLDivElement>(null);
   const current = useRef(range);
   current.current = range;
+  const latest = useRef(onRange);
+  latest.current = onRange;
 
   useEffect(() => {
     const show = () => {
@@ -60,7 +66,7 @@ export function TimeLine({
       const sideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
       const by = ((event.deltaX || event.deltaY) / box.width) * (to - from);
       const at = from + ((event.clientX - box.left) / box.width) * (to - from);
-      setRange(
+      latest.current(
         sideways
           ? shifted({ from, to }, by, clock.end)
           : zoomRange({ from, to }, at, Math.exp(-event.deltaY * 0.002), clock.end),
@@ -108,7 +114,7 @@ export function TimeLine({
         onPointerMove={(event) => {
           if (event.currentTarget.hasPointerCapture(event.pointerId)) clock.seek(timeAt(event));
         }}
-        onDoubleClick={() => setRange({ from: 0, to: clock.end })}
+        onDoubleClick={() => onRange({ from: 0, to: clock.end })}
         style={{ height: ROW_PX * (egos.length + 1) }}
       >
         {ticks(range, 10).map((time) => (
@@ -133,6 +139,21 @@ export function TimeLine({
             />
           );
         })}
+        {egos.flatMap(({ row }) =>
+          stripsOf(timeline, row, recording.stepLength).map((strip) => (
+            <span
+              key={`${row} ${strip.first} ${strip.title}`}
+              className="light"
+              data-colour={strip.colour}
+              title={strip.title}
+              style={{
+                top: ROW_PX * (row + 1),
+                left: share(seconds(strip.first)),
+                width: across(seconds(strip.last - strip.first)),
+              }}
+            />
+          )),
+        )}
         {violations.map((violation, place) => {
           const { first, risk_perceived: risk, avoidable_until: until } = violation;
           if (first === null) return null;
@@ -156,7 +177,8 @@ export function TimeLine({
                   type="button"
                   className="until"
                   style={{ top, left: share(seconds(until)) }}
-                  title={`${oracleName(violation.oracle)} avoidable until ${seconds(until).toFixed(2)} s`}
+                  title={untilWords(violation, seconds(until))}
+                  data-avoidable={violation.avoidable}
                   onClick={() => clock.toStep(until)}
                 >
                   ⟩

@@ -5,6 +5,8 @@ import { blameWords, gravestFirst, oracleName } from "./verdictWords";
 
 type Verdict = Schemas["Verdict"];
 
+const MOST = 6;
+
 /** What the oracles found, the gravest first; a click goes to its moment. */
 export function VerdictLine({
   verdicts,
@@ -20,6 +22,7 @@ export function VerdictLine({
   const [first, ...others] = violations.filter(({ severity }) => severity !== "observation");
   const observed = violations.filter(({ severity }) => severity === "observation");
   const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
+  const rest = [...others, ...observed];
   return (
     <div className="verdict-line whole-width">
       {first ? (
@@ -27,7 +30,7 @@ export function VerdictLine({
       ) : (
         <Mark sign="✓" tone="good" text="No oracle was violated" />
       )}
-      {[...others, ...observed].map((verdict) => (
+      {rest.slice(0, MOST).map((verdict) => (
         <Violation
           key={`${verdict.oracle} ${verdict.ego} ${verdict.time} ${verdict.counterpart}`}
           verdict={verdict}
@@ -35,6 +38,9 @@ export function VerdictLine({
           onMoment={onMoment}
         />
       ))}
+      {rest.length > MOST && (
+        <span className="quiet">and {rest.length - MOST} more, on the time line</span>
+      )}
       {unclear.length > 0 && (
         <span
           className="quiet"

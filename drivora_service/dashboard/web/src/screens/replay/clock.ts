@@ -71,7 +71,7 @@ export class Clock {
 
   /** Chooses the next faster or slower rate. */
   changeRate(by: 1 | -1): void {
-    const place = RATES.findIndex((rate) => rate === this.rate);
+    const place = (RATES as readonly number[]).indexOf(this.rate);
     this.setRate(RATES[Math.min(Math.max(place + by, 0), RATES.length - 1)] ?? 1);
   }
 

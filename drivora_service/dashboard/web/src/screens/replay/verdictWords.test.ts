@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { blameWords, gravestFirst, oracleName } from "./verdictWords";
+import { blameWords, gravestFirst, oracleName, untilWords } from "./verdictWords";
 
 describe("words of a violation", () => {
   it.each([
@@ -18,6 +18,13 @@ describe("words of a violation", () => {
     [{ at_fault: true, avoidable: null }, null, "at fault"],
   ] as const)("%o until %o", (violation, until, words) => {
     expect(blameWords(violation, until)).toBe(words);
+  });
+  it("tell a moment that came too early from one that was missed", () => {
+    const collision = { oracle: "collision" };
+    expect(untilWords({ ...collision, avoidable: "yes" }, 7.4)).toBe(
+      "Collision: avoidable until 7.40 s",
+    );
+    expect(untilWords({ ...collision, avoidable: "no" }, 5.65)).toContain("had to act by 5.65 s");
   });
   it("name oracles", () => {
     expect(oracleName("red_light")).toBe("Red light");

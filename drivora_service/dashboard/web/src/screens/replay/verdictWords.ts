@@ -44,3 +44,16 @@ export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
         (a.time ?? Number.POSITIVE_INFINITY) - (b.time ?? Number.POSITIVE_INFINITY),
     );
 }
+
+/** Returns what the last moment means at which a careful driver could still act, in words. */
+export function untilWords(
+  violation: Pick<Schemas["ViolationMark"], "oracle" | "avoidable">,
+  until: number,
+): string {
+  const name = oracleName(violation.oracle);
+  if (violation.avoidable === "yes") return `${name}: avoidable until ${fixed(until, 2)} s`;
+  const needed = `a careful driver would have had to act by ${fixed(until, 2)} s to avoid it`;
+  return violation.avoidable === "no"
+    ? `${name}: ${needed}, before there was a reason to`
+    : `${name}: ${needed}`;
+}
