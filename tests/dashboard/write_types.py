@@ -40,12 +40,13 @@ def write_types(path: Path = TYPES) -> None:
         )
 
 
-def _without_examples(value: Any) -> Any:
+def _without_examples(value: Any, *, names: bool = False) -> Any:
+    """Returns a description without examples; the keys of `properties` are names, and all stay."""
     if isinstance(value, dict):
         return {
-            key: _without_examples(item)
+            key: _without_examples(item, names=key == "properties" and not names)
             for key, item in value.items()
-            if key not in ("example", "examples") or not isinstance(item, (list, dict))
+            if names or key not in ("example", "examples") or not isinstance(item, (list, dict))
         }
     if isinstance(value, list):
         return [_without_examples(item) for item in value]

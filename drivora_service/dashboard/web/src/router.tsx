@@ -60,6 +60,18 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/compare",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/compare/Compare"), "Compare"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/failures",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/failures/Failures"), "Failures"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/runs",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/runs/Runs"), "Runs"),

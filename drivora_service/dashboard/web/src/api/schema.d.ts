@@ -2743,6 +2743,8 @@ export interface components {
              * @description Number of campaigns that found some.
              */
             campaigns: number;
+            /** @description The last one that is the fault of an ego and avoidable, else the last one. */
+            example: components["schemas"]["FoundFailure"];
             /**
              * Failures
              * @description Number of failures.

@@ -3,6 +3,7 @@ export const SECTIONS = [
   { to: "/campaigns", name: "Campaigns", key: "c" },
   { to: "/studies", name: "Studies", key: "s" },
   { to: "/runs", name: "Runs", key: "r" },
+  { to: "/failures", name: "Failures", key: "f" },
   { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },
   { to: "/agents", name: "Agents", key: "a" },

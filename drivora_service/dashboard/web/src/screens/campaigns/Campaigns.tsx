@@ -1,11 +1,13 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
+import { useState } from "react";
 import { firstOf, valuesOf } from "../../address";
 import { api, body, type Schemas } from "../../api/client";
 import { DataTable } from "../../components/DataTable";
 import { Filters } from "../../components/Filters";
 import { Empty, Loading, Refused } from "../../components/States";
-import { useList } from "../../lists/useList";
+import { News } from "../../lists/News";
+import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
 import { COLUMNS } from "./columns";
 import { STATES } from "./state";
@@ -18,29 +20,48 @@ const FILTERS = [
   { name: "study", title: "Study", single: true },
 ] as const;
 
+const idOf = ({ id }: Campaign) => id;
 const isState = (value: string): value is State => STATES.some((state) => state === value);
 
 export function Campaigns() {
   useTitle("Campaigns");
   const search = useSearch({ from: "/campaigns" });
   const navigate = useNavigate();
+  const [selected, setSelected] = useState<ReadonlySet<string>>(new Set());
   const state = valuesOf(search, "state").filter(isState);
   const study = firstOf(search, "study");
   const filters = { ...(state.length ? { state } : {}), ...(study ? { study } : {}) };
-  const { query, rows, more } = useList<Campaign>(
-    ["campaign", "list", filters],
-    async (page_token) =>
+  const [held, setHeld] = useState(false);
+  const { query, rows, left, news, insertNews, more } = useLiveList<Campaign>({
+    key: ["campaign", filters],
+    kind: "campaign",
+    ask: async (page_token) =>
       body(
         await api.GET("/api/v1/campaigns", {
           params: { query: { limit: 100, ...filters, ...(page_token ? { page_token } : {}) } },
         }),
       ),
-  );
+    idOf,
+    held,
+    newestFirst: true,
+  });
+  const compare = (ids: readonly string[]) =>
+    void navigate({ to: "/compare", search: { campaign: ids } });
   return (
     <>
       <div className="head">
         <h1>Campaigns</h1>
         <Running />
+        <div className="actions">
+          <button
+            type="button"
+            disabled={selected.size < 2}
+            title="Select rows with x, or with Ctrl and a click"
+            onClick={() => compare([...selected])}
+          >
+            Compare {selected.size > 1 ? `${selected.size} selected` : "selected"}
+          </button>
+        </div>
       </div>
       <Filters filters={FILTERS} search={search} />
       {query.isPending ? (
@@ -55,14 +76,22 @@ export function Campaigns() {
           <p>Begin a search for failures of an ADS, or remove a filter.</p>
         </Empty>
       ) : (
-        <DataTable
-          label="Campaigns"
-          columns={COLUMNS}
-          rows={rows}
-          idOf={({ id }) => id}
-          onOpen={({ id }) => void navigate({ to: "/campaigns/$id", params: { id }, search: {} })}
-          onEnd={more}
-        />
+        <div className="with-news">
+          <News news={news} onInsert={insertNews} />
+          <DataTable
+            label="Campaigns"
+            columns={COLUMNS}
+            rows={rows}
+            idOf={idOf}
+            left={left}
+            onHold={setHeld}
+            onOpen={({ id }) => void navigate({ to: "/campaigns/$id", params: { id }, search: {} })}
+            selected={selected}
+            onSelect={setSelected}
+            onCompare={compare}
+            onEnd={more}
+          />
+        </div>
       )}
     </>
   );

@@ -3,16 +3,19 @@ import { api, body, type Schemas } from "../../api/client";
 
 export type Discoveries = Schemas["CampaignDiscoveries"];
 
-/** Reads the failures of a campaign against simulations. */
-export function useDiscoveries(id: string, points: number, kinds: number, enabled = true) {
-  return useQuery({
+/** How the failures of a campaign against simulations are asked for. */
+export function discoveriesQuery(id: string, points: number, kinds: number) {
+  return {
     queryKey: ["campaign", id, "discoveries", points, kinds],
-    enabled,
-    queryFn: async () =>
+    queryFn: async (): Promise<Discoveries> =>
       body(
         await api.GET("/api/v1/campaigns/{campaign_id}/discoveries", {
           params: { path: { campaign_id: id }, query: { points, kinds } },
         }),
       ),
-  });
+  };
+}
+
+export function useDiscoveries(id: string, points: number, kinds: number, enabled = true) {
+  return useQuery({ ...discoveriesQuery(id, points, kinds), enabled });
 }

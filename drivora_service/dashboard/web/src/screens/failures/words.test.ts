@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { kindText, wordsOfKind } from "./words";
+import { groupText, kindText, wordsOfKind } from "./words";
 
 it("kinds are read as oracle, place and relation", () => {
   const kind = "collision|road eb_1|npc_vehicle, front";
@@ -10,4 +10,9 @@ it("kinds are read as oracle, place and relation", () => {
   });
   expect(kindText(kind)).toBe("collision · npc vehicle, front · road eb_1");
   expect(kindText("red_light|junction a|")).toBe("red light · junction a");
+});
+it("groups are read on one line", () => {
+  expect(groupText("collision|npc_vehicle, front|following")).toBe(
+    "collision · npc vehicle, front · following",
+  );
 });

@@ -37,3 +37,8 @@ export function kindText(kind: string): string {
   const { oracle, place, relation } = wordsOfKind(kind);
   return [oracle, relation, place].filter(Boolean).join(" · ");
 }
+
+/** Returns a group on one line: `collision|npc_vehicle, front|following`. */
+export function groupText(group: string): string {
+  return group.split("|").filter(Boolean).map(plain).join(" · ");
+}

@@ -1,0 +1,82 @@
+import { Link } from "@tanstack/react-router";
+import type { Schemas } from "../../api/client";
+import { Copy } from "../../components/Copy";
+import { Mark } from "../../components/Mark";
+import { moment } from "../../components/numbers";
+import { Picture } from "../../components/Picture";
+import { ACCOUNTABILITY, plain } from "./words";
+
+/** A failure: its picture, its sentence, and where it comes from. */
+export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailure"] }) {
+  const { verdict, campaign_id, evaluation, accountability } = failure;
+  const command = campaign_id
+    ? `drivora campaign scenario ${campaign_id} ${evaluation} | drivora run -`
+    : "";
+  return (
+    <section className="panel failure-card" aria-live="polite">
+      <Picture src={failure.picture_url} alt={`Moments of: ${failure.sentence}`} />
+      <div className="inside">
+        <p>{failure.sentence}</p>
+        <dl className="facts-list">
+          <dt>Oracle</dt>
+          <dd>{plain(failure.oracle)}</dd>
+          <dt>Accountability</dt>
+          <dd>
+            {accountability ? (
+              <Mark {...ACCOUNTABILITY[accountability]} />
+            ) : (
+              <span className="quiet">not recorded</span>
+            )}
+          </dd>
+          <dt>Moment</dt>
+          <dd>
+            {verdict.time == null ? (
+              <span className="quiet">the oracle names none</span>
+            ) : (
+              `${verdict.time.toFixed(2)} s`
+            )}
+            {failure.avoidable_until !== null &&
+              `, avoidable until ${failure.avoidable_until.toFixed(2)} s`}
+          </dd>
+          <dt>Ego</dt>
+          <dd>
+            {verdict.ego}, {failure.agent}
+            {verdict.counterpart && `, with ${verdict.counterpart}`}
+          </dd>
+          <dt>Town</dt>
+          <dd>{failure.town}</dd>
+          {campaign_id && (
+            <>
+              <dt>Campaign</dt>
+              <dd>
+                <Link
+                  to="/campaigns/$id"
+                  params={{ id: campaign_id }}
+                  search={{ tab: "ancestry", number: String(evaluation) }}
+                >
+                  evaluation {evaluation}
+                </Link>
+                , {failure.confirmation ?? "open"}
+              </dd>
+            </>
+          )}
+          <dt>Found</dt>
+          <dd>{moment(failure.found_at)}</dd>
+        </dl>
+        <p className="doing">
+          {failure.run_id && (
+            <Link
+              className="button"
+              to="/runs/$runId"
+              params={{ runId: failure.run_id }}
+              search={verdict.time == null ? {} : { t: verdict.time.toFixed(2) }}
+            >
+              Replay
+            </Link>
+          )}
+          {command && <Copy text={command} label="Copy the command" />}
+        </p>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,112 @@
+import { useNavigate } from "@tanstack/react-router";
+import { useState } from "react";
+import { firstOf, type Search } from "../../address";
+import { api, body, type Schemas } from "../../api/client";
+import { type Column, DataTable } from "../../components/DataTable";
+import { Mark } from "../../components/Mark";
+import { fixed, moment } from "../../components/numbers";
+import { Empty, Loading, Refused } from "../../components/States";
+import { News } from "../../lists/News";
+import { useLiveList } from "../../lists/useLiveList";
+import { FailureCard } from "./FailureCard";
+import { ACCOUNTABILITY } from "./words";
+
+type Failure = Schemas["FoundFailure"];
+
+const PAGE = 100;
+const idOf = ({ id }: Failure) => String(id);
+
+const COLUMNS: readonly Column<Failure>[] = [
+  {
+    id: "sentence",
+    title: "What happened",
+    width: "minmax(200px, 1fr)",
+    cell: ({ sentence }) => <span title={sentence}>{sentence}</span>,
+  },
+  {
+    id: "accountability",
+    title: "Accountability",
+    width: "194px",
+    cell: ({ accountability }) =>
+      accountability ? (
+        <Mark {...ACCOUNTABILITY[accountability]} />
+      ) : (
+        <span className="quiet">not recorded</span>
+      ),
+  },
+  { id: "agent", title: "ADS", width: "90px", cell: ({ agent }) => agent },
+  { id: "town", title: "Town", width: "84px", cell: ({ town }) => town },
+  {
+    id: "time",
+    title: "Time (s)",
+    width: "74px",
+    numeric: true,
+    cell: ({ verdict }) => fixed(verdict.time, 2),
+  },
+  {
+    id: "found",
+    title: "Found at",
+    width: "168px",
+    cell: ({ found_at }) => moment(found_at),
+  },
+];
+
+/** The failures of a group one after the other: `j` and `k` show each with its picture. */
+export function GroupFailures({
+  filters,
+  search,
+}: {
+  readonly filters: Readonly<Record<string, string | readonly string[]>>;
+  readonly search: Search;
+}) {
+  const navigate = useNavigate();
+  const [held, setHeld] = useState(false);
+  const [pointed, setPointed] = useState<Failure>();
+  const { query, rows, left, news, insertNews, more } = useLiveList<Failure>({
+    key: ["failures", filters],
+    kind: "run",
+    ask: async (page_token) =>
+      body(
+        await api.GET("/api/v1/failures", {
+          params: { query: { limit: PAGE, ...filters, ...(page_token ? { page_token } : {}) } },
+        }),
+      ),
+    idOf,
+    held,
+    newestFirst: true,
+  });
+  if (query.isPending) return <Loading />;
+  if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
+  if (rows.length === 0)
+    return (
+      <Empty title="No failure of this group matches">
+        <p>Remove a filter.</p>
+      </Empty>
+    );
+  const chosen = rows.find((row) => idOf(row) === firstOf(search, "id"));
+  const shown = pointed ?? chosen ?? rows[0];
+  return (
+    <div className="two wide-first">
+      <div className="with-news">
+        <News news={news} onInsert={insertNews} />
+        <DataTable
+          label="Failures"
+          columns={COLUMNS}
+          rows={rows}
+          idOf={idOf}
+          left={left}
+          onHold={setHeld}
+          onPoint={(row) => {
+            if (row) setPointed(row);
+          }}
+          onOpen={(row) => {
+            setPointed(undefined);
+            void navigate({ to: ".", search: { ...search, id: idOf(row) }, replace: true });
+          }}
+          onEnd={more}
+        />
+      </div>
+      {shown && <FailureCard failure={shown} />}
+    </div>
+  );
+}
