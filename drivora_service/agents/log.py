@@ -1,9 +1,12 @@
-"""The log of an agent by step: numeric columns written in place, and lines of text."""
+"""The log of an agent by step: numeric columns written in place, lines of text, planned paths."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+MOST_PLAN_POINTS = 64
+"""Points of a path that are kept; longer ones are thinned."""
 
 
 class AgentLog:
@@ -13,12 +16,16 @@ class AgentLog:
         names: Numeric columns, declared once in ``setup_env``.
         row: (K,) values of the current step, NaN until written; a view.
         events: (step, message) pairs.
+        plans: (step, path) pairs, the paths (n, 2) float32.
+        plan_every: Steps between two paths that are kept.
     """
 
     def __init__(self) -> None:
         self.names: tuple[str, ...] = ()
         self.row: NDArray[np.float64] = np.empty(0)
         self.events: list[tuple[int, str]] = []
+        self.plans: list[tuple[int, NDArray[np.float32]]] = []
+        self.plan_every = 1
         self.step = 0
 
     def declare(self, *names: str) -> None:
@@ -29,3 +36,25 @@ class AgentLog:
     def event(self, message: str) -> None:
         """Writes a line of text at the current step."""
         self.events.append((self.step, str(message)))
+
+    def plan(self, points: ArrayLike) -> None:
+        """Records the path that is planned at the current step, for replays.
+
+        Of a path for every step, one every 0.1 s is kept.
+
+        Args:
+            points: (n, 2) x and y in metres, n at least 2; further columns are ignored.
+
+        Raises:
+            ValueError: The points have another shape, or are not finite.
+        """
+        if self.plans and self.step - self.plans[-1][0] < self.plan_every:
+            return
+        path = np.asarray(points, dtype=np.float32)
+        if path.ndim != 2 or len(path) < 2 or path.shape[1] < 2:
+            raise ValueError(f"found a plan of shape {path.shape}; allowed: (n >= 2, 2)")
+        if not np.isfinite(path[:, :2]).all():
+            raise ValueError("found a plan with numbers that are not finite")
+        if len(path) > MOST_PLAN_POINTS:
+            path = path[np.linspace(0, len(path) - 1, MOST_PLAN_POINTS).round().astype(int)]
+        self.plans.append((self.step, path[:, :2].copy()))

@@ -11,6 +11,7 @@ from enum import IntEnum, StrEnum
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, Int32Array
 
@@ -125,6 +126,19 @@ class LogEvent:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlannedPath:
+    """The path that an agent planned at a step.
+
+    Attributes:
+        points: (n, 2) float32, metres.
+    """
+
+    step: int
+    ego: int
+    points: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EgoRoute:
     """The route of an ego.
 
@@ -173,6 +187,7 @@ class Trace:
         meta: Free JSON-able facts (versions, seed); not part of the hash.
         lane_ids: SUMO's ids of the lanes that occur in ``ego_lanes``, by index; may be empty; not
             part of the hash.
+        plans: What agents told of their planned paths, in the order of steps; not part of the hash.
     """
 
     network: str
@@ -201,6 +216,7 @@ class Trace:
     max_sim_time: float
     meta: dict[str, Any] = field(default_factory=dict)
     lane_ids: dict[int, str] = field(default_factory=dict)
+    plans: tuple[PlannedPath, ...] = ()
 
     @property
     def ego_count(self) -> int:

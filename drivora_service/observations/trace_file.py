@@ -4,7 +4,8 @@ An actor has a row at each step at which it is present; an ego has one at every 
 ``step``, ``time`` (s), ``actor`` (row in ``Trace.actors``), the nine of ``Col`` in lower case
 (metres, radians, seconds; null while an ego is not present), the eight of ``EgoCol`` as
 ``ego_…``, ``lane`` (index in the network), ``light`` (``Light``), and ``log:NAME`` for each numeric
-column of the agents' logs. Ego columns are null for other actors and where not applicable. The
+column of the agents' logs, and ``plan`` (x, y, x, y, …, metres) if an agent told its planned path.
+Ego columns are null for other actors and where not applicable. The
 schema's key-value metadata holds one JSON document under ``drivora_trace``.
 """
 
@@ -22,7 +23,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from drivora_service.errors import StoreError
-from drivora_service.observations.trace import Col, EgoCol, Trace
+from drivora_service.observations.trace import Col, EgoCol, PlannedPath, Trace
 from drivora_service.observations.trace_header import header_of, trace_from_header
 
 SCHEMA_VERSION = 1
@@ -32,6 +33,7 @@ _ROW_GROUP_ROWS = 32_768
 _STATE_COLUMNS = tuple(col.name.lower() for col in Col)
 _EGO_COLUMNS = tuple(f"ego_{col.name.lower()}" for col in EgoCol)
 _LOG_PREFIX = "log:"
+_PLAN = "plan"
 DAMAGE = (
     *(OSError, pa.ArrowException, LookupError, TypeError, ValueError, AttributeError),
     *(ArithmeticError, RecursionError),
@@ -129,7 +131,39 @@ def _table(trace: Trace) -> pa.Table:
     logs = trace.log_values[ego_step, ego]
     for name, column in zip(trace.log_names, logs.T, strict=True):
         columns[_LOG_PREFIX + name] = spread(column, ~np.isnan(column))
+    if trace.plans:
+        columns[_PLAN] = _plan_column(trace, step, actor)
     return pa.table(columns)
+
+
+def _plan_column(trace: Trace, step: NDArray[np.int64], actor: NDArray[np.int64]) -> pa.Array:
+    """Returns the planned paths as lists of numbers, null in rows without one."""
+    width = len(trace.actors)
+    rows = np.searchsorted(
+        step * width + actor, [path.step * width + path.ego for path in trace.plans]
+    )
+    counts, known = np.zeros(len(step), dtype=np.int32), np.zeros(len(step), dtype=np.bool_)
+    counts[rows], known[rows] = [path.points.size for path in trace.plans], True
+    offsets = np.concatenate(([0], np.cumsum(counts))).astype(np.int32)
+    points = np.concatenate([path.points.ravel() for path in trace.plans])
+    bitmap = pa.py_buffer(np.packbits(known, bitorder="little"))
+    values = pa.array(points.astype(np.float32, copy=False))
+    buffers = [bitmap, pa.py_buffer(offsets)]
+    return pa.Array.from_buffers(pa.list_(pa.float32()), len(step), buffers, children=[values])
+
+
+def _plans(table: pa.Table) -> tuple[PlannedPath, ...]:
+    """Returns the planned paths in the rows of a file."""
+    if _PLAN not in table.column_names:
+        return ()
+    table = table.filter(table.column(_PLAN).is_valid())
+    steps, actors = (table.column(name).to_pylist() for name in ("step", "actor"))
+    return tuple(
+        PlannedPath(
+            step=step, ego=ego, points=np.array(points.values, dtype=np.float32).reshape(-1, 2)
+        )
+        for step, ego, points in zip(steps, actors, table.column(_PLAN), strict=True)
+    )
 
 
 def _column(values: NDArray[Any], valid: NDArray[np.bool_] | None) -> pa.Array:
@@ -234,6 +268,7 @@ def _trace(
         ego_values=np.stack([gather(name) for name in _EGO_COLUMNS], axis=-1),
         ego_lanes=np.nan_to_num(lanes, nan=-1.0).astype(np.int32),
         ego_lights=np.nan_to_num(lights, nan=0.0).astype(np.uint8),
+        plans=_plans(table),
         log_values=(
             np.stack([gather(_LOG_PREFIX + name) for name in log_names], axis=-1)
             if log_names

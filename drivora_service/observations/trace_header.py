@@ -13,6 +13,7 @@ from drivora_service.observations.trace import (
     Contact,
     EgoRoute,
     LogEvent,
+    PlannedPath,
     Role,
     TerminalEvent,
     Trace,
@@ -78,6 +79,7 @@ def trace_from_header(
     ego_lanes: NDArray[np.int32],
     ego_lights: NDArray[np.uint8],
     log_values: NDArray[np.float64],
+    plans: tuple[PlannedPath, ...] = (),
 ) -> Trace:
     """Returns a trace from the result of ``header_of`` and the arrays of ``Trace``.
 
@@ -137,6 +139,7 @@ def trace_from_header(
         privileged=tuple(bool(ego["privileged"]) for ego in egos),
         max_sim_time=float(header["max_sim_time"]),
         meta=header["meta"],
+        plans=plans,
         lane_ids={int(index): lane_id for index, lane_id in header["lane_ids"].items()},
     )
 

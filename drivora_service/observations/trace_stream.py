@@ -1,9 +1,9 @@
 """The columns of a trace as an Arrow stream, for readers that take them as typed arrays.
 
 The rows and columns are those of the trace file (``trace_file``), but no column holds nulls:
-missing floats are NaN, ``lane`` is -1 and ``light`` 0. Buffers are not compressed. The metadata of
-the schema is that of the file: one JSON document under ``drivora_trace``. Record batches hold whole
-steps, ``STEPS_OF_BATCH`` each.
+missing floats are NaN, ``lane`` is -1, ``light`` 0, and lists are empty. Buffers are not
+compressed. The metadata of the schema is that of the file: one JSON document under
+``drivora_trace``. Record batches hold whole steps, ``STEPS_OF_BATCH`` each.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
@@ -129,7 +130,13 @@ def _batch(table: pa.Table, schema: pa.Schema) -> pa.RecordBatch:
 
 
 def _plain(column: pa.ChunkedArray, kind: pa.DataType) -> pa.Array:
-    """Returns a column without a bitmap of nulls."""
+    """Returns a column without a bitmap of nulls; missing lists are empty."""
+    if pa.types.is_list(kind):
+        lengths = pc.list_value_length(column).fill_null(0).to_numpy()
+        offsets = np.concatenate(([0], np.cumsum(lengths))).astype(np.int32)
+        return pa.ListArray.from_arrays(
+            pa.array(offsets), pc.list_flatten(column).combine_chunks(), type=kind
+        )
     if column.null_count and kind in _MISSING:
         column = column.fill_null(_MISSING[kind])
     return pa.array(column.to_numpy(), type=kind, from_pandas=False)

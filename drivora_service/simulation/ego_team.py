@@ -10,7 +10,13 @@ from time import perf_counter_ns
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
+from drivora_service.agents.interface import (
+    Agent,
+    AgentContext,
+    Control,
+    Observation,
+    TrajectoryControl,
+)
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.compilation import settled
@@ -40,6 +46,8 @@ _IN_AGENT, _SIMULATING = int(RunPhase.IN_AGENT), int(RunPhase.SIMULATING)
 _ROUTE_S, _SPEED_LIMIT = int(Progress.ROUTE_S), int(Progress.SPEED_LIMIT)
 _SPEED, _STEER = int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
+_PLAN_PERIOD = 0.1
+"""Seconds between two planned paths that are recorded."""
 
 
 class EgoTeam:
@@ -97,6 +105,8 @@ class EgoTeam:
         seeds = ego_seeds(plan.scenario.seed, count)
         self._noise = [SensorNoise(seed) for seed in seeds[:count]]
         self.logs = [AgentLog() for _ in range(count)]
+        for log in self.logs:
+            log.plan_every = max(round(_PLAN_PERIOD / plan.scenario.step_length), 1)
         for m, agent in enumerate(self.agents):
             if not isinstance(agent, SumoDriver):
                 self._set_up(m, agent, int(seeds[count + m].generate_state(1)[0]))
@@ -211,6 +221,8 @@ class EgoTeam:
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
                 raise _control_refused(ego.ego.id, ego.ego.agent.name, time, error) from error
             self.modes[m] = mode
+            if isinstance(control, TrajectoryControl):
+                self.logs[m].plan(np.asarray(control.points)[:, 1:3])
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         if self._is_noisy:

@@ -20,6 +20,7 @@ from drivora_service.observations.trace import (
     EgoCol,
     EgoRoute,
     LogEvent,
+    PlannedPath,
     TerminalEvent,
     Trace,
 )
@@ -131,6 +132,16 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             LogEvent(step=step, ego=m, message=message)
             for m, log in enumerate(record.logs)
             for step, message in log.events
+        ),
+        plans=tuple(
+            sorted(
+                (
+                    PlannedPath(step=step, ego=m, points=points)
+                    for m, log in enumerate(record.logs)
+                    for step, points in log.plans
+                ),
+                key=lambda path: (path.step, path.ego),
+            )
         ),
         privileged=record.privileged,
         max_sim_time=plan.max_sim_time,

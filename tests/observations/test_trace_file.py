@@ -10,10 +10,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivora_service.errors import StoreError
-from drivora_service.observations.trace import Role, Trace
+from drivora_service.observations.table_stream import stream_bytes
+from drivora_service.observations.trace import PlannedPath, Role, Trace
 from drivora_service.observations.trace_file import read_steps, read_trace, write_trace
 from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_rows import TraceRows
+from drivora_service.observations.trace_stream import TracePart, open_stream
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
+from tests.observations.conftest import STEPS
 
 
 @pytest.fixture
@@ -150,3 +154,33 @@ def test_a_header_without_its_entries_is_a_store_error(full_trace: Trace, path: 
     pq.write_table(table.replace_schema_metadata({"drivora_trace": text}), path)
     with pytest.raises(StoreError, match="damaged"):
         read_trace(path)
+
+
+def test_planned_paths_are_kept_and_leave_the_hash_and_other_files_as_they_are(
+    full_trace: Trace, path: Path
+) -> None:
+    write_trace(full_trace, path)
+    assert "plan" not in pq.read_schema(path).names
+    rng = np.random.default_rng(3)
+    plans = tuple(
+        PlannedPath(step=step, ego=ego, points=rng.normal(size=(n, 2)).astype(np.float32))
+        for step, ego, n in ((0, 0, 2), (4, 0, 5), (4, 1, 3), (STEPS - 1, 1, 64))
+    )
+    planned = replace(full_trace, plans=plans)
+    write_trace(planned, path)
+    found = read_trace(path)
+    assert trace_sha256(found) == trace_sha256(full_trace)
+    assert [(p.step, p.ego) for p in found.plans] == [(p.step, p.ego) for p in plans]
+    for there, here in zip(found.plans, plans, strict=True):
+        np.testing.assert_array_equal(there.points, here.points, strict=True)
+    assert [(p.step, p.ego) for p in read_steps(path, 3, 5).plans] == [(4, 0), (4, 1)]
+    part = TracePart(first=3, stop=6, rows=TraceRows.EGOS, columns=("plan",))
+    content = b"".join(stream_bytes(open_stream(path, part)))
+    table = pa.ipc.open_stream(content).read_all()
+    assert table.column("plan").null_count == 0
+    rows = table.to_pydict()
+    lengths = [len(points) for points in rows["plan"]]
+    assert list(zip(rows["step"], rows["actor"], lengths, strict=True)) == [
+        (3, 0, 0), (3, 1, 0), (4, 0, 10), (4, 1, 6), (5, 0, 0), (5, 1, 0)
+    ]  # fmt: skip
+    np.testing.assert_array_equal(rows["plan"][2], plans[1].points.ravel())

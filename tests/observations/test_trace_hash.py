@@ -85,4 +85,4 @@ def test_every_physical_fact_matters(full_trace: Trace, name: str) -> None:
 
 
 def test_no_field_of_the_trace_was_forgotten() -> None:
-    assert {field.name for field in fields(Trace)} == {*CHANGES, "meta", "lane_ids"}
+    assert {field.name for field in fields(Trace)} == {*CHANGES, "meta", "lane_ids", "plans"}

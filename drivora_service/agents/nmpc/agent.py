@@ -108,6 +108,7 @@ class NmpcAgent:
         if found.solved:
             asked, steer = self._plan.take(found.states, found.inputs, (x, y))
             row[2], row[3] = found.states[-1, 3], found.inputs[:, 2:].max()
+            self._log.plan(found.states[:, :2] + (x, y))
         else:
             if not self._plan.failures:
                 self._log.event(f"no plan ({found.status}): brakes along the last one")

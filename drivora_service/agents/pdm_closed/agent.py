@@ -171,6 +171,7 @@ class PdmClosedAgent:
         self._asked = asked if asked < -HARD_BRAKING else before + self._share * (asked - before)
         if found[best, 1] <= self._parameters.brake_within:
             self._asked = -min(self._parameters.emergency_braking, self._max_braking)
+        self._log.plan(self._proposed[best, :, :2])
         row = self._log.row
         row[0], row[1] = self._offsets[best // factors], FACTORS[best % factors]
         row[2] = found[best, 0]
