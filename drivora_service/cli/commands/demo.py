@@ -63,7 +63,7 @@ def demo(
             f"{record.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
         )
         _print_where(data_dir, shown, picture, campaign)
-        _serve_at_a_terminal(url)
+        _serve_at_a_terminal(f"{url}/campaigns/{record.id}")
     if finished < len(runs) or record.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
 
@@ -159,18 +159,20 @@ def _print_where(data_dir: Path, run: Run, picture: Path | None, campaign: DemoC
         ]
     lines += [
         f"  drivora plot {run.id} --data-dir {data_dir}",
-        f"  drivora serve --data-dir {data_dir}    then open http://127.0.0.1:8000 in a browser",
+        f"  drivora serve --data-dir {data_dir}    then open",
+        f"    http://127.0.0.1:8000/campaigns/{campaign_id}",
+        f"    http://127.0.0.1:8000/runs/{run.id}",
     ]
     typer.echo("\n".join(lines))
 
 
-def _serve_at_a_terminal(url: str) -> None:
+def _serve_at_a_terminal(page: str) -> None:
     """Keeps the service until Ctrl-C, for the reader at a terminal; programs go on at once."""
     import contextlib
     import signal
 
     if not sys.stdout.isatty():
         return
-    typer.echo(f"\nThe page, until Ctrl-C ends the service:\n  {url}")
+    typer.echo(f"\nThe page, until Ctrl-C ends the service:\n  {page}")
     with contextlib.suppress(KeyboardInterrupt):
         signal.pause()

@@ -9,6 +9,7 @@ export default defineConfig({
         test: {
           name: "browser",
           include: ["browser/**/*.test.ts"],
+          globalSetup: "browser/support/setup.ts",
           // One service and one browser for all: the files are tried one after the other.
           fileParallelism: false,
           testTimeout: 60_000,

@@ -27,7 +27,7 @@ export interface RoadMapProps {
 
 /** A road network on a canvas: the wheel comes nearer, dragging moves it. */
 export function RoadMap({ geometry, label, onMap, camera, onCamera, children }: RoadMapProps) {
-  const frame = useRef<HTMLDivElement>(null);
+  const frame = useRef<HTMLElement>(null);
   const theme = useTheme();
   const latest = useRef({ onMap, onCamera, camera });
   latest.current = { ...latest.current, onMap, onCamera };
@@ -70,7 +70,7 @@ export function RoadMap({ geometry, label, onMap, camera, onCamera, children }: 
 
   const metres = scaleBar(scale);
   return (
-    <div ref={frame} className="map" role="img" aria-label={label}>
+    <section ref={frame} className="map" aria-label={label}>
       {failure && (
         <p className="over top-left">
           The map cannot be drawn: {failure} The browser needs WebGL 2 for it.
@@ -80,6 +80,6 @@ export function RoadMap({ geometry, label, onMap, camera, onCamera, children }: 
         {metres} m
       </div>
       {children}
-    </div>
+    </section>
   );
 }

@@ -96,15 +96,10 @@ export function TimeLine({
           </span>
         ))}
       </div>
+      {/* biome-ignore lint/a11y/noStaticElementInteractions: the cursor in it is the control */}
       <div
         ref={track}
         className="track"
-        role="slider"
-        tabIndex={0}
-        aria-label="Time"
-        aria-valuemin={0}
-        aria-valuemax={clock.end}
-        aria-valuenow={Number(clock.time.toFixed(2))}
         onPointerDown={(event) => {
           if (event.target instanceof Element && event.target.closest("button")) return;
           event.currentTarget.setPointerCapture(event.pointerId);
@@ -199,7 +194,16 @@ export function TimeLine({
             </Fragment>
           );
         })}
-        <div ref={cursor} className="cursor" />
+        <div
+          ref={cursor}
+          className="cursor"
+          role="slider"
+          tabIndex={0}
+          aria-label="Time"
+          aria-valuemin={0}
+          aria-valuemax={clock.end}
+          aria-valuenow={Number(clock.time.toFixed(2))}
+        />
       </div>
     </div>
   );

@@ -1,0 +1,131 @@
+/** Real runs, campaigns and a study, made by the service itself. */
+
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Api } from "./api";
+import { REPOSITORY } from "./service";
+
+const EXAMPLES = join(REPOSITORY, "openscenario_schemas", "examples");
+
+/** What the tests open: ids of what the service has. */
+export interface Made {
+  readonly batches: readonly string[];
+  /** A batch with collisions for which egos are and are not at fault. */
+  readonly collisions: string;
+  readonly campaign: string;
+  readonly otherCampaign: string;
+  readonly study: string;
+  /** A run in which an ego is at fault. */
+  readonly run: string;
+  readonly otherRun: string;
+}
+
+interface Posted {
+  readonly batch: { readonly id: string };
+}
+interface Progress {
+  readonly state: string;
+  readonly done?: boolean;
+}
+interface Runs {
+  readonly items: readonly { readonly id: string; readonly status: string }[];
+}
+
+function scenario(...path: string[]): Record<string, unknown> {
+  return JSON.parse(readFileSync(join(EXAMPLES, ...path), "utf8")) as Record<string, unknown>;
+}
+
+/** Returns scenarios of collisions, with a name of each. */
+function collisions(count: number): readonly Record<string, unknown>[] {
+  return readdirSync(join(EXAMPLES, "responsibility"))
+    .filter((name) => name.endsWith(".json") && name !== "cases.json")
+    .sort()
+    .filter((_, place, all) => place % Math.floor(all.length / count) === 0)
+    .map((name) => scenario("responsibility", name));
+}
+
+/** Several egos of one ADS meet at an all-way stop: some collide. */
+export function meetingCampaign(name: string, simulations: number): Record<string, unknown> {
+  return {
+    name,
+    tester: { name: "doppeltest" },
+    agent: { name: "idm" },
+    scenario: scenario("campaigns", "orchard-lane.json"),
+    space: {
+      egos: 5,
+      optional: true,
+      max_ego_delay: 3.0,
+      vehicles: 0,
+      walkers: 0,
+      weather: false,
+    },
+    budget: { simulations },
+    oracles: ["collision", "near_miss", "deadlock"],
+    seed: 1,
+  };
+}
+
+/** Few and short, so that all of them end within seconds. */
+function smallStudy(): Record<string, unknown> {
+  return {
+    name: "two methods",
+    scenarios: [{ document: scenario("campaigns", "market-street.json"), label: "left turn" }],
+    agents: [{ name: "idm" }, { name: "idm-mobil" }],
+    methods: [{ name: "random" }, { name: "avfuzzer", parameters: { population: 4 } }],
+    repetitions: 2,
+    space: { vehicles: 3, walkers: 1 },
+    oracles: ["collision", "red_light", "off_road"],
+    budget: { simulations: 10 },
+  };
+}
+
+export async function postBatch(
+  api: Api,
+  name: string,
+  scenarios: readonly Record<string, unknown>[],
+): Promise<string> {
+  const words = new URLSearchParams({ name, priority: "interactive" });
+  return (await api.post<Posted>(`/batches?${words}`, scenarios)).batch.id;
+}
+
+/** Short scenarios that end well. */
+export function shortScenarios(count: number): readonly Record<string, unknown>[] {
+  return collisions(count).slice(0, count);
+}
+
+export async function makeData(api: Api): Promise<Made> {
+  const struck = await postBatch(api, "collisions", collisions(16));
+  const examples = await postBatch(api, "examples", [
+    scenario("walker-behind-van.json"),
+    scenario("three-drivers.json"),
+    scenario("signalised-grid.json"),
+  ]);
+  const campaign = await api.post<{ id: string }>(
+    "/campaigns",
+    meetingCampaign("meeting at a stop", 60),
+  );
+  const other = await api.post<{ id: string }>("/campaigns", {
+    ...meetingCampaign("meeting at random", 40),
+    tester: { name: "random" },
+  });
+  const study = await api.post<{ id: string }>("/studies", smallStudy());
+  for (const batch of [struck, examples]) {
+    await api.until<Progress>(`/batches/${batch}`, ({ done }) => done === true);
+  }
+  for (const { id } of [campaign, other]) {
+    await api.until<Progress>(`/campaigns/${id}`, ({ state }) => state === "finished");
+  }
+  await api.until<Progress>(`/studies/${study.id}`, ({ state }) => state === "finished");
+  const failing = await api.get<Runs>(`/runs?batch=${struck}&at_fault=true&limit=2`);
+  const [run, otherRun] = failing.items;
+  if (!run || !otherRun) throw new Error("no ego is at fault in the collisions");
+  return {
+    batches: [struck, examples],
+    collisions: struck,
+    campaign: campaign.id,
+    otherCampaign: other.id,
+    study: study.id,
+    run: run.id,
+    otherRun: otherRun.id,
+  };
+}

@@ -1,0 +1,35 @@
+/** Every screen of the router with an address that has content; a new screen has to be added. */
+
+import type { Made } from "./data";
+
+export interface Screen {
+  /** Its path in the router. */
+  readonly route: string;
+  /** Its file in build/screenshots. */
+  readonly name: string;
+  /** Its address. */
+  readonly at: string;
+}
+
+export function screens(made: Made): readonly Screen[] {
+  return [
+    { route: "/campaigns", name: "campaigns", at: "/campaigns" },
+    { route: "/campaigns/$id", name: "campaign", at: `/campaigns/${made.campaign}` },
+    {
+      route: "/compare",
+      name: "compare",
+      at: `/compare?campaign=${made.campaign}&campaign=${made.otherCampaign}`,
+    },
+    { route: "/failures", name: "failures", at: "/failures" },
+    { route: "/studies", name: "studies", at: "/studies" },
+    { route: "/studies/$id", name: "study", at: `/studies/${made.study}` },
+    { route: "/runs", name: "runs", at: "/runs" },
+    { route: "/runs", name: "runs-filtered", at: `/runs?batch=${made.collisions}&status=finished` },
+    { route: "/runs/$runId", name: "run", at: `/runs/${made.run}` },
+    { route: "/batches", name: "batches", at: "/batches" },
+    { route: "/batches/$batchId", name: "batch", at: `/batches/${made.collisions}` },
+    { route: "/agents", name: "agents", at: "/agents" },
+    { route: "/networks", name: "networks", at: "/networks" },
+    { route: "/networks/$name", name: "network", at: "/networks/tee-town" },
+  ];
+}
