@@ -5,6 +5,7 @@ import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { OracleHelp } from "../../help/OracleHelp";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { type Change, changesBetween } from "./changes";
 import { type Evaluation, evaluationQuery, useEvaluation } from "./evaluation";
@@ -84,7 +85,7 @@ function Verdicts({
       <div className="inside">
         {failures.map(({ oracle, ego, message, time }, place) => (
           <p key={`${oracle} ${ego} ${time}`}>
-            <strong>{plain(oracle)}</strong>, {ego}
+            <OracleHelp name={oracle} />, {ego}
             {time != null && `, at ${time.toFixed(2)} s`}: {message}{" "}
             <span className="quiet">{kindText(failure_kinds[place] ?? "")}</span>
           </p>

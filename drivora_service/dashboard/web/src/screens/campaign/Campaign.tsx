@@ -15,6 +15,7 @@ import { Evaluations } from "./Evaluations";
 import { Found } from "./Found";
 import { Kinds } from "./Kinds";
 import { Newest } from "./Newest";
+import { Objectives } from "./Objectives";
 import { Settings } from "./Settings";
 
 export function Campaign() {
@@ -37,6 +38,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const { id, name, state, request, message } = campaign;
   const tabs = [
     { name: "failures", title: "Failures", count: campaign.counts.violating },
+    { name: "objectives", title: "Objectives" },
     { name: "ancestry", title: "Ancestry" },
     { name: "evaluations", title: "Evaluations", count: campaign.counts.evaluations },
     { name: "settings", title: "Settings" },
@@ -75,6 +77,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       </div>
       <Tabs tabs={tabs} open={open} search={search} />
       {open === "failures" && <Kinds campaign={campaign} />}
+      {open === "objectives" && <Objectives campaign={campaign} />}
       {open === "ancestry" && <Ancestry campaign={campaign} />}
       {open === "evaluations" && <Evaluations campaign={campaign} />}
       {open === "settings" && <Settings campaign={campaign} />}

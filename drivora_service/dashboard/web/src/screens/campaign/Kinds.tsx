@@ -6,6 +6,7 @@ import { Filters } from "../../components/Filters";
 import { Mark } from "../../components/Mark";
 import { count, fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { OracleHelp } from "../../help/OracleHelp";
 import { useList } from "../../lists/useList";
 import { ACCOUNTABILITIES, kindText, plain, wordsOfKind } from "../failures/words";
 import { ACCOUNTABILITY_WORDS } from "../runs/filters";
@@ -128,7 +129,7 @@ const COLUMNS: readonly Column<Failure>[] = [
     id: "oracle",
     title: "Oracle",
     width: "120px",
-    cell: ({ verdict }) => plain(verdict.oracle),
+    cell: ({ verdict }) => <OracleHelp name={verdict.oracle} />,
   },
   { id: "ego", title: "Ego", width: "76px", cell: ({ verdict }) => verdict.ego },
   {

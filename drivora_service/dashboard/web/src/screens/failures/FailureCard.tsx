@@ -4,7 +4,8 @@ import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
-import { ACCOUNTABILITY, plain } from "./words";
+import { OracleHelp } from "../../help/OracleHelp";
+import { ACCOUNTABILITY } from "./words";
 
 /** A failure: its picture, its sentence, and where it comes from. */
 export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailure"] }) {
@@ -19,7 +20,9 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
         <p>{failure.sentence}</p>
         <dl className="facts-list">
           <dt>Oracle</dt>
-          <dd>{plain(failure.oracle)}</dd>
+          <dd>
+            <OracleHelp name={failure.oracle} />
+          </dd>
           <dt>Accountability</dt>
           <dd>
             {accountability ? (
