@@ -3,8 +3,13 @@ import { useLive } from "./hub";
 export function LiveState() {
   const live = useLive();
   return (
-    <span className="live" data-state={live ? "live" : "waiting"} role="status">
-      {live ? "live" : "no connection, trying again"}
+    <span
+      className="live"
+      data-state={live ? "live" : "waiting"}
+      role="status"
+      title={live ? "Changes are shown as they happen" : "No connection, trying again"}
+    >
+      {live ? "live" : "no connection"}
     </span>
   );
 }

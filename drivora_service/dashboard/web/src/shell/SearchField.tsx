@@ -8,6 +8,7 @@ const WORDS: Readonly<Record<FoundKind, string>> = {
   run: "run",
   batch: "batch",
   campaign: "campaign",
+  study: "study",
   network: "network",
   agent: "ADS",
 };
@@ -33,6 +34,7 @@ export function SearchField() {
     const { kind, id } = found;
     if (kind === "run") void navigate({ to: "/runs/$runId", params: { runId: id } });
     else if (kind === "campaign") void navigate({ to: "/campaigns/$id", params: { id } });
+    else if (kind === "study") void navigate({ to: "/studies/$id", params: { id } });
     else if (kind === "batch") void navigate({ to: "/batches/$batchId", params: { batchId: id } });
     else if (kind === "network") void navigate({ to: "/networks/$name", params: { name: id } });
     else if (kind === "agent") void navigate({ to: "/agents", search: {}, hash: id });

@@ -50,8 +50,13 @@ export function Shell() {
         </nav>
         <SearchField />
         <LiveState />
-        <button type="button" onClick={toggleTheme}>
-          {theme === "dark" ? "Light" : "Dark"}
+        <button
+          type="button"
+          onClick={toggleTheme}
+          aria-label={theme === "dark" ? "Light colours" : "Dark colours"}
+          title={theme === "dark" ? "Light colours" : "Dark colours"}
+        >
+          ◐
         </button>
         <button type="button" onClick={() => setHelp(true)} aria-label="Keys" title="Keys (?)">
           ?

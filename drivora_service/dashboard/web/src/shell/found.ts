@@ -1,5 +1,5 @@
 /** What the search field finds. */
-export type FoundKind = "run" | "batch" | "campaign" | "network" | "agent";
+export type FoundKind = "run" | "batch" | "campaign" | "study" | "network" | "agent";
 
 export interface Found {
   readonly kind: FoundKind;

@@ -33,6 +33,11 @@ export function useFound(wanted: boolean, text: string): readonly Found[] {
     queryFn: async () => body(await api.GET("/api/v1/campaigns", newest)).items,
     enabled: wanted,
   });
+  const studies = useQuery({
+    queryKey: ["study", "list", "search"],
+    queryFn: async () => body(await api.GET("/api/v1/studies", newest)).items,
+    enabled: wanted,
+  });
   const networks = useQuery({
     queryKey: ["networks", "search"],
     queryFn: async () => body(await api.GET("/api/v1/networks")).items,
@@ -52,6 +57,9 @@ export function useFound(wanted: boolean, text: string): readonly Found[] {
     ),
     ...(campaigns.data ?? []).map(
       ({ id, name, state }): Found => ({ kind: "campaign", id, name: name || id, note: state }),
+    ),
+    ...(studies.data ?? []).map(
+      ({ id, name, state }): Found => ({ kind: "study", id, name: name || id, note: state }),
     ),
     ...(run.data ? [runFound(run.data)] : []),
     ...(runs.data ?? []).filter((item) => item.id !== run.data?.id).map(runFound),

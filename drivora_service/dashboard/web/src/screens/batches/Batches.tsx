@@ -20,7 +20,7 @@ const COLUMNS: readonly Column<Batch>[] = [
   {
     id: "name",
     title: "Batch",
-    width: "minmax(180px, 2fr)",
+    width: "minmax(150px, 2fr)",
     cell: (batch) => (
       <Link to="/batches/$batchId" params={{ batchId: batch.id }}>
         {batch.name || <code>{batch.id}</code>}
@@ -37,7 +37,7 @@ const COLUMNS: readonly Column<Batch>[] = [
   {
     id: "progress",
     title: "Progress",
-    width: "minmax(140px, 1fr)",
+    width: "minmax(110px, 1fr)",
     cell: (batch) => <Shares shares={sharesOf(batch)} of={batch.size} />,
   },
   {
@@ -70,20 +70,20 @@ const COLUMNS: readonly Column<Batch>[] = [
     cell: (batch) => count(standingOf(batch).notJudged),
   },
   {
-    id: "created_at",
-    title: "Queued at",
-    width: "162px",
-    cell: (batch) => moment(batch.created_at),
-  },
-  {
     id: "actions",
     title: "",
-    width: "150px",
+    width: "160px",
     cell: (batch) => (
       <span className="row-actions">
         <BatchActions batch={batch} />
       </span>
     ),
+  },
+  {
+    id: "created_at",
+    title: "Queued at",
+    width: "162px",
+    cell: (batch) => moment(batch.created_at),
   },
 ];
 
