@@ -1,5 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { inserted, newRows, type Overlay, renewed, rowsOf, settled, UNCHANGED } from "./merge";
+import {
+  coverage,
+  inserted,
+  newRows,
+  type Overlay,
+  renewed,
+  rowsOf,
+  settled,
+  UNCHANGED,
+} from "./merge";
 
 interface Row {
   readonly id: string;
@@ -40,5 +49,16 @@ describe("a list that is shown", () => {
     const twice = inserted({ ...once, news: rows("c") });
     expect(rowsOf(rows("a"), twice, idOf).map(idOf)).toEqual(["c", "b", "a"]);
     expect(twice.news).toHaveLength(0);
+  });
+  it("knows which rows of a page an answer covers", () => {
+    const page = rows("d", "c", "b", "a");
+    // Two new rows push two others out.
+    expect(coverage(page, rows("f", "e", "d", "c"), true, idOf)).toBe(2);
+    // A row has left: the answer goes on behind the page.
+    expect(coverage(page, rows("d", "c", "b", "0"), true, idOf)).toBe(4);
+    // The whole list.
+    expect(coverage(page, rows("f", "e"), false, idOf)).toBe(4);
+    // Only new rows: what was pushed out is not known.
+    expect(coverage(page, rows("z", "y", "x", "w"), true, idOf)).toBe(0);
   });
 });

@@ -45,6 +45,23 @@ export function newRows<Row>(
   return firstKnown < 0 ? fresh : fresh.slice(0, firstKnown);
 }
 
+/** Returns how many rows of a page its fresh answer covers: those that are not in it have left.
+ *
+ * New rows before a page push others out of the answer: those have not left.
+ */
+export function coverage<Row>(
+  page: readonly Row[],
+  fresh: readonly Row[],
+  more: boolean,
+  idOf: (row: Row) => string,
+): number {
+  if (!more) return page.length;
+  const places = new Map(page.map((row, place) => [idOf(row), place]));
+  let last = -1;
+  for (const row of fresh) last = places.get(idOf(row)) ?? (last < 0 ? -1 : page.length - 1);
+  return last + 1;
+}
+
 /** Takes fresh rows where they are.
  *
  * @param covered Ids of changed rows whose place was asked for again: those that `fresh` does not

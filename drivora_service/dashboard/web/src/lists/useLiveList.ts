@@ -7,7 +7,16 @@ import {
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { listen } from "../live/hub";
 import type { Change, ChangeKind } from "../live/messages";
-import { inserted, newRows, type Overlay, renewed, rowsOf, settled, UNCHANGED } from "./merge";
+import {
+  coverage,
+  inserted,
+  newRows,
+  type Overlay,
+  renewed,
+  rowsOf,
+  settled,
+  UNCHANGED,
+} from "./merge";
 import type { Page } from "./useList";
 
 const GATHER_MS = 1000;
@@ -64,8 +73,8 @@ export function useLiveList<Row>(options: Options<Row>) {
     const { base: of } = latest.current;
     setChanged((now) => ({ base: of, overlay: by(now.base === of ? now.overlay : UNCHANGED) }));
   }, []);
-  const latest = useRef({ ...options, rows, data, base, news: overlay.news });
-  latest.current = { ...options, rows, data, base, news: overlay.news };
+  const latest = useRef({ ...options, rows, data, base, inserted: overlay.inserted });
+  latest.current = { ...options, rows, data, base, inserted: overlay.inserted };
 
   const hash = JSON.stringify(key);
   const { refetch } = query;
@@ -100,7 +109,13 @@ export function useLiveList<Row>(options: Options<Row>) {
         return;
       }
       const fresh = answers.flatMap((answer) => answer?.items ?? []);
-      const covered = coveredBy(pages, asked, answers, touched, idOf);
+      const covered = coveredBy(
+        withInserted(pages, latest.current.inserted),
+        asked,
+        answers,
+        touched,
+        idOf,
+      );
       change((now) => {
         const next = renewed(now, fresh, covered, idOf);
         const found =
@@ -166,6 +181,13 @@ function tokensOf<Row>(
   );
 }
 
+/** New rows that were inserted are part of the first page from then on. */
+function withInserted<Row>(pages: Pages<Row>, rows: readonly Row[]): Pages<Row> {
+  const [first, ...others] = pages.pages;
+  if (!first || rows.length === 0) return pages;
+  return { ...pages, pages: [{ ...first, items: [...rows, ...first.items] }, ...others] };
+}
+
 /** Returns the changed ids whose page was answered: one that the answer lacks has left the list. */
 function coveredBy<Row>(
   pages: Pages<Row>,
@@ -177,15 +199,10 @@ function coveredBy<Row>(
   const covered = new Set<string>();
   pages.pages.forEach((page, place) => {
     const at = asked.indexOf(String(pages.pageParams[place] ?? ""));
-    // A page of which new rows have pushed others out does not show that those have left.
     const answer = at < 0 ? undefined : answers[at];
-    if (!answer || answer.items.length > page.items.length) return;
-    const pushed = answer.next_page_token && answer.items.length === page.items.length;
-    const last = answer.items.at(-1);
-    const end = pushed && last ? page.items.findIndex((row) => idOf(row) === idOf(last)) : Infinity;
-    page.items.forEach((row, index) => {
-      if (ids.has(idOf(row)) && index <= end) covered.add(idOf(row));
-    });
+    if (!answer) return;
+    const end = coverage(page.items, answer.items, Boolean(answer.next_page_token), idOf);
+    for (const row of page.items.slice(0, end)) if (ids.has(idOf(row))) covered.add(idOf(row));
   });
   return covered;
 }
