@@ -14,6 +14,7 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.change_feed import feed_of
 from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.sessions import SessionFile
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
@@ -169,6 +170,7 @@ def create_service(
         revision=database.changes.value,
         catalogues=catalogues,
         tokens=tokens,
+        sessions=None if tokens is None else SessionFile(settings.sessions_path, tokens),
         limits=Limits(
             body_bytes=int(settings.max_body_mb * (1 << 20)),
             batch_items=settings.max_batch_items,

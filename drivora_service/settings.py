@@ -161,6 +161,11 @@ class Settings(BaseSettings):
         return self.data_dir / "tokens.json"
 
     @property
+    def sessions_path(self) -> Path:
+        """File of the hashed sessions of web pages."""
+        return self.data_dir / "sessions.json"
+
+    @property
     def listens_on_loopback(self) -> bool:
         """Whether only this machine can reach the service."""
         if self.host == "localhost":

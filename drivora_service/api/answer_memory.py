@@ -11,6 +11,7 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from drivora_service.api.load_guard import EVENTS_PATH, HEALTH_PATHS
+from drivora_service.api.sessions import SessionFile, session_secret, token_of
 from drivora_service.api.tokens import TokenFile
 from drivora_service.api_paths import PREFIX
 from drivora_service.errors import ConfigurationError
@@ -23,7 +24,7 @@ LONGEST_S = 0.5
 
 _NOT_KEPT = HEALTH_PATHS | {EVENTS_PATH}
 
-_Key = tuple[str, bytes, str, str, str, str]
+_Key = tuple[str, bytes, str, str, str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,12 @@ class AnswerMemory:
     """
 
     def __init__(
-        self, app: ASGIApp, *, version: Callable[[], int | None], tokens: TokenFile | None
+        self,
+        app: ASGIApp,
+        *,
+        version: Callable[[], int | None],
+        tokens: TokenFile | None,
+        sessions: SessionFile | None = None,
     ) -> None:
         """Prepares an empty memory.
 
@@ -67,8 +73,10 @@ class AnswerMemory:
             version: Returns another number after each change of the database, without waiting;
                 ``None`` where it cannot be told: then nothing is kept.
             tokens: API tokens; ``None``: no token is needed.
+            sessions: Sessions of web pages, if there are any.
         """
-        self._app, self._version, self._tokens = app, version, tokens
+        self._app, self._version = app, version
+        self._tokens, self._sessions = tokens, sessions
         self._memory = _Memory(None)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -99,15 +107,15 @@ class AnswerMemory:
         headers = Headers(scope=scope)
         if "content-length" in headers or "transfer-encoding" in headers:
             return None
-        authorization = headers.get("authorization", "")
+        authorization, session = headers.get("authorization", ""), ""
         if self._tokens is not None:
-            _, _, secret = authorization.partition(" ")
-            if not _is_known(self._tokens, secret):
+            if not _is_known(self._tokens, self._sessions, headers):
                 return None
+            session = session_secret(headers)
         known = headers.get("if-none-match", "")
         query: bytes = scope["query_string"]
         form, coding = headers.get("accept", ""), headers.get("accept-encoding", "")
-        return scope["path"], query, form, coding, known, authorization
+        return scope["path"], query, form, coding, known, authorization, session
 
     async def _make(
         self, memory: _Memory, key: _Key, scope: Scope, receive: Receive, send: Send
@@ -151,9 +159,9 @@ class AnswerMemory:
             give_up()
 
 
-def _is_known(tokens: TokenFile, secret: str) -> bool:
+def _is_known(tokens: TokenFile, sessions: SessionFile | None, headers: Headers) -> bool:
     try:
-        return tokens.find(secret) is not None
+        return token_of(tokens, sessions, headers) is not None
     except ConfigurationError:
         # The application tells the client, in the form of all errors.
         return False

@@ -79,7 +79,12 @@ def create_api(
     api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
     api.add_middleware(LoadGuard)
     # A request that waits for an answer which is being made already is no load.
-    api.add_middleware(AnswerMemory, version=context.revision, tokens=context.tokens)
+    api.add_middleware(
+        AnswerMemory,
+        version=context.revision,
+        tokens=context.tokens,
+        sessions=context.sessions,
+    )
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     # Outside of all others, so that it sees what they refuse.
     api.add_middleware(TimedRequests, times=times)

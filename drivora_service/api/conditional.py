@@ -45,7 +45,7 @@ def cache_headers(etag: str) -> dict[str, str]:
     return {
         "ETag": f'"{etag}"',
         "Cache-Control": "private, no-cache",
-        "Vary": "Accept, Authorization",
+        "Vary": "Accept, Authorization, Cookie",
     }
 
 

@@ -11,6 +11,7 @@ from fastapi import Depends, Request
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.api.sessions import SessionFile
     from drivora_service.api.tokens import TokenFile
     from drivora_service.campaigns.catalogues import Catalogues
     from drivora_service.campaigns.folder import CampaignFolder
@@ -47,6 +48,7 @@ class ApiContext:
             ``None``: not known.
         catalogues: Catalogues for the names in documents.
         tokens: API tokens; ``None``: no token is needed.
+        sessions: Sessions of web pages, which begin with a token; ``None``: there are none.
         trace_path: Returns the path of a run's trace, by the run's id.
         gene_spaces: Names the genes of campaigns.
         campaign_folder: Returns the folder of a campaign, by its id.
@@ -78,6 +80,7 @@ class ApiContext:
     storage_fault: Callable[[], str]
     stopping: Callable[[], bool]
     is_service: bool = True
+    sessions: SessionFile | None = None
 
     @property
     def database(self) -> Database:

@@ -44,6 +44,11 @@ def answers(example: str, *errors: int, status: int = 200) -> dict[int | str, di
     return _with_errors(answer, errors, status=status)
 
 
+def no_content(*errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an operation without an answer, and the errors."""
+    return _with_errors({"description": "Done"}, errors, status=204)
+
+
 def problem_answer(status: int) -> dict[str, Any]:
     """Documents an error."""
     title, detail = _ERRORS[status]

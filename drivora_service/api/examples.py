@@ -107,6 +107,7 @@ FINISHED_STUDY = RECORDED + "finished-study.json"
 STUDIES = RECORDED + "studies.json"
 STUDY_COMPARISON = RECORDED + "study-comparison.json"
 STUDY_BANDS = RECORDED + "study-bands.json"
+SESSION = RECORDED + "session.json"
 EVENTS = RECORDED + "events.txt"
 STUDY_TABLE = RECORDED + "study-campaigns.csv"
 

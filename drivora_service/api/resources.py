@@ -30,6 +30,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("failures", "/failures(/.*)?"),
         ("studies", "/studies([/:].*)?"),
         ("events", "/events"),
+        ("sessions", "/session"),
         ("networks", "/networks([/:].*)?"),
         ("catalogues", "/(agents|testers|oracles)([/:].*)?"),
     )

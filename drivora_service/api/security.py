@@ -1,4 +1,4 @@
-"""Authorisation: bearer tokens with scopes."""
+"""Authorisation: bearer tokens with scopes, and the sessions that pages begin with them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from http import HTTPStatus
 from typing import Annotated
 
 from fastapi import Depends, Request
-from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from fastapi.security import APIKeyCookie, HTTPBearer
 
-from drivora_service.api.context import ApiContext, context_of
+from drivora_service.api.context import context_of
 from drivora_service.api.problems import ApiError
+from drivora_service.api.sessions import COOKIE, token_of
 from drivora_service.api.tokens import Scope
 
 _bearer = HTTPBearer(
@@ -18,22 +19,40 @@ _bearer = HTTPBearer(
     description="An API token (`drivora tokens create`); not asked for on loopback.",
 )
 
-Credentials = Annotated[HTTPAuthorizationCredentials | None, Depends(_bearer)]
+_session = APIKeyCookie(
+    name=COOKIE,
+    auto_error=False,
+    scheme_name="session",
+    description="The cookie of a session, which `POST /session` begins with a token.",
+)
+
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+_Bearer = Annotated[object, Depends(_bearer)]
+_Cookie = Annotated[object, Depends(_session)]
 
 
-def _require(
-    request: Request, credentials: HTTPAuthorizationCredentials | None, scope: Scope
-) -> None:
-    tokens = context_of(request).tokens
-    if tokens is None:
+async def _documented(bearer: _Bearer, session: _Cookie) -> None:
+    """Stands for both ways in the OpenAPI document."""
+    del bearer, session
+
+
+Documented = Annotated[None, Depends(_documented)]
+
+
+def _require(request: Request, scope: Scope) -> None:
+    context = context_of(request)
+    if context.tokens is None:
         return
-    token = tokens.find(credentials.credentials) if credentials is not None else None
+    token = token_of(context.tokens, context.sessions, request.headers)
     if token is None:
         raise ApiError(
             HTTPStatus.UNAUTHORIZED,
             "an API token is needed: Authorization: Bearer …",
             headers={"WWW-Authenticate": "Bearer"},
         )
+    if "authorization" not in request.headers and request.method not in _SAFE_METHODS:
+        _refuse_other_pages(request)
     if token.scope < scope:
         raise ApiError(
             HTTPStatus.FORBIDDEN,
@@ -43,21 +62,35 @@ def _require(
     request.state.client = token.name
 
 
-def is_valid(context: ApiContext, credentials: HTTPAuthorizationCredentials | None) -> bool:
+def _refuse_other_pages(request: Request) -> None:
+    """Checks that a request with a session comes from a page of the service.
+
+    The browser says so; the origin guard has compared the origin with the service's address.
+    """
+    site = request.headers.get("sec-fetch-site", "")
+    if site != "same-origin" and (site or "origin" not in request.headers):
+        raise ApiError(
+            HTTPStatus.FORBIDDEN,
+            "a request with a session must come from a page of this service; programs use a token",
+        )
+
+
+def is_valid(request: Request) -> bool:
     """Returns whether a request that was let pass would be let pass now."""
+    context = context_of(request)
     if context.tokens is None:
         return True
-    return credentials is not None and context.tokens.find(credentials.credentials) is not None
+    return token_of(context.tokens, context.sessions, request.headers) is not None
 
 
-async def reader(request: Request, credentials: Credentials) -> None:
+async def reader(request: Request, _: Documented) -> None:
     """Lets requests pass that may read."""
-    _require(request, credentials, Scope.READ)
+    _require(request, Scope.READ)
 
 
-async def submitter(request: Request, credentials: Credentials) -> None:
+async def submitter(request: Request, _: Documented) -> None:
     """Lets requests pass that may post and cancel."""
-    _require(request, credentials, Scope.SUBMIT)
+    _require(request, Scope.SUBMIT)
 
 
 def client_name(request: Request) -> str:

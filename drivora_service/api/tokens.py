@@ -93,6 +93,10 @@ class TokenFile:
         """Returns the token that a request carries, or ``None`` if it is not one of ours."""
         return self._current().get(_hash(secret))
 
+    def by_hash(self, sha256: str) -> StoredToken | None:
+        """Returns the token of a hash, or ``None`` if there is none."""
+        return self._current().get(sha256)
+
     def _current(self) -> dict[str, StoredToken]:
         try:
             mtime_ns = self._path.stat().st_mtime_ns

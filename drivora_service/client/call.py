@@ -46,7 +46,7 @@ class Call(Generic[T]):
         accepted: Statuses of answers besides 2xx.
     """
 
-    method: Literal["GET", "POST"]
+    method: Literal["GET", "POST", "DELETE"]
     template: str
     places: Mapping[str, str | int] = field(default_factory=dict)
     query: Query = field(default_factory=dict)

@@ -15,6 +15,7 @@ from drivora_service.client.calls import events as event_calls
 from drivora_service.client.calls import failures as failure_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import runs as run_calls
+from drivora_service.client.calls import sessions as session_calls
 from drivora_service.client.calls import studies as study_calls
 from drivora_service.client.listening import Event
 
@@ -189,6 +190,10 @@ class Operations:
     save_study_table = Saved(study_calls.study_table)
 
     events = Told(event_calls.events)
+
+    session = Answered(session_calls.session)
+    begin_session = Answered(session_calls.begin_session)
+    end_session = Answered(session_calls.end_session)
 
     networks = Answered(catalogue_calls.networks)
     network = Answered(catalogue_calls.network)

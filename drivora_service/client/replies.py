@@ -108,6 +108,8 @@ def read_reply(call: Call[T], reply: Reply, service: Service) -> T:
     """
     if not 200 <= reply.status < 300 and reply.status not in call.accepted:
         raise _refusal(reply, service)
+    if call.answer is type(None):
+        return None
     if call.answer is bytes:
         return reply.content  # type: ignore[return-value] # T is bytes here
     try:

@@ -20,6 +20,7 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
+from drivora_service.api.sessions import SessionFile
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.folder import CampaignFolder
@@ -134,6 +135,9 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
             revision=database.changes.value,
             catalogues=catalogues,
             tokens=tokens,
+            sessions=None
+            if tokens is None
+            else SessionFile(tmp_path / f"sessions-{len(opened)}.json", tokens),
             limits=Limits(body_bytes=body_bytes, batch_items=batch_items, queued_runs=queued_runs),
             trace_path=TraceFolder(tmp_path / "traces").path,
             gene_spaces=GeneSpaces(catalogues),

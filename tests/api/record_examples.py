@@ -138,6 +138,7 @@ class _Recording:
 
     def catalogues(self) -> None:
         """Records what there is to choose from."""
+        self._keep(examples.SESSION, self._get("/session"))
         self._keep(examples.HEALTH, self._get("/healthz"))
         self._keep(examples.READINESS, self._get("/readyz"), most=_ALL)
         self._keep(examples.NETWORKS, self._get("/networks"), most=_ALL)

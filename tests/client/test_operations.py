@@ -85,6 +85,9 @@ def test_a_method_reads_the_answer_of_its_operation(
     call = call_of(name)
     operation = operations[call.method, call.template]
     (success,) = (answer for status, answer in operation["responses"].items() if status[0] == "2")
+    if call.answer is type(None):
+        assert "content" not in success
+        return
     schemas = [form.get("schema", {}) for form in success["content"].values()]
     named = schemas[0].get("$ref", "").rpartition("/")[2]
     if call.answer in (bytes, str):

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
+import pytest
 
 from drivora_service.api.examples import SCENARIO
 from drivora_service.api.schemas.events import Begin, Changes
@@ -64,6 +65,7 @@ def free_port() -> int:
         return port
 
 
+@pytest.mark.slow(seconds=25)
 def test_a_reader_misses_no_end_of_a_run_however_often_the_service_is_killed(
     tmp_path: Path,
 ) -> None:

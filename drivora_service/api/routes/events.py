@@ -9,12 +9,11 @@ from fastapi import Depends, Header, Query, Request, Response
 
 from drivora_service.api import examples
 from drivora_service.api.change_feed import feed_of
-from drivora_service.api.context import Context
 from drivora_service.api.documentation import EVENTS, event_answers
 from drivora_service.api.event_stream import HEADERS, EventStream, Wanted
 from drivora_service.api.methods import is_head
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.security import Credentials, is_valid, reader
+from drivora_service.api.security import is_valid, reader
 from drivora_service.errors import UnknownName
 from drivora_service.store.change_lists import ChangedKind
 from drivora_service.store.revisions import read_position
@@ -32,8 +31,6 @@ router = resource_router("events", Depends(reader))
 )
 async def get_events(
     request: Request,
-    context: Context,
-    credentials: Credentials,
     kind: Annotated[
         list[ChangedKind] | None, Query(description="Only of these kinds; may be repeated.")
     ] = None,
@@ -70,7 +67,7 @@ async def get_events(
     kinds = frozenset(kind or ChangedKind)
     wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
     feed.join()
-    return EventStream(feed, wanted, partial(is_valid, context, credentials))
+    return EventStream(feed, wanted, partial(is_valid, request))
 
 
 def _wanted(
