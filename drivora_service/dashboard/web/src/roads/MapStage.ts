@@ -67,6 +67,10 @@ export class MapStage {
     return this.renderer.canvas as HTMLCanvasElement;
   }
 
+  get isGone(): boolean {
+    return this.gone;
+  }
+
   get camera(): Camera {
     return this.shown;
   }

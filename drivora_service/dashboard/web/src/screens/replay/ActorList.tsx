@@ -1,6 +1,7 @@
 import { type Column, DataTable } from "../../components/DataTable";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
+import type { PerceivedActors } from "./perception";
 import type { Actor, Recording } from "./recording";
 import { useStep } from "./useMoment";
 
@@ -27,6 +28,7 @@ export function ActorList({
   ego,
   followed,
   hidden,
+  perceived,
   onFollow,
   onHide,
 }: {
@@ -35,6 +37,7 @@ export function ActorList({
   readonly ego: number;
   readonly followed: string;
   readonly hidden: readonly string[];
+  readonly perceived: PerceivedActors | undefined;
   readonly onFollow: (id: string) => void;
   readonly onHide: (id: string) => void;
 }) {
@@ -69,7 +72,7 @@ export function ActorList({
       id: "speed",
       title: "m/s",
       hint: "Speed",
-      width: "58px",
+      width: "66px",
       numeric: true,
       cell: ({ row }) => (present(row) ? fixed(recording.speed[base + row], 1) : "absent"),
     },
@@ -81,6 +84,17 @@ export function ActorList({
       numeric: true,
       cell: ({ row }) => (row === ego || !present(row) ? "" : fixed(distance(row), 1)),
     },
+    ...(perceived
+      ? [
+          {
+            id: "sight",
+            title: "Perceived",
+            hint: "Whether the ego perceived it, and why not",
+            width: "104px",
+            cell: ({ row }: Actor) => perceived.words(step, row),
+          },
+        ]
+      : []),
     {
       id: "hide",
       title: "",

@@ -1,6 +1,7 @@
 import type { ReactNode } from "react";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
+import type { PerceivedActors } from "./perception";
 import type { Recording } from "./recording";
 import { useStep } from "./useMoment";
 import type { Series } from "./useSeries";
@@ -15,11 +16,13 @@ export function EgoFacts({
   clock,
   ego,
   series,
+  perceived,
 }: {
   readonly recording: Recording;
   readonly clock: Clock;
   readonly ego: number;
   readonly series: Series | undefined;
+  readonly perceived: PerceivedActors | undefined;
 }) {
   const step = Math.min(useStep(clock), recording.loaded - 1);
   const cell = step * recording.actors.length + ego;
@@ -53,6 +56,7 @@ export function EgoFacts({
         <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
       </dd>
       {series && <Around series={series} step={step} number={number} />}
+      {perceived && <SeenCount perceived={perceived} step={step} />}
       {end && step >= end.step && (
         <>
           <dt>Ended</dt>
@@ -109,6 +113,32 @@ function Around({
         ) : (
           `${colour || "off"}, ${fixed(light, 1)} m`
         )}
+      </dd>
+    </>
+  );
+}
+
+function SeenCount({
+  perceived,
+  step,
+}: {
+  readonly perceived: PerceivedActors;
+  readonly step: number;
+}) {
+  const [seen, all] = perceived.counts(step);
+  const { sensor, privileged } = perceived.head;
+  return (
+    <>
+      <dt>Perceived</dt>
+      <dd>
+        {seen} of {all}
+        <span className="quiet">
+          {privileged
+            ? " but its agent saw everything"
+            : sensor.range === null
+              ? " without a limit of range"
+              : ` within ${fixed(sensor.range, 0)} m`}
+        </span>
       </dd>
     </>
   );

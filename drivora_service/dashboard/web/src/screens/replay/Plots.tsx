@@ -1,6 +1,7 @@
 import { useMemo } from "react";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
+import type { Difference } from "./difference";
 import { type Line, Plot } from "./Plot";
 import type { Range } from "./timeScale";
 import { useStep } from "./useMoment";
@@ -80,12 +81,14 @@ export function Plots({
   ego,
   range,
   onRange,
+  difference,
 }: {
   readonly series: Series;
   readonly clock: Clock;
   readonly ego: number;
   readonly range: Range;
   readonly onRange: (range: Range) => void;
+  readonly difference: Difference | undefined;
 }) {
   const step = useStep(clock);
   const groups = useMemo(
@@ -123,7 +126,71 @@ export function Plots({
           />
         </section>
       ))}
+      {difference && (
+        <DifferencePlot
+          difference={difference}
+          clock={clock}
+          ego={ego}
+          range={range}
+          onRange={onRange}
+        />
+      )}
     </div>
+  );
+}
+
+/** How far the egos of two runs are apart, and their difference of speed. */
+function DifferencePlot({
+  difference,
+  clock,
+  ego,
+  range,
+  onRange,
+}: {
+  readonly difference: Difference;
+  readonly clock: Clock;
+  readonly ego: number;
+  readonly range: Range;
+  readonly onRange: (range: Range) => void;
+}) {
+  const step = useStep(clock);
+  const time = useMemo(
+    () => Float64Array.from(difference.apart, (_, k) => k * clock.stepLength),
+    [difference, clock],
+  );
+  const lines = useMemo(
+    (): readonly Line[] => [
+      { name: "apart", values: difference.apart, colour: `ego-${ego % 6}` },
+      { name: "speed", values: difference.speed, colour: "ink-3", dash: [5, 4], right: true },
+    ],
+    [difference, ego],
+  );
+  const value = (values: Float64Array) => {
+    const here = values[step];
+    return here === undefined || Number.isNaN(here) ? "none" : fixed(here, 2);
+  };
+  return (
+    <section className="panel plot-panel">
+      <header>
+        <h3>Difference</h3>
+        <span className="value">
+          <i style={{ color: `var(--ego-${ego % 6})` }} />
+          apart (m) <b>{value(difference.apart)}</b>
+        </span>
+        <span className="value">
+          <i style={{ color: "var(--ink-3)" }} data-dashed />
+          speed (m/s) <b>{value(difference.speed)}</b>
+        </span>
+      </header>
+      <Plot
+        label="Difference of the two runs"
+        time={time}
+        lines={lines}
+        clock={clock}
+        range={range}
+        onRange={onRange}
+      />
+    </section>
   );
 }
 

@@ -8,15 +8,19 @@ import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
 import { readState, TRAILS, trailsText } from "./address";
+import { CompareChoice, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
+import { ExportButtons } from "./ExportButtons";
 import { Plots } from "./Plots";
 import { type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
 import { TimeLine } from "./TimeLine";
 import type { Range } from "./timeScale";
+import { usePerception } from "./usePerception";
 import { useRecording } from "./useRecording";
+import { useSecondRun } from "./useSecondRun";
 import { useSeries } from "./useSeries";
 import { useTimeline } from "./useTimeline";
 import { VerdictLine } from "./VerdictLine";
@@ -59,6 +63,17 @@ function Player({
   );
   const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
   const series = useSeries(run.id, ego);
+  const perception = usePerception(
+    run.id,
+    ego,
+    recording.steps,
+    recording.actors.length,
+    state.perceived,
+  );
+  const second = useSecondRun(recording, clock, state.beside, ego, state.pace);
+  const { data: otherTimeline } = useTimeline(state.view === "side" ? state.beside : "");
+  const beside = useRef<MapHandle>(null);
+  const [measuring, setMeasuring] = useState(false);
   const begun = useRef(false);
   if (!begun.current) {
     begun.current = true;
@@ -133,13 +148,18 @@ function Player({
         : moments.findLast((time) => time < clock.time - 1e-3);
     if (ahead !== undefined) jump(ahead);
   };
-  const second = Math.round(1 / recording.stepLength);
+  const togglePerceived = () => put({ perceived: state.perceived ? undefined : "yes" }, true);
+  const aSecond = Math.round(1 / recording.stepLength);
   useKeys([
     { keys: "space", does: "play or pause", run: () => clock.toggle() },
     { keys: "left", does: "one step back", run: () => clock.toStep(clock.step - 1) },
     { keys: "right", does: "one step ahead", run: () => clock.toStep(clock.step + 1) },
-    { keys: "shift+left", does: "one second back", run: () => clock.toStep(clock.step - second) },
-    { keys: "shift+right", does: "one second ahead", run: () => clock.toStep(clock.step + second) },
+    { keys: "shift+left", does: "one second back", run: () => clock.toStep(clock.step - aSecond) },
+    {
+      keys: "shift+right",
+      does: "one second ahead",
+      run: () => clock.toStep(clock.step + aSecond),
+    },
     { keys: "home", does: "to the start", run: () => clock.toStep(0) },
     { keys: "end", does: "to the end", run: () => clock.toStep(clock.lastStep) },
     { keys: "[", does: "previous verdict", run: () => jumpBy(-1) },
@@ -149,6 +169,8 @@ function Player({
     { keys: "f", does: "show the whole run", run: () => map.current?.fit() },
     { keys: "+", does: "nearer", run: () => map.current?.zoom(1.4) },
     { keys: "-", does: "farther", run: () => map.current?.zoom(1 / 1.4) },
+    { keys: "m", does: "measure", run: () => setMeasuring(!measuring) },
+    { keys: "v", does: "perceived or true", run: () => togglePerceived() },
     { keys: "0", does: "follow no actor", run: () => follow("") },
     ...recording.actors.slice(0, 9).map((actor, place) => ({
       keys: String(place + 1),
@@ -161,17 +183,56 @@ function Player({
   return (
     <div className="replay">
       <VerdictLine verdicts={run.verdicts} untilOf={untilOf} onMoment={jump} />
-      <ReplayMap
-        ref={map}
-        geometry={geometry}
-        recording={recording}
-        loaded={loaded}
-        clock={clock}
-        violations={timeline?.violations ?? NONE}
-        state={state}
-        onCamera={keepCamera}
-        onFollow={follow}
-      />
+      {state.beside && (
+        <CompareLine
+          other={second.run}
+          parting={second.compared?.parting}
+          ready={second.compared !== undefined}
+          failure={second.failure}
+          view={state.view}
+          pace={state.pace}
+          put={(changes) => put(changes, true)}
+          onMoment={jump}
+        />
+      )}
+      <div className="maps">
+        <ReplayMap
+          ref={map}
+          over={state.view === "over" ? second.compared : undefined}
+          geometry={geometry}
+          recording={recording}
+          loaded={loaded}
+          clock={clock}
+          violations={timeline?.violations ?? NONE}
+          state={state}
+          perceived={state.perceived ? perception.data : undefined}
+          measuring={measuring}
+          onCamera={(camera) => {
+            keepCamera(camera);
+            beside.current?.look(camera);
+          }}
+          onFollow={follow}
+        />
+        {state.view === "side" && second.compared && (
+          <ReplayMap
+            ref={beside}
+            label="The second run on the map"
+            geometry={geometry}
+            recording={second.compared.recording}
+            loaded={second.compared.recording.loaded}
+            clock={second.compared.moment}
+            violations={otherTimeline?.violations ?? NONE}
+            state={state}
+            perceived={undefined}
+            measuring={measuring}
+            onCamera={(camera) => {
+              keepCamera(camera);
+              map.current?.look(camera);
+            }}
+            onFollow={follow}
+          />
+        )}
+      </div>
       <aside className="beside">
         <section className="panel" aria-label="Ego">
           <header>
@@ -196,7 +257,13 @@ function Player({
             )}
           </header>
           <div className="inside">
-            <EgoFacts recording={recording} clock={clock} ego={ego} series={series.data} />
+            <EgoFacts
+              recording={recording}
+              clock={clock}
+              ego={ego}
+              series={series.data}
+              perceived={state.perceived ? perception.data : undefined}
+            />
           </div>
         </section>
         <ActorList
@@ -205,6 +272,7 @@ function Player({
           ego={ego}
           followed={state.follow}
           hidden={state.hidden}
+          perceived={state.perceived ? perception.data : undefined}
           onFollow={follow}
           onHide={hide}
         />
@@ -244,9 +312,35 @@ function Player({
         >
           Routes
         </button>
+        <button
+          type="button"
+          aria-pressed={state.perceived}
+          onClick={togglePerceived}
+          title="Where the ego perceived the others, and whom it missed (v)"
+        >
+          Perceived
+        </button>
+        <button
+          type="button"
+          aria-pressed={measuring}
+          onClick={() => setMeasuring(!measuring)}
+          title="Click two places (m)"
+        >
+          Measure
+        </button>
         <button type="button" onClick={() => map.current?.fit()} title="Show the whole run (f)">
           Fit
         </button>
+        {!state.beside && <CompareChoice run={run} put={(changes) => put(changes, true)} />}
+        <ExportButtons
+          map={() => map.current}
+          clock={clock}
+          range={range}
+          name={run.label || run.id}
+        />
+        {state.perceived && perception.error && (
+          <span className="quiet">{perception.error.message}</span>
+        )}
       </Controls>
       <TimeLine
         clock={clock}
@@ -256,7 +350,14 @@ function Player({
         onRange={setRange}
       />
       {series.data && (
-        <Plots series={series.data} clock={clock} ego={ego} range={range} onRange={setRange} />
+        <Plots
+          series={series.data}
+          clock={clock}
+          ego={ego}
+          range={range}
+          onRange={setRange}
+          difference={second.compared?.difference}
+        />
       )}
       {series.error && <Refused error={series.error} />}
     </div>

@@ -1,9 +1,12 @@
 import { type Ref, useEffect, useImperativeHandle, useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import type { Camera } from "../../roads/camera";
+import type { MapStage } from "../../roads/MapStage";
 import { type DrawnMap, RoadMap } from "../../roads/RoadMap";
+import { Ruler } from "../../roads/Ruler";
 import type { ReplayState } from "./address";
-import type { Clock } from "./clock";
+import type { Moment } from "./follower";
+import type { PerceivedActors } from "./perception";
 import { ReplayScene } from "./ReplayScene";
 import type { Recording } from "./recording";
 
@@ -12,12 +15,15 @@ const FOLLOW_SCALE = 7;
 
 /** What other parts of the screen may ask of the map. */
 export interface MapHandle {
+  look: (camera: Camera) => void;
+  stage: () => MapStage | undefined;
   fit: () => void;
   zoom: (factor: number) => void;
 }
 
 interface Shown extends DrawnMap {
   readonly scene: ReplayScene;
+  readonly ruler: Ruler;
 }
 
 /** The map of a run at the time of its clock. */
@@ -26,8 +32,12 @@ export function ReplayMap({
   recording,
   loaded,
   clock,
+  over,
+  label = "The run on the map",
   violations,
   state,
+  perceived,
+  measuring,
   onCamera,
   onFollow,
   ref,
@@ -36,35 +46,57 @@ export function ReplayMap({
   readonly recording: Recording;
   /** Steps that are there. */
   readonly loaded: number;
-  readonly clock: Clock;
+  readonly clock: Moment;
+  /** A second run over this one, as outlines. */
+  readonly over?: { readonly recording: Recording; readonly moment: Moment } | undefined;
+  readonly label?: string;
   readonly violations: readonly Schemas["ViolationMark"][];
   readonly state: ReplayState;
+  readonly perceived: PerceivedActors | undefined;
+  readonly measuring: boolean;
   readonly onCamera: (camera: Camera) => void;
   readonly onFollow: (id: string) => void;
   readonly ref: Ref<MapHandle>;
 }) {
   const [shown, setShown] = useState<Shown>();
   const [pointed, setPointed] = useState("");
+  const second = useRef<{ scene: ReplayScene; moment: Moment }>(undefined);
   const handlers = useRef({ onCamera, onFollow });
   handlers.current = { onCamera, onFollow };
   const follow = useRef(state.follow);
   follow.current = state.follow;
+  const isMeasuring = useRef(measuring);
+  isMeasuring.current = measuring;
 
   const onMap = (map: DrawnMap) => {
     const { stage, signals } = map;
     const scene = new ReplayScene(map, recording);
+    const ruler = new Ruler(map.palette);
+    stage.screen.addChild(ruler);
     stage.beforeDraw = (camera, size) => {
       for (const light of recording.lights.keys())
         signals.set(light, recording.stateOf(light, clock.step));
       scene.show(clock.time, camera, size);
+      second.current?.scene.show(second.current.moment.time, camera, size);
+      ruler.show(camera, size);
     };
     stage.onHover = (x, y) => {
+      if (isMeasuring.current) {
+        ruler.point(x, y);
+        stage.draw();
+        return;
+      }
       const row = scene.actorAt(x, y, NEAR_PX / stage.camera.scale);
       stage.canvas.style.cursor = row === undefined ? "" : "pointer";
       setPointed(row === undefined ? "" : (recording.actors[row]?.id ?? ""));
     };
     stage.onLeave = () => setPointed("");
     stage.onClick = (x, y) => {
+      if (isMeasuring.current) {
+        ruler.click(x, y);
+        stage.draw();
+        return;
+      }
       const row = scene.actorAt(x, y, NEAR_PX / stage.camera.scale);
       const id = row === undefined ? undefined : recording.actors[row]?.id;
       if (id) handlers.current.onFollow(id === follow.current ? "" : id);
@@ -76,7 +108,7 @@ export function ReplayMap({
       else stage.draw();
     };
     const stop = clock.listen(moved);
-    setShown({ ...map, scene });
+    setShown({ ...map, scene, ruler });
     return () => {
       stop();
       setShown(undefined);
@@ -108,6 +140,31 @@ export function ReplayMap({
     shown?.stage.draw();
   }, [shown, violations]);
 
+  useEffect(() => {
+    shown?.scene.perceive(perceived);
+    shown?.stage.draw();
+  }, [shown, perceived]);
+  useEffect(() => {
+    if (!shown) return;
+    shown.stage.canvas.style.cursor = measuring ? "crosshair" : "";
+    if (!measuring) shown.ruler.clear();
+    shown.stage.draw();
+  }, [shown, measuring]);
+
+  useEffect(() => {
+    if (!shown || !over) return;
+    const scene = new ReplayScene(shown, over.recording, "outline");
+    scene.set({ trails, routes: false, hidden: new Set(), followed: undefined });
+    second.current = { scene, moment: over.moment };
+    shown.stage.draw();
+    return () => {
+      second.current = undefined;
+      // The stage destroys what it holds when it goes.
+      if (!shown.stage.isGone) scene.destroy();
+      shown.stage.draw();
+    };
+  }, [shown, over, trails]);
+
   const fitted = useRef(state.camera !== undefined);
   const whole = loaded >= recording.steps;
   useEffect(() => {
@@ -123,6 +180,8 @@ export function ReplayMap({
         if (state.follow) handlers.current.onFollow("");
         shown?.stage.fit(shown.scene.extent());
       },
+      look: (camera) => shown?.stage.look(camera),
+      stage: () => shown?.stage,
       zoom: (factor) => shown?.stage.zoom(factor),
     }),
     [shown, state.follow],
@@ -131,7 +190,7 @@ export function ReplayMap({
   return (
     <RoadMap
       geometry={geometry}
-      label="The run on the map"
+      label={label}
       onMap={onMap}
       camera={state.camera}
       onCamera={(camera, byHand) => {

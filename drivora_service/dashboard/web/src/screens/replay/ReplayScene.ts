@@ -5,6 +5,8 @@ import { dashes } from "../../roads/lines";
 import type { DrawnMap } from "../../roads/RoadMap";
 import { trace } from "../../roads/roadLayer";
 import { ActorLayer, colourOfActor, type Look } from "./actorLayer";
+import { PerceptionLayer } from "./PerceptionLayer";
+import type { PerceivedActors } from "./perception";
 import type { Recording } from "./recording";
 import { TrailLayer } from "./trailLayer";
 
@@ -35,6 +37,7 @@ export class ReplayScene {
   private readonly names = new Container();
   private trails: TrailLayer | undefined;
   private trailsOf = "";
+  private perception: PerceptionLayer | undefined;
   private options: SceneOptions = {
     trails: 0,
     routes: true,
@@ -46,7 +49,7 @@ export class ReplayScene {
   constructor(
     private readonly map: DrawnMap,
     readonly recording: Recording,
-    look: Look = "whole",
+    private readonly look: Look = "whole",
   ) {
     this.routes = routesOf(recording, map.palette.egos);
     this.actors = new ActorLayer(recording, map.palette, look);
@@ -62,6 +65,14 @@ export class ReplayScene {
     for (const row of options.hidden) this.actors.hidden.add(row);
     if (options.followed !== undefined) this.label(options.followed);
     this.refreshTrails();
+  }
+
+  /** Shows what an ego perceived, or the truth alone. */
+  perceive(perceived: PerceivedActors | undefined): void {
+    this.perception?.destroy({ children: true });
+    this.perception = perceived && new PerceptionLayer(this.recording, perceived, this.map.palette);
+    if (this.perception) this.map.stage.world.addChild(this.perception);
+    this.actors.missed = perceived && ((step, row) => perceived.isMissed(step, row));
   }
 
   /** Numbers violations on the map. */
@@ -109,6 +120,8 @@ export class ReplayScene {
     this.time = time;
     const { recording } = this;
     this.actors.show(time, camera.scale);
+    const step = Math.floor(time / recording.stepLength + 1e-6);
+    this.perception?.show(Math.min(step, recording.loaded - 1));
     if (this.options.trails > 0) this.refreshTrails();
     this.trails?.show(time, this.options.trails, camera.scale);
     for (const [row, text] of this.labels) {
@@ -177,6 +190,7 @@ export class ReplayScene {
   destroy(): void {
     for (const part of [this.below, this.routes, this.actors, this.overlay, this.names])
       part.destroy({ children: true });
+    this.perception?.destroy({ children: true });
   }
 
   private label(row: number): void {
@@ -184,7 +198,7 @@ export class ReplayScene {
     if (!actor || this.labels.has(row)) return;
     const { palette } = this.map;
     const text = new Text({
-      text: actor.id,
+      text: this.look === "outline" ? `${actor.id} (second run)` : actor.id,
       style: {
         fontFamily: "sans-serif",
         fontSize: 12,

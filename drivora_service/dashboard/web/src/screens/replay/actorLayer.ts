@@ -5,6 +5,7 @@ import type { Actor, Recording } from "./recording";
 /** Actors smaller than this on the screen are drawn larger, in pixels across. */
 const SMALLEST_PX = 5;
 const BRAKING = -0.5;
+const MISSED_ALPHA = 0.3;
 const ARROW_M_PER_MPS2 = 0.7;
 
 interface Drawn {
@@ -28,6 +29,8 @@ export function colourOfActor(actor: Actor, palette: Palette): number {
 /** All actors of a recording at a time. Their objects are made once and moved. */
 export class ActorLayer extends Container {
   readonly hidden = new Set<number>();
+  /** Whether an ego missed an actor at a step; such actors are pale. */
+  missed: ((step: number, row: number) => boolean) | undefined;
   private readonly drawn: readonly Drawn[];
 
   constructor(
@@ -80,6 +83,7 @@ export class ActorLayer extends Container {
       const yaw = recording.yaw[here] as number;
       const x1 = recording.x[there] as number;
       node.visible = true;
+      node.alpha = this.missed?.(step, actor.row) ? MISSED_ALPHA : 1;
       if (share > 0 && !Number.isNaN(x1)) {
         const turn = Math.sin((recording.yaw[there] as number) - yaw);
         node.position.set(x + share * (x1 - x), y + share * ((recording.y[there] as number) - y));

@@ -1,5 +1,6 @@
 import { firstOf, type Search, valuesOf } from "../../address";
 import { type Camera, readCamera } from "../../roads/camera";
+import type { Pace } from "./difference";
 
 /** What a link to a replay says. */
 export interface ReplayState {
@@ -9,8 +10,12 @@ export interface ReplayState {
   readonly trails: number;
   readonly routes: boolean;
   readonly hidden: readonly string[];
+  /** Whether what the ego perceived is shown. */
+  readonly perceived: boolean;
   /** A second run in step with this one. */
   readonly beside: string;
+  readonly view: "over" | "side";
+  readonly pace: Pace;
 }
 
 export const TRAILS = [0, 3, 10, 1e6] as const;
@@ -25,8 +30,11 @@ export function readState(search: Search): ReplayState {
     camera: readCamera(firstOf(search, "camera")),
     trails: trails === "" ? USUAL_TRAILS : trails === "all" ? 1e6 : Number(trails) || 0,
     routes: firstOf(search, "routes") !== "no",
+    perceived: firstOf(search, "perceived") === "yes",
     hidden: valuesOf(search, "hide"),
     beside: firstOf(search, "with"),
+    view: firstOf(search, "view") === "side" ? "side" : "over",
+    pace: firstOf(search, "pace") === "route" ? "route" : "time",
   };
 }
 
