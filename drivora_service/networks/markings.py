@@ -9,14 +9,18 @@ from __future__ import annotations
 from enum import StrEnum
 
 import numpy as np
+from shapely import LineString, Point, STRtree
 
-from drivora_service.geometry.arrays import FloatArray
 from drivora_service.geometry.lines import offset_line
 from drivora_service.networks.road_details import RoadDetails, road_details
 from drivora_service.networks.road_network import Lane, RoadNetwork
 
 _SAME_BORDER = 0.6
 """Metres between the borders of two directions up to which they are one."""
+_OPPOSITE = -0.7
+"""Cosine of the angle between opposite directions, at most."""
+_BESIDE = 0.5
+"""Metres to both sides of a place between which a line's direction is taken."""
 
 
 class Marking(StrEnum):
@@ -39,7 +43,7 @@ def lane_markings(network: RoadNetwork) -> tuple[tuple[Marking, Marking], ...]:
     Lanes inside junctions and lanes that are not open to cars have none.
     """
     details = road_details(network)
-    centred = _edges_beside_opposite(network, details)
+    centred = _edges_beside_opposite(network)
     return tuple(_markings(lane, details, centred) for lane in network.lanes)
 
 
@@ -57,31 +61,25 @@ def _markings(lane: Lane, details: RoadDetails, centred: frozenset[str]) -> tupl
     return left, right
 
 
-def _edges_beside_opposite(network: RoadNetwork, details: RoadDetails) -> frozenset[str]:
+def _edges_beside_opposite(network: RoadNetwork) -> frozenset[str]:
     """Returns the edges whose left border is also that of an edge of the opposite direction."""
-    leftmost = {
-        lane.edge_id: lane
-        for lane in network.lanes
-        if lane.drivable and not lane.is_internal and lane.left < 0
-    }
-    between: dict[tuple[str, str], list[str]] = {}
-    for edge in leftmost:
-        found = details.edges[edge]
-        between.setdefault((found.begin, found.end), []).append(edge)
-    middles = {edge: _middle(lane) for edge, lane in leftmost.items()}
-    return frozenset(
-        edge
-        for (begin, end), edges in between.items()
-        for edge in edges
-        if any(
-            np.hypot(*(middles[edge] - middles[other])) <= _SAME_BORDER
-            for other in between.get((end, begin), ())
-        )
-    )
+    lanes = [
+        lane for lane in network.lanes if lane.drivable and not lane.is_internal and lane.left < 0
+    ]
+    borders = [LineString(offset_line(lane.shape, 0.5 * lane.width)) for lane in lanes]
+    tree = STRtree(borders)
+    found = set()
+    for lane, border in zip(lanes, borders, strict=True):
+        middle = border.interpolate(0.5, normalized=True)
+        heading = _heading(border, middle)
+        for other in tree.query(middle, predicate="dwithin", distance=_SAME_BORDER).tolist():
+            if np.cos(_heading(borders[other], middle) - heading) < _OPPOSITE:
+                found.add(lane.edge_id)
+    return frozenset(found)
 
 
-def _middle(lane: Lane) -> FloatArray:
-    """Returns the place half-way along a lane's left border, metres."""
-    border = offset_line(lane.shape, 0.5 * lane.width)
-    half = 0.5 * float(lane.arc[-1])
-    return np.array([np.interp(half, lane.arc, border[:, axis]) for axis in (0, 1)])
+def _heading(border: LineString, place: Point) -> float:
+    """Returns the direction of a line beside a place, radians."""
+    s = border.project(place)
+    ends = [border.interpolate(max(s + along, 0.0)) for along in (-_BESIDE, _BESIDE)]
+    return float(np.arctan2(ends[1].y - ends[0].y, ends[1].x - ends[0].x))

@@ -156,6 +156,9 @@ def test_directions_are_parted_by_a_centre_line_where_they_share_a_border() -> N
         ("signal-grid", "-bridge_1", Marking.CENTRE),
         ("highway", "eb_1", Marking.EDGE),
         ("highway", "-chapel", Marking.CENTRE),
+        # Its two directions differ in length, as they bend.
+        ("old-town", "-south_street", Marking.CENTRE),
+        ("old-town", "castle_lane", Marking.EDGE),
     ):
         lanes = [lane for lane in geometry_of(networks.get(name)).lanes if lane.edge == edge]
         assert max(lanes, key=lambda lane: lane.index).left_marking is left
