@@ -18,7 +18,14 @@ export function Confirm({
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => dialog.current?.showModal(), []);
   return (
-    <dialog ref={dialog} className="confirm" onClose={onClose} aria-labelledby="confirm-title">
+    // biome-ignore lint/a11y/useKeyWithClickEvents: nothing is done here but to keep clicks inside
+    <dialog
+      ref={dialog}
+      className="confirm"
+      onClose={onClose}
+      onClick={(event) => event.stopPropagation()}
+      aria-labelledby="confirm-title"
+    >
       <h2 id="confirm-title">{title}</h2>
       <p>{children}</p>
       <form method="dialog">

@@ -59,7 +59,8 @@ export function Curves(props: CurvesProps) {
   const text = (value: number) =>
     share ? `${Math.round(value * 100)} %` : tickText(Math.round(value * 100) / 100);
   const wishes = lines.map(({ y }) => toY(y.at(-1) ?? 0));
-  const places = spread(wishes, LABEL_PX, frame.top, frame.bottom);
+  const ends = lines.map(({ x }) => Math.min(toX(x.at(-1) ?? 0), frame.right));
+  const places = placesOf(wishes, ends, frame);
   const point = (event: PointerEvent<SVGRectElement>) => {
     const box = event.currentTarget.getBoundingClientRect();
     setPointed(Math.round(((event.clientX - box.left) / box.width) * end));
@@ -86,15 +87,15 @@ export function Curves(props: CurvesProps) {
           d={stepPath(line, toX, toY)}
         />
       ))}
-      {lines.map(({ name, look, x, y }, place) => {
-        const right = toX(x.at(-1) ?? 0);
+      {lines.map(({ name, look, y }, place) => {
+        const right = ends[place] ?? frame.right;
         return (
           <g key={name} className={`name ${look}`}>
             <path
               className="leader"
-              d={`M${right + 2},${wishes[place] ?? 0}L${frame.right + 8},${places[place] ?? 0}`}
+              d={`M${right + 2},${wishes[place] ?? 0}L${right + 8},${places[place] ?? 0}`}
             />
-            <text x={frame.right + 12} y={places[place]} dy="0.32em">
+            <text x={right + 12} y={places[place]} dy="0.32em">
               {name} {pointed === undefined ? text(y.at(-1) ?? 0) : ""}
             </text>
           </g>
@@ -131,4 +132,26 @@ export function Curves(props: CurvesProps) {
       />
     </svg>
   );
+}
+
+/** Returns the heights of names: those of curves that end at the same x do not overlap. */
+function placesOf(
+  wishes: readonly number[],
+  ends: readonly number[],
+  { top, bottom }: Frame,
+): readonly number[] {
+  const placed = [...wishes];
+  for (const end of new Set(ends)) {
+    const members = ends.flatMap((other, place) => (other === end ? [place] : []));
+    const heights = spread(
+      members.map((place) => wishes[place] ?? 0),
+      LABEL_PX,
+      top,
+      bottom,
+    );
+    members.forEach((place, order) => {
+      placed[place] = heights[order] ?? 0;
+    });
+  }
+  return placed;
 }

@@ -54,7 +54,7 @@ export function Scatter(props: ScatterProps) {
       {line && line.x.length > 0 && (
         <g className="name line">
           <path className="curve line" d={stepPath(line, toX, toY)} />
-          <text x={toX(line.x.at(-1) ?? 0) - 4} y={toY(line.y.at(-1) ?? 0) + 14} textAnchor="end">
+          <text x={toX(line.x[0] ?? 0) + 8} y={toY(line.y[0] ?? 0) - 8}>
             {line.name}
           </text>
         </g>

@@ -2,6 +2,7 @@ import { useQueries } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { firstOf } from "../../address";
 import type { Schemas } from "../../api/client";
+import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
@@ -69,7 +70,8 @@ function Verdicts({
   readonly campaign: string;
   readonly evaluation: Evaluation;
 }) {
-  const { failures, failure_kinds, accountability, number, status, cause } = evaluation;
+  const { failures, failure_kinds, accountability, number, status, cause, run_id, run_url } =
+    evaluation;
   const scenario = `drivora campaign scenario ${campaign} ${number} | drivora run -`;
   return (
     <section className="panel">
@@ -90,8 +92,18 @@ function Verdicts({
             <span className="quiet">{kindText(failure_kinds[place] ?? "")}</span>
           </p>
         ))}
-        <p>
-          <code>{scenario}</code>
+        <p className="doing">
+          {run_url && (
+            <Link
+              className="button"
+              to="/runs/$runId"
+              params={{ runId: run_id }}
+              search={failures[0]?.time == null ? {} : { t: failures[0].time.toFixed(2) }}
+            >
+              Replay
+            </Link>
+          )}
+          <Copy text={scenario} label="Copy the command that drives it again" />
         </p>
       </div>
     </section>

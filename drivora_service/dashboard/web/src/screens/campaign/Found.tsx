@@ -25,7 +25,12 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
           x: random.at,
           ...random.failing,
         },
-        { name: "Random, that count", look: "bad", x: random.at, ...random.avoidable },
+        {
+          name: "Random, that count",
+          look: random.avoidable.high.some((number) => number > 0) ? "bad" : "other",
+          x: random.at,
+          ...random.avoidable,
+        },
       ]
     : [];
   return (
@@ -44,7 +49,7 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
           <Curves
             label={`Failures against simulations of ${campaign.name}`}
             width={width}
-            height={390}
+            height={campaign.counts.violating > 0 ? 300 : 150}
             names={190}
             curves={curvesOf(found.data)}
             bands={behind}
@@ -69,7 +74,12 @@ function curvesOf(found: Discoveries) {
   const oracles = found.oracles.length > 1 ? found.oracles.slice(0, SHOWN_ORACLES) : [];
   return [
     { name: "any failure", look: "other", x, y: whole(all) },
-    { name: "that count", look: "bad", x, y: whole(found.avoidable) },
+    {
+      name: "that count",
+      look: found.avoidable.some((number) => number > 0) ? "bad" : "other",
+      x,
+      y: whole(found.avoidable),
+    },
     ...oracles.map(({ name, avoidable, others }, place) => ({
       name: plain(name),
       look: `series-${place}`,

@@ -6,7 +6,7 @@ import { Loading, Refused } from "../../components/States";
 import { ACCOUNTABILITY, kindText } from "../failures/words";
 import { useEvaluation } from "./evaluation";
 
-const SHOWN = 4;
+const SHOWN = 3;
 
 /** The newest evaluations with failures, as cards. */
 export function Newest({ campaign }: { readonly campaign: Schemas["Campaign"] }) {

@@ -47,14 +47,14 @@ export function Objectives({ campaign }: { readonly campaign: Schemas["Campaign"
         <h2>Objectives</h2>
         <Choice
           name="y"
-          title="Down the side"
+          title="Vertical"
           value={yName}
           search={search}
           options={names.map((name) => ({ value: name, text: plain(name) }))}
         />
         <Choice
           name="x"
-          title="Along the foot"
+          title="Horizontal"
           value={xName}
           search={search}
           options={[NUMBER, ...others].map((name) => ({ value: name, text: plain(name) }))}

@@ -44,7 +44,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "name",
     title: "Campaign",
-    width: "minmax(190px, 1.6fr)",
+    width: "minmax(170px, 1.6fr)",
     cell: ({ id, name, cell }) => (
       <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
         {shortName(name, cell) || id}
@@ -66,13 +66,13 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "scene",
     title: "Scene",
-    width: "minmax(104px, 0.7fr)",
+    width: "minmax(96px, 0.7fr)",
     cell: ({ cell, town }) => cell?.scenario ?? town,
   },
   {
     id: "progress",
     title: "Simulations",
-    width: "132px",
+    width: "142px",
     cell: ({ simulations, budget }) => <Progress done={simulations} of={budget} />,
   },
   {
@@ -138,7 +138,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "left",
     title: "Left",
-    width: "76px",
+    width: "92px",
     numeric: true,
     cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
   },
