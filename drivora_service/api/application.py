@@ -18,6 +18,7 @@ from drivora_service.api.documentation import install_openapi
 from drivora_service.api.load_guard import LoadGuard
 from drivora_service.api.methods import HeadAsGet, MethodTable
 from drivora_service.api.origin_guard import OriginGuard
+from drivora_service.api.pictures import Pictures
 from drivora_service.api.problems import install_problem_handlers
 from drivora_service.api.request_times import RequestTimes, TimedRequests
 from drivora_service.api.resources import Resources, ResourcesOnDemand
@@ -57,6 +58,7 @@ def create_api(
         redirect_slashes=False,
     )
     api.state.context = context
+    api.state.pictures = Pictures()
     times = api.state.request_times = RequestTimes()
     methods = MethodTable()
     resources = Resources(api, methods)

@@ -16,6 +16,7 @@ from drivora_service.api.conditional import JSON
 from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
 from drivora_service.api.observations import CSV, NDJSON, PARQUET
+from drivora_service.api.pictures import SVG
 from drivora_service.api.schemas.events import Begin, Changes, Reset
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
@@ -103,6 +104,12 @@ def event_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
     data = {name: {"$ref": _SCHEMAS + kind.__name__} for name, kind in _EVENTS.items()}
     content = {EVENTS: {"schema": {"type": "string"}, "example": example, "x-events": data}}
     return _with_errors({"description": "The events", "content": content}, errors)
+
+
+def picture_answers(*errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer with a picture, and the errors."""
+    content = {SVG: {"schema": {"type": "string"}}}
+    return _with_errors({"description": "The picture", "content": content}, errors)
 
 
 def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:

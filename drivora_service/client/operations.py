@@ -155,6 +155,8 @@ class Operations:
     run_perception = Answered(run_calls.run_perception)
     run_series = Answered(run_calls.run_series)
     run_timeline = Answered(run_calls.run_timeline)
+    run_picture = Answered(run_calls.run_picture)
+    save_run_picture = Saved(run_calls.run_picture)
     save_run_observations = Saved(run_calls.run_observations)
 
     post_campaign = Answered(campaign_calls.post_campaign)
@@ -169,6 +171,8 @@ class Operations:
     evaluation_scenario = Answered(campaign_calls.evaluation_scenario)
     evaluation_observations = Answered(campaign_calls.evaluation_observations)
     save_evaluation_observations = Saved(campaign_calls.evaluation_observations)
+    evaluation_picture = Answered(campaign_calls.evaluation_picture)
+    save_evaluation_picture = Saved(campaign_calls.evaluation_picture)
     failures = Listed(campaign_calls.failures)
     figures = Answered(campaign_calls.figures)
     discoveries = Answered(campaign_calls.discoveries)

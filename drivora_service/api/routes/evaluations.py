@@ -10,9 +10,15 @@ from fastapi import Depends, Path, Query, Request, Response
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, observations_answers, scenario_answers
+from drivora_service.api.documentation import (
+    answers,
+    observations_answers,
+    picture_answers,
+    scenario_answers,
+)
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Frames, Limit, PageToken
+from drivora_service.api.pictures import Moments, picture_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
@@ -143,10 +149,38 @@ def get_observations(
         record = transaction.evaluations.get(campaign_id, number)
     path = context.campaign_folder(campaign_id).traces / trace_name(number)
     if not path.is_file():
-        raise UnknownName(
-            "trace of evaluation", str(number), (), "only failures that were run again have one"
-        )
+        raise _no_trace(number)
     return observations_answer(request, path, record.report.trace_sha256, part)
+
+
+@router.get(
+    "/campaigns/{campaign_id:id}/evaluations/{number}/picture",
+    response_class=Response,
+    responses=picture_answers(401, 403, 404, 422, 503),
+)
+def get_picture(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    number: Number,
+    moments: Moments = 5,
+) -> Response:
+    """Returns a strip of moments of the second, identical run of a failing candidate, as SVG."""
+    with context.database.read() as transaction:
+        record = transaction.evaluations.get(campaign_id, number)
+        document = transaction.evaluations.document(campaign_id, number)
+    path = context.campaign_folder(campaign_id).traces / trace_name(number)
+    if not path.is_file():
+        raise _no_trace(number)
+    return picture_answer(
+        request,
+        context,
+        path,
+        trace_sha256=record.report.trace_sha256,
+        town=from_canonical(document).map_region.town,
+        verdicts=record.report.verdicts,
+        moments=moments,
+    )
 
 
 @router.get(
@@ -186,6 +220,12 @@ def list_failures(
     items = tuple(failure_of(failure, url) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
     return json_answer(request, Page[Failure], body)
+
+
+def _no_trace(number: int) -> UnknownName:
+    return UnknownName(
+        "trace of evaluation", str(number), (), "only failures that were run again have one"
+    )
 
 
 def _run_url(transaction: Transaction, run_id: str) -> str:

@@ -10,9 +10,15 @@ from fastapi import Depends, Query, Request, Response
 from drivora_service.api import examples
 from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, observations_answers, scenario_answers
+from drivora_service.api.documentation import (
+    answers,
+    observations_answers,
+    picture_answers,
+    scenario_answers,
+)
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
+from drivora_service.api.pictures import Moments, picture_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
@@ -109,3 +115,27 @@ def get_observations(
     if not record.trace_sha256 or not path.is_file():
         raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
     return observations_answer(request, path, record.trace_sha256, part)
+
+
+@router.get(
+    "/runs/{run_id:id}/picture",
+    response_class=Response,
+    responses=picture_answers(401, 403, 404, 422, 503),
+)
+def get_picture(request: Request, context: Context, run_id: str, moments: Moments = 5) -> Response:
+    """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""
+    with context.database.read() as transaction:
+        record = transaction.jobs.get(run_id)
+        report = transaction.jobs.report(run_id)
+    path = context.trace_path(record.id)
+    if report is None or not record.trace_sha256 or not path.is_file():
+        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
+    return picture_answer(
+        request,
+        context,
+        path,
+        trace_sha256=record.trace_sha256,
+        town=record.town,
+        verdicts=report.verdicts,
+        moments=moments,
+    )

@@ -198,6 +198,26 @@ def evaluation_observations(
     )
 
 
+def evaluation_picture(campaign_id: str, number: int, *, moments: int | None = None) -> Call[bytes]:
+    """Returns a strip of moments of the second, identical run of a failing candidate as SVG.
+
+    Args:
+        campaign_id: Id of the campaign.
+        number: Number of the evaluation, from 0.
+        moments: Number of moments, 2 to 12; ``None``: as the service has it.
+
+    Raises:
+        NotFound: It was not run again.
+    """
+    return get(
+        f"{_CAMPAIGN}/evaluations/{{number}}/picture",
+        bytes,
+        query={"moments": moments},
+        campaign_id=campaign_id,
+        number=number,
+    )
+
+
 def failures(
     campaign_id: str, wanted: FailureFilter | None = None, *, limit: int | None = None
 ) -> Listing[Failure]:

@@ -138,3 +138,18 @@ def observation_query(
         "rows": None if rows is TraceRows.ALL else rows,
         "column": columns,
     }
+
+
+def run_picture(run_id: str, *, moments: int | None = None) -> Call[bytes]:
+    """Returns a strip of moments of a run as SVG: those that lead to its gravest violation.
+
+    Args:
+        run_id: Id of the run.
+        moments: Number of moments, 2 to 12; ``None``: as the service has it.
+
+    Raises:
+        NotFound: It recorded nothing, or not yet.
+    """
+    return get(
+        f"{PREFIX}/runs/{{run_id}}/picture", bytes, query={"moments": moments}, run_id=run_id
+    )
