@@ -58,6 +58,7 @@ NETWORK = RECORDED + "network.json"
 GEOMETRY = RECORDED + "geometry.json"
 AGENTS = RECORDED + "agents.json"
 TESTERS = RECORDED + "testers.json"
+MEASURES = RECORDED + "measures.json"
 ORACLES = RECORDED + "oracles.json"
 
 VALIDATION = RECORDED + "validation.json"

@@ -32,7 +32,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("events", "/events"),
         ("sessions", "/session"),
         ("networks", "/networks([/:].*)?"),
-        ("catalogues", "/(agents|testers|oracles)([/:].*)?"),
+        ("catalogues", "/((agents|testers|oracles)([/:].*)?|metrics:describe)"),
     )
 }
 """Modules in ``routes``, and the paths that each serves below the prefix."""

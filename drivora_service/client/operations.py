@@ -205,6 +205,7 @@ class Operations:
     agents = Answered(catalogue_calls.agents)
     testers = Answered(catalogue_calls.testers)
     oracles = Answered(catalogue_calls.oracles)
+    describe_metrics = Answered(catalogue_calls.describe_metrics)
     health = Answered(catalogue_calls.health)
     readiness = Answered(catalogue_calls.readiness)
     metrics = Answered(catalogue_calls.metrics)

@@ -41,7 +41,7 @@ def measure(
     run = view or RunView(trace, network)
     judgements = tuple(Judgement.of(ego.id, verdicts) for ego in run.egos)
     values: dict[str, float | None] = {}
-    for measured in _all(run, judgements):
+    for measured in all_measured(run, judgements):
         values[measured.name] = measured.total
         if len(run.egos) > 1:
             for ego, value in zip(run.egos, measured.values, strict=True):
@@ -49,7 +49,8 @@ def measure(
     return values
 
 
-def _all(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
+def all_measured(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
+    """Measures every quantity of a run, given the judgement of each ego, in their order."""
     pairs = list(zip(run.egos, judgements, strict=True))
     scores = {
         version: [driving_score(ego, judgement, version) for ego, judgement in pairs]

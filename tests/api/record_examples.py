@@ -151,6 +151,7 @@ class _Recording:
         self._keep(examples.GEOMETRY, geometry)
         self._keep(examples.AGENTS, _named(self._get("/agents"), "idm", "idm-mobil"))
         self._keep(examples.TESTERS, _named(self._get("/testers"), "avfuzzer"))
+        self._keep(examples.MEASURES, self._get("/metrics:describe"))
         self._keep(examples.ORACLES, self._get("/oracles"))
 
     def queue(self) -> None:

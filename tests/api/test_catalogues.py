@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -65,3 +66,29 @@ def test_metrics_count_runs(http: httpx.Client, finished_run: dict[str, object])
     assert finished is not None
     assert int(finished.group(1)) >= 1
     assert 'drivora_runs{status="queued"}' in text
+
+
+def test_every_value_of_a_run_is_described(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    answer = http.get("/api/v1/metrics:describe")
+    items = answer.json()["items"]
+    metrics = [item["name"] for item in items if item["kind"] == "metric"]
+    objectives = [item["name"] for item in items if item["feedback"] == "general"]
+    assert metrics == list(finished_run["metrics"])
+    assert objectives == list(finished_run["scores"])
+    known = {"If-None-Match": answer.headers["ETag"]}
+    assert http.get("/api/v1/metrics:describe", headers=known).status_code == 304
+
+
+def test_every_oracle_that_judged_is_described(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    told = {item["name"]: item for item in http.get("/api/v1/oracles").json()["items"]}
+    for oracle in {verdict["oracle"] for verdict in finished_run["verdicts"]}:
+        one = told[oracle]
+        assert one["definition"].endswith(".")
+        assert one["source"]
+        names = [threshold["name"] for threshold in one["threshold_descriptions"]]
+        assert names == list(one["thresholds"])
+        assert (one["unit"] == "") == (one["violated_by"] == "event")

@@ -1,4 +1,4 @@
-"""The catalogues of agents, testers and oracles."""
+"""The catalogues of agents, testers, oracles and metrics."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from drivora_service.api.schemas.catalogues import (
     Agent,
     AgentList,
     AgentParameter,
+    MeasureList,
     Oracle,
     OracleList,
     Tester,
@@ -23,6 +24,9 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
+from drivora_service.feedback.descriptions import OBJECTIVES
+from drivora_service.metrics.descriptions import METRICS
+from drivora_service.oracles.descriptions import described
 from drivora_service.parameters import describe_parameters
 
 if TYPE_CHECKING:
@@ -53,6 +57,14 @@ def list_oracles(request: Request, context: Context) -> Response:
     """Lists the oracles that judge every run, with their thresholds."""
     items = tuple(_oracle(context.oracles.entry(name)) for name in context.oracles.names())
     return json_answer(request, OracleList, OracleList(items=items))
+
+
+@router.get(
+    "/metrics:describe", response_model=MeasureList, responses=answers(examples.MEASURES, 401, 403)
+)
+def describe_metrics(request: Request) -> Response:
+    """Describes the metrics of runs and the objectives of searches."""
+    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES)))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
@@ -118,9 +130,15 @@ def _tester(catalogue: TesterCatalogue, name: str) -> Tester:
 
 
 def _oracle(entry: OracleEntry) -> Oracle:
+    told = described(entry.name)
     return Oracle(
         name=entry.name,
         description=entry.description,
+        definition=entry.description if told is None else told.definition,
+        unit="" if told is None else told.unit,
+        violated_by=None if told is None else told.violated_by,
+        source=entry.package if told is None else told.source,
+        threshold_descriptions=() if told is None else told.thresholds,
         thresholds=dict(entry.thresholds),
         package=entry.package,
         installed=not entry.reason,

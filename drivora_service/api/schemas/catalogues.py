@@ -7,6 +7,11 @@ from typing import Any
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
+from drivora_service.oracles.descriptions import (
+    MeasureDescription,
+    ThresholdDescription,
+    ViolatedBy,
+)
 
 
 class NetworkSummary(Schema):
@@ -108,10 +113,27 @@ class Oracle(Schema):
 
     name: str
     description: str
+    definition: str = Field(
+        description="What it is violated by, in one sentence; the description for a package's."
+    )
+    unit: str = Field(description="Unit of what it measures; empty if it happens or not.")
+    violated_by: ViolatedBy | None = Field(
+        description="Direction in which the measure violates it; null for a package's."
+    )
+    source: str = Field(description="Where the definition comes from; a package's name for its.")
+    threshold_descriptions: tuple[ThresholdDescription, ...] = Field(
+        description="Meaning, unit and source of each threshold; empty for a package's."
+    )
     thresholds: dict[str, Any] = Field(description="Its parameters; SI units.")
     package: str = Field(description="Its package; empty for a built-in oracle.")
     installed: bool
     reason: str = Field(description="Why it cannot judge; no run is judged then. Empty if it can.")
+
+
+class MeasureList(Schema):
+    """All metrics, and the objectives of searches."""
+
+    items: tuple[MeasureDescription, ...]
 
 
 class OracleList(Schema):

@@ -10,6 +10,7 @@ from drivora_service.client.call import Call, get
 if TYPE_CHECKING:
     from drivora_service.api.schemas.catalogues import (
         AgentList,
+        MeasureList,
         Network,
         NetworkList,
         OracleList,
@@ -59,6 +60,13 @@ def oracles() -> Call[OracleList]:
     from drivora_service.api.schemas.catalogues import OracleList
 
     return get(f"{PREFIX}/oracles", OracleList)
+
+
+def describe_metrics() -> Call[MeasureList]:
+    """Returns the descriptions of the metrics of runs and the objectives of searches."""
+    from drivora_service.api.schemas.catalogues import MeasureList
+
+    return get(f"{PREFIX}/metrics:describe", MeasureList)
 
 
 def health() -> Call[Health]:
