@@ -106,9 +106,9 @@ def event_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
     return _with_errors({"description": "The events", "content": content}, errors)
 
 
-def picture_answers(*errors: int) -> dict[int | str, dict[str, Any]]:
+def picture_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
     """Documents an answer with a picture, and the errors."""
-    content = {SVG: {"schema": {"type": "string"}}}
+    content = {SVG: {"schema": {"type": "string"}, "example": example}}
     return _with_errors({"description": "The picture", "content": content}, errors)
 
 

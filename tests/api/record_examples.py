@@ -67,6 +67,8 @@ _UNSTEADY_METRICS = {
 }
 _MOST_ITEMS, _MOST_NUMBERS = 3, 8
 """Of a list: objects or lists, and values."""
+_LINES = 20
+"""Of a picture, which has thousands."""
 _ALL = 1000
 _PATIENCE_S = 300.0
 
@@ -182,6 +184,8 @@ class _Recording:
         self._keep(examples.RUN, self._get(run))
         self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
         self._keep(examples.RUN_COUNTS, self._get("/runs:counts"))
+        picture = self._client.get(f"{PREFIX}{run}/picture").text.splitlines(keepends=True)
+        self._keep(examples.PICTURE, "".join(picture[:_LINES]))
         self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
         self._keep(examples.FRAME, self._lines(f"{run}/observations", 1))
         self._keep(examples.PERCEPTION, self._get(f"{run}/perception"))

@@ -156,7 +156,7 @@ def get_observations(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/picture",
     response_class=Response,
-    responses=picture_answers(401, 403, 404, 422, 503),
+    responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
 )
 def get_picture(
     request: Request,

@@ -120,7 +120,7 @@ def get_observations(
 @router.get(
     "/runs/{run_id:id}/picture",
     response_class=Response,
-    responses=picture_answers(401, 403, 404, 422, 503),
+    responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
 )
 def get_picture(request: Request, context: Context, run_id: str, moments: Moments = 5) -> Response:
     """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""

@@ -257,6 +257,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/campaigns/{campaign_id}/evaluations/{number}/picture": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Picture
+         * @description Returns a strip of moments of the second, identical run of a failing candidate, as SVG.
+         */
+        get: operations["get_picture_api_v1_campaigns__campaign_id__evaluations__number__picture_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario": {
         parameters: {
             query?: never;
@@ -566,6 +586,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/metrics:describe": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Describe Metrics
+         * @description Describes the metrics of runs and the objectives of searches.
+         */
+        get: operations["describe_metrics_api_v1_metrics_describe_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/networks": {
         parameters: {
             query?: never;
@@ -718,6 +758,26 @@ export interface paths {
          * @description Returns what an ego perceived: numbers by step, or with Arrow every actor by step.
          */
         get: operations["get_perception_api_v1_runs__run_id__perception_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/runs/{run_id}/picture": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Picture
+         * @description Returns a strip of moments of a run: those that lead to its gravest violation, as SVG.
+         */
+        get: operations["get_picture_api_v1_runs__run_id__picture_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1460,6 +1520,12 @@ export interface components {
             /** Value */
             value: number;
         };
+        /**
+         * Better
+         * @description The direction in which a metric is better.
+         * @enum {string}
+         */
+        Better: "higher" | "lower" | "neither";
         /**
          * Block
          * @description The genes of one actor, of the weather or of the lights.
@@ -3337,6 +3403,61 @@ export interface components {
          */
         Marking: "none" | "broken" | "solid" | "centre" | "edge";
         /**
+         * MeasureDescription
+         * @description What a metric or an objective says about itself.
+         */
+        MeasureDescription: {
+            /** @description Direction in which it is better for the ADS. */
+            better: components["schemas"]["Better"];
+            /**
+             * Definition
+             * @description One sentence.
+             */
+            definition: string;
+            /**
+             * Feedback
+             * @description Feedback that measures the objective; empty for a metric.
+             */
+            feedback: string;
+            kind: components["schemas"]["MeasureKind"];
+            /** Name */
+            name: string;
+            /**
+             * Several Egos
+             * @description How the values of several egos become that of the run: `mean`, `least`, `most` or `all`, where the value is that of all egos together.
+             */
+            several_egos: string;
+            /**
+             * Source
+             * @description Where the formula comes from.
+             */
+            source: string;
+            /**
+             * Threshold
+             * @description What it is compared with, in words; empty if with nothing.
+             */
+            threshold: string;
+            /**
+             * Unit
+             * @description SI unit; `1` for a share or a score.
+             */
+            unit: string;
+        };
+        /**
+         * MeasureKind
+         * @description Whether a value describes a run, or guides a search.
+         * @enum {string}
+         */
+        MeasureKind: "metric" | "objective";
+        /**
+         * MeasureList
+         * @description All metrics, and the objectives of searches.
+         */
+        MeasureList: {
+            /** Items */
+            items: components["schemas"]["MeasureDescription"][];
+        };
+        /**
          * MetLight
          * @description A signal that an ego met.
          */
@@ -3623,6 +3744,11 @@ export interface components {
          * @description An oracle that judges every run.
          */
         Oracle: {
+            /**
+             * Definition
+             * @description What it is violated by, in one sentence; the description for a package's.
+             */
+            definition: string;
             /** Description */
             description: string;
             /** Installed */
@@ -3640,12 +3766,29 @@ export interface components {
              */
             reason: string;
             /**
+             * Source
+             * @description Where the definition comes from; a package's name for its.
+             */
+            source: string;
+            /**
+             * Threshold Descriptions
+             * @description Meaning, unit and source of each threshold; empty for a package's.
+             */
+            threshold_descriptions: components["schemas"]["ThresholdDescription"][];
+            /**
              * Thresholds
              * @description Its parameters; SI units.
              */
             thresholds: {
                 [key: string]: unknown;
             };
+            /**
+             * Unit
+             * @description Unit of what it measures; empty if it happens or not.
+             */
+            unit: string;
+            /** @description Direction in which the measure violates it; null for a package's. */
+            violated_by: components["schemas"]["ViolatedBy"] | null;
         };
         /**
          * OracleList
@@ -5451,6 +5594,29 @@ export interface components {
             };
         };
         /**
+         * ThresholdDescription
+         * @description A threshold of an oracle.
+         */
+        ThresholdDescription: {
+            /**
+             * Meaning
+             * @description One sentence.
+             */
+            meaning: string;
+            /** Name */
+            name: string;
+            /**
+             * Source
+             * @description Where its default comes from.
+             */
+            source: string;
+            /**
+             * Unit
+             * @description SI unit; `1` for a share.
+             */
+            unit: string;
+        };
+        /**
          * Timeline
          * @description What happened when in a run.
          */
@@ -5662,6 +5828,12 @@ export interface components {
              */
             undetermined: boolean;
         };
+        /**
+         * ViolatedBy
+         * @description The direction in which an oracle's measure violates it.
+         * @enum {string}
+         */
+        ViolatedBy: "above" | "below" | "event";
         /**
          * ViolationMark
          * @description A violation and its moments.
@@ -6882,6 +7054,100 @@ export interface operations {
             };
             /** @description Not Acceptable */
             406: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_picture_api_v1_campaigns__campaign_id__evaluations__number__picture_get: {
+        parameters: {
+            query?: {
+                /** @description Moments side by side; fewer if the run is too short. */
+                moments?: number;
+            };
+            header?: never;
+            path: {
+                campaign_id: string;
+                /** @description Number of the evaluation, from 0. */
+                number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The picture */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example <?xml version="1.0" encoding="utf-8" standalone="no"?>
+                     *     <!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
+                     *       "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">
+                     *     <svg xmlns:xlink="http://www.w3.org/1999/xlink" width="790.56pt" height="198.72pt" viewBox="0 0 790.56 198.72" xmlns="http://www.w3.org/2000/svg" version="1.1">
+                     *      <metadata>
+                     *       <rdf:RDF xmlns:dc="http://purl.org/dc/elements/1.1/" xmlns:cc="http://creativecommons.org/ns#" xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">
+                     *        <cc:Work>
+                     *         <dc:type rdf:resource="http://purl.org/dc/dcmitype/StillImage"/>
+                     *         <dc:format>image/svg+xml</dc:format>
+                     *        </cc:Work>
+                     *       </rdf:RDF>
+                     *      </metadata>
+                     *      <defs>
+                     *       <style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>
+                     *      </defs>
+                     *      <g id="figure_1">
+                     *       <g id="patch_1">
+                     *        <path d="M 0 198.72
+                     *     L 790.56 198.72
+                     *     L 790.56 0
+                     */
+                    "image/svg+xml": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -8156,6 +8422,62 @@ export interface operations {
             };
         };
     };
+    describe_metrics_api_v1_metrics_describe_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasureList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     list_networks_api_v1_networks_get: {
         parameters: {
             query?: never;
@@ -8708,6 +9030,98 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_picture_api_v1_runs__run_id__picture_get: {
+        parameters: {
+            query?: {
+                /** @description Moments side by side; fewer if the run is too short. */
+                moments?: number;
+            };
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The picture */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    /**
+                     * @example <?xml version="1.0" encoding="utf-8" standalone="no"?>
+                     *     <!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
+                     *       "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">
+                     *     <svg xmlns:xlink="http://www.w3.org/1999/xlink" width="790.56pt" height="198.72pt" viewBox="0 0 790.56 198.72" xmlns="http://www.w3.org/2000/svg" version="1.1">
+                     *      <metadata>
+                     *       <rdf:RDF xmlns:dc="http://purl.org/dc/elements/1.1/" xmlns:cc="http://creativecommons.org/ns#" xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">
+                     *        <cc:Work>
+                     *         <dc:type rdf:resource="http://purl.org/dc/dcmitype/StillImage"/>
+                     *         <dc:format>image/svg+xml</dc:format>
+                     *        </cc:Work>
+                     *       </rdf:RDF>
+                     *      </metadata>
+                     *      <defs>
+                     *       <style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>
+                     *      </defs>
+                     *      <g id="figure_1">
+                     *       <g id="patch_1">
+                     *        <path d="M 0 198.72
+                     *     L 790.56 198.72
+                     *     L 790.56 0
+                     */
+                    "image/svg+xml": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
