@@ -1,15 +1,23 @@
-import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
+import { QueryCache, QueryClient, QueryClientProvider } from "@tanstack/react-query";
 import { RouterProvider } from "@tanstack/react-router";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { Problem } from "./api/client";
 import { makeRouter } from "./router";
+import { SESSION_KEY } from "./shell/session";
 import { applyTheme } from "./shell/theme";
 import "./style/index.css";
 
 applyTheme();
 
-const queries = new QueryClient({
+const queries: QueryClient = new QueryClient({
+  queryCache: new QueryCache({
+    onError: (error, query) => {
+      // The token has ended or was withdrawn: the page asks for another one.
+      if (error instanceof Problem && error.status === 401 && query.queryKey[0] !== "session")
+        void queries.invalidateQueries({ queryKey: SESSION_KEY });
+    },
+  }),
   defaultOptions: {
     queries: {
       // What has changed is told by events; nothing is asked for again because time has passed.

@@ -84,6 +84,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/session",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/session/SessionScreen"), "SessionScreen"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/batches",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/batches/Batches"), "Batches"),

@@ -8,6 +8,7 @@ export class Connection {
   private source: EventSource | undefined;
   private after = "";
   private wait = FIRST_WAIT_MS;
+  private timer: ReturnType<typeof setTimeout> | undefined;
   live = false;
 
   constructor(private readonly tell: (told: Told) => void) {
@@ -15,12 +16,15 @@ export class Connection {
   }
 
   private open(): void {
+    this.timer = undefined;
     const from = this.after ? `?after=${this.after}` : "";
     const source = new EventSource(`/api/v1/events${from}`);
     this.source = source;
     source.addEventListener("begin", (event) => {
       this.wait = FIRST_WAIT_MS;
-      this.after = String((JSON.parse(event.data) as { revision: number }).revision);
+      // The id also names the database, so that another one is noticed.
+      this.after =
+        event.lastEventId || String((JSON.parse(event.data) as { revision: number }).revision);
       this.setLive(true);
     });
     for (const name of ["changes", "workers", "reset"]) {
@@ -34,12 +38,21 @@ export class Connection {
       // The browser's own repetition gives up after some answers; this one never does.
       source.close();
       this.setLive(false);
-      setTimeout(() => this.open(), this.wait);
+      this.timer = setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     };
   }
 
+  /** Connects at once where the next attempt would be later, as after a sign-in. */
+  again(): void {
+    if (this.timer === undefined) return;
+    clearTimeout(this.timer);
+    this.wait = FIRST_WAIT_MS;
+    this.open();
+  }
+
   close(): void {
+    clearTimeout(this.timer);
     this.source?.close();
   }
 

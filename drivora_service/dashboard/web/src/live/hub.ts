@@ -1,12 +1,13 @@
 import { useEffect, useSyncExternalStore } from "react";
 import { Connection } from "./connection";
-import type { Told } from "./messages";
+import type { Said, Told } from "./messages";
 
 type Listener = (told: Told) => void;
 
 const listeners = new Set<Listener>();
 let live = false;
 let started = false;
+let say: (said: Said) => void = () => undefined;
 
 function tell(told: Told): void {
   if (told.type === "state") live = told.live;
@@ -17,13 +18,15 @@ function start(): void {
   if (started) return;
   started = true;
   if (typeof SharedWorker === "undefined") {
-    new Connection(tell);
+    const connection = new Connection(tell);
+    say = (said) => said === "again" && connection.again();
     return;
   }
   const worker = new SharedWorker(new URL("./hub.worker.ts", import.meta.url), { type: "module" });
   worker.port.onmessage = (event: MessageEvent<Told>) => tell(event.data);
   worker.port.start();
-  window.addEventListener("pagehide", () => worker.port.postMessage("gone"));
+  say = (said) => worker.port.postMessage(said);
+  window.addEventListener("pagehide", () => say("gone"));
   window.addEventListener("pageshow", (event) => {
     if (event.persisted) window.location.reload();
   });
@@ -36,6 +39,11 @@ export function listen(listener: Listener): () => void {
   return () => {
     listeners.delete(listener);
   };
+}
+
+/** Connects at once where there is no connection. */
+export function connectAgain(): void {
+  say("again");
 }
 
 /** Whether the service tells what changes at this time. */

@@ -1,6 +1,6 @@
 /// <reference lib="webworker" />
 import { Connection } from "./connection";
-import type { Told } from "./messages";
+import type { Said, Told } from "./messages";
 
 /** One connection for all tabs: browsers open only six to a host. */
 const tabs = new Set<MessagePort>();
@@ -12,6 +12,9 @@ const connection = new Connection((told) => {
   const port = event.ports[0];
   if (!port) return;
   tabs.add(port);
-  port.onmessage = () => tabs.delete(port);
+  port.onmessage = ({ data }: MessageEvent<Said>) => {
+    if (data === "again") connection.again();
+    else tabs.delete(port);
+  };
   port.postMessage({ type: "state", live: connection.live } satisfies Told);
 };

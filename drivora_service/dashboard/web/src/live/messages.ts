@@ -17,6 +17,9 @@ export type Told =
   | { readonly type: "workers"; readonly workers: unknown }
   | { readonly type: "reset" };
 
+/** What a tab tells the connection: that it is gone, or to connect at once. */
+export type Said = "gone" | "again";
+
 /** Reads a frame of `/events`. */
 export function read(event: string, data: string): Told | undefined {
   if (event === "changes") {

@@ -3,6 +3,7 @@ import { useState } from "react";
 import { api } from "../../api/client";
 import { Confirm } from "../../components/Confirm";
 import { count } from "../../components/numbers";
+import { useScope } from "../../shell/session";
 import { actionsOf, type Batch, type BatchAction, standingOf } from "./batch";
 
 const WORDS: Readonly<Record<BatchAction, string>> = {
@@ -30,6 +31,7 @@ export function BatchActions({ batch }: { readonly batch: Batch }) {
           kind === "batch" && (id === batch.id || id === "list"),
       }),
   });
+  const { maySubmit } = useScope();
   const { waiting, running } = standingOf(batch);
   return (
     <>
@@ -38,7 +40,7 @@ export function BatchActions({ batch }: { readonly batch: Batch }) {
           {action.error.message}
         </span>
       )}
-      {actionsOf(batch).map((what) => (
+      {(maySubmit ? actionsOf(batch) : []).map((what) => (
         <button
           key={what}
           type="button"

@@ -2,6 +2,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas } from "../../api/client";
 import { Confirm } from "../../components/Confirm";
+import { useScope } from "../../shell/session";
 import { type Action, actionsOf } from "./state";
 
 type Kind = "campaign" | "study";
@@ -40,6 +41,7 @@ export function Actions({
 }) {
   const queries = useQueryClient();
   const [asking, setAsking] = useState(false);
+  const { maySubmit } = useScope();
   const doing = useMutation({
     mutationFn: (action: Action) => ask(kind, id, action),
     onSettled: () =>
@@ -49,7 +51,7 @@ export function Actions({
   });
   return (
     <span className={small ? "doing small" : "doing"}>
-      {actionsOf(state, request).map((action) => (
+      {(maySubmit ? actionsOf(state, request) : []).map((action) => (
         <button
           key={action}
           type="button"

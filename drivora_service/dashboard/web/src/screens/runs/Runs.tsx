@@ -17,6 +17,7 @@ import { CsvButton } from "./CsvButton";
 import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
 import { GIVEN_VIEWS, runFilters } from "./filters";
 import { RunsAnswer } from "./RunsAnswer";
+import { SelectedRuns } from "./SelectedRuns";
 import { useRunNames } from "./useRunNames";
 
 const PAGE = 200;
@@ -28,6 +29,7 @@ export function Runs() {
   const navigate = useNavigate();
   const search = useSearch({ from: "/runs" });
   const [held, setHeld] = useState(false);
+  const [selected, setSelected] = useState<ReadonlySet<string>>(new Set());
   const names = useRunNames();
   const sha = firstOf(search, "scenario_sha256");
   const filters = {
@@ -68,6 +70,10 @@ export function Runs() {
     [oldestFirst, navigate],
   );
   const columns = useColumns("runs", all, USUAL_COLUMNS);
+  const compare = ([one, other]: readonly string[]) => {
+    if (one && other)
+      void navigate({ to: "/runs/$runId", params: { runId: one }, search: { with: other } });
+  };
   const anyFilter = Object.keys(filters).length > 0;
   return (
     <>
@@ -75,6 +81,13 @@ export function Runs() {
         <h1>Runs</h1>
         {counts.data && <RunsAnswer counts={counts.data} search={search} />}
         <div className="actions">
+          {selected.size > 0 && (
+            <SelectedRuns
+              number={selected.size}
+              onCompare={() => compare([...selected])}
+              onClear={() => setSelected(new Set())}
+            />
+          )}
           <CsvButton ask={ask(MOST)} total={counts.data?.total} />
           <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />
           <ColumnMenu all={all} ids={columns.ids} toggle={columns.toggle} reset={columns.reset} />
@@ -108,6 +121,9 @@ export function Runs() {
             idOf={idOf}
             left={left}
             onHold={setHeld}
+            selected={selected}
+            onSelect={setSelected}
+            onCompare={compare}
             onEnd={more}
             onOpen={({ id }) => void navigate({ to: "/runs/$runId", params: { runId: id } })}
             height="calc(100vh - 190px)"
