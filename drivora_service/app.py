@@ -191,6 +191,8 @@ def create_service(
         faults=faults,
         storage_fault=lambda: infrastructure.fault,
         stopping=stopping.is_set,
+        owner_id=ownership.owner_id,
+        own_slots=executor.slots,
     )
     api = create_api(context, lifespan, page=page_routes())
     return Service(

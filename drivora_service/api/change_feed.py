@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -13,6 +14,8 @@ from typing import TYPE_CHECKING, TypeVar
 import structlog
 
 from drivora_service.api.problems import ApiError
+from drivora_service.api.schemas.workers import Workers
+from drivora_service.api.worker_view import workers_now
 from drivora_service.errors import StoreError
 from drivora_service.fault_log import FaultLog
 from drivora_service.store.change_lists import ChangedKind, ChangeList
@@ -31,6 +34,8 @@ _LOOK_S = 0.1
 """Seconds between two looks at the database's counter, which take some microseconds."""
 _BLIND_S = 0.5
 """The same where there is no counter: each look is a query."""
+WORKERS_S = 1.0
+"""Seconds between two looks at the workers, while a stream tells of them."""
 _RETRY_AFTER_S = "5"
 
 T = TypeVar("T")
@@ -44,7 +49,10 @@ def feed_of(api: FastAPI) -> ChangeFeed:
     if feed is None:
         context: ApiContext = api.state.context
         feed = api.state.changes = ChangeFeed(
-            lambda: context.database, context.revision, partial(_study_state, context)
+            lambda: context.database,
+            context.revision,
+            partial(_study_state, context),
+            partial(workers_now, context),
         )
     return feed
 
@@ -65,6 +73,7 @@ class ChangeFeed:
         opened: Callable[[], Database],
         version: Callable[[], int | None],
         study_state: Callable[[Transaction, str], str],
+        workers: Callable[[Transaction], Workers],
         *,
         most: int = MOST_STREAMS,
     ) -> None:
@@ -75,9 +84,13 @@ class ChangeFeed:
             version: Returns another number after each change of the database, without waiting;
                 ``None`` where it cannot be told.
             study_state: Returns the state of a study.
+            workers: Returns what the workers do.
             most: Streams at once.
         """
-        self._opened, self._version, self._study_state = opened, version, study_state
+        self._opened, self._version = opened, version
+        self._study_state, self._look_at_workers = study_state, workers
+        self._workers: asyncio.Future[Workers] | None = None
+        self._workers_at = 0.0
         self._most, self._streams = most, 0
         self._reader = ThreadPoolExecutor(max_workers=1, thread_name_prefix="events")
         self._task: asyncio.Task[None] | None = None
@@ -150,6 +163,18 @@ class ChangeFeed:
             if self._lists.get(key) is found:
                 del self._lists[key]
             raise
+
+    async def workers(self) -> Workers:
+        """Returns what the workers do, as of less than a second ago.
+
+        Raises:
+            StoreError: The database cannot be used.
+        """
+        now = time.monotonic()
+        if self._workers is None or now - self._workers_at >= WORKERS_S:
+            self._workers_at = now
+            self._workers = asyncio.ensure_future(self.read(self._look_at_workers))
+        return await asyncio.shield(self._workers)
 
     def frame(self, key: Hashable, write: Callable[[], bytes]) -> bytes:
         """Returns what ``write`` makes, which is made once for equal keys until more changes."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drivora_service.campaigns.host import CampaignHost
     from drivora_service.networks.catalogue import NetworkCatalogue
     from drivora_service.oracles.catalogue import OracleCatalogue
+    from drivora_service.runs.slot_state import SlotState
     from drivora_service.store.database import Database
     from drivora_service.studies.host import StudyHost
 
@@ -61,6 +62,8 @@ class ApiContext:
             "", without waiting.
         storage_fault: Returns why nothing can be stored and what to do, or "", without waiting.
         stopping: Whether the service takes no more work because it is being stopped.
+        owner_id: Id under which this process takes runs; "": it takes none by itself.
+        own_slots: Returns the present state of its worker slots.
         is_service: Whether others ask than the process itself: they are not told the inside.
     """
 
@@ -81,6 +84,8 @@ class ApiContext:
     stopping: Callable[[], bool]
     is_service: bool = True
     sessions: SessionFile | None = None
+    owner_id: str = ""
+    own_slots: Callable[[], tuple[SlotState, ...]] = tuple
 
     @property
     def database(self) -> Database:

@@ -18,6 +18,7 @@ from drivora_service.api.links import add_links
 from drivora_service.api.observations import CSV, NDJSON, PARQUET
 from drivora_service.api.pictures import SVG
 from drivora_service.api.schemas.events import Begin, Changes, Reset
+from drivora_service.api.schemas.workers import Workers
 from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.studies.documents import StudyDocument
@@ -262,7 +263,12 @@ def _unpack_examples(part: Any) -> None:
                 _unpack_examples(value)
 
 
-_EVENTS: Mapping[str, type] = {"begin": Begin, "changes": Changes, "reset": Reset}
+_EVENTS: Mapping[str, type] = {
+    "begin": Begin,
+    "changes": Changes,
+    "reset": Reset,
+    "workers": Workers,
+}
 _ERRORS: Mapping[int, tuple[str, str]] = {
     401: ("Unauthorized", "an API token is needed: Authorization: Bearer …"),
     403: ("Forbidden", "token 'viewer' has scope read; submit is needed"),

@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import partial
 from typing import Any
 
 from starlette.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from drivora_service.api.change_feed import ChangeFeed
+from drivora_service.api.change_feed import WORKERS_S, ChangeFeed
 from drivora_service.api.documentation import EVENTS
 from drivora_service.api.schemas.events import Begin, Changes, Reset
+from drivora_service.api.schemas.workers import Workers
 from drivora_service.errors import StoreError
 from drivora_service.shapes import to_json
 from drivora_service.store.change_lists import ChangedKind
@@ -33,12 +36,14 @@ class Wanted:
 
     Attributes:
         kinds: Kinds of objects.
+        tells_workers: Whether it tells what the workers do.
         of: Id of the object that they are or belong to; "": all.
         begin: Position after which changes are told.
         is_reset: Whether the client has seen changes that this database does not know.
     """
 
     kinds: frozenset[ChangedKind]
+    tells_workers: bool
     of: str
     begin: Position
     is_reset: bool
@@ -78,7 +83,15 @@ async def _events(
     if wanted.is_reset:
         yield _frame("reset", position, Reset, Reset(revision=position.revision))
     beat_at = time.monotonic() + HEARTBEAT_S
+    workers: Workers | None = None
     while not feed.is_closed:
+        found = await _workers(feed) if wanted.tells_workers else None
+        if found is not None and (workers is None or _steady(found) != _steady(workers)):
+            workers = found
+            yield feed.frame(
+                (position, workers), partial(_frame, "workers", position, Workers, workers)
+            )
+            beat_at = time.monotonic() + HEARTBEAT_S
         moved, newest = feed.moved, feed.newest
         if newest is not None and newest.revision > position.revision:
             after = position.revision
@@ -97,7 +110,8 @@ async def _events(
                 )
                 beat_at = time.monotonic() + HEARTBEAT_S
         else:
-            await _wait(moved, beat_at - time.monotonic())
+            longest = beat_at - time.monotonic()
+            await _wait(moved, min(longest, WORKERS_S) if wanted.tells_workers else longest)
         if time.monotonic() >= beat_at:
             if not is_allowed():
                 return
@@ -112,6 +126,21 @@ def _frame(event: str, position: Position, kind: Any, data: object) -> bytes:
         event.encode(),
         str(position).encode(),
         to_json(kind, data),
+    )
+
+
+async def _workers(feed: ChangeFeed) -> Workers | None:
+    try:
+        return await feed.workers()
+    except StoreError:
+        return None
+
+
+def _steady(workers: Workers) -> Workers:
+    """Returns what the workers do without the time at which they were looked at."""
+    return replace(
+        workers,
+        slots=tuple(replace(slot, updated_at=datetime.min) for slot in workers.slots),
     )
 
 

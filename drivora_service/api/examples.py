@@ -110,6 +110,7 @@ STUDIES = RECORDED + "studies.json"
 STUDY_COMPARISON = RECORDED + "study-comparison.json"
 STUDY_BANDS = RECORDED + "study-bands.json"
 SESSION = RECORDED + "session.json"
+WORKERS = RECORDED + "workers.json"
 EVENTS = RECORDED + "events.txt"
 STUDY_TABLE = RECORDED + "study-campaigns.csv"
 

@@ -31,6 +31,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("studies", "/studies([/:].*)?"),
         ("events", "/events"),
         ("sessions", "/session"),
+        ("workers", "/workers"),
         ("networks", "/networks([/:].*)?"),
         ("catalogues", "/((agents|testers|oracles)([/:].*)?|metrics:describe)"),
     )

@@ -23,8 +23,9 @@ from drivora_service.errors import ServiceError, ServiceUnavailable
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.events import Begin, Changes, Reset
+    from drivora_service.api.schemas.workers import Workers
 
-    EventData = Begin | Changes | Reset
+    EventData = Begin | Changes | Reset | Workers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +34,8 @@ class Event:
 
     Attributes:
         id: Position in the stream: one that begins ``after`` it misses nothing.
-        data: ``Begin`` of a stream, ``Changes``, or ``Reset`` where what has changed is not known,
-            so that everything is to be asked for anew.
+        data: ``Begin`` of a stream, ``Changes``, ``Workers``, or ``Reset`` where what has changed
+            is not known, so that everything is to be asked for anew.
     """
 
     id: str
@@ -87,9 +88,15 @@ class EventReader:
 
     def _value(self, event: str, text: str) -> EventData | None:
         from drivora_service.api.schemas.events import Begin, Changes, Reset
+        from drivora_service.api.schemas.workers import Workers
         from drivora_service.shapes import adapter
 
-        kinds: dict[str, Any] = {"begin": Begin, "changes": Changes, "reset": Reset}
+        kinds: dict[str, Any] = {
+            "begin": Begin,
+            "changes": Changes,
+            "reset": Reset,
+            "workers": Workers,
+        }
         if event not in kinds:
             return None
         try:

@@ -206,6 +206,7 @@ class Operations:
     testers = Answered(catalogue_calls.testers)
     oracles = Answered(catalogue_calls.oracles)
     describe_metrics = Answered(catalogue_calls.describe_metrics)
+    workers = Answered(catalogue_calls.workers)
     health = Answered(catalogue_calls.health)
     readiness = Answered(catalogue_calls.readiness)
     metrics = Answered(catalogue_calls.metrics)

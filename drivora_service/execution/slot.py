@@ -84,6 +84,8 @@ class Slot:
         self._run_id = ""
         self._runs = 0
         self._last_crash = ""
+        self._last_crash_at: datetime | None = None
+        self._since = datetime.now(UTC)
         self._unsent: AttemptEnd | None = None
         self._logged_at = -_LOG_AGAIN_S
         self._closing = threading.Event()
@@ -105,6 +107,8 @@ class Slot:
             restarts=max(child.restarts, 0),
             last_crash=self._last_crash,
             updated_at=datetime.now(UTC),
+            since=self._since,
+            last_crash_at=self._last_crash_at,
         )
 
     @property
@@ -137,6 +141,9 @@ class Slot:
             child.close()
         except Exception as error:
             self._log_fault("worker_not_ended", error)
+
+    def _note_crash(self, message: str) -> None:
+        self._last_crash, self._last_crash_at = message, datetime.now(UTC)
 
     def _log_fault(self, event: str, error: Exception) -> None:
         """Writes a log line, unless the last one is more recent than ``_LOG_AGAIN_S``."""
@@ -171,7 +178,7 @@ class Slot:
         try:
             leftovers = child.leftovers()
         except KeeperLostError as error:
-            self._last_crash = str(error)
+            self._note_crash(str(error))
             child.retire()
             return
         if leftovers:
@@ -181,7 +188,7 @@ class Slot:
     def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
         """Performs an attempt; returns its end in every case, so that no run is lost."""
         self._run_id = spec.run_id
-        started = datetime.now(UTC)
+        self._since = started = datetime.now(UTC)
         exit_code = 0
         try:
             report, exit_code = self._perform(child, spec)
@@ -189,12 +196,13 @@ class Slot:
             # The worker reports all that a run raises; this is a fault of the system.
             self._log_fault("slot_fault", error)
             report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", "")
-            self._last_crash = f"the worker process was lost: {error!r}"
+            self._note_crash(f"the worker process was lost: {error!r}")
             with contextlib.suppress(Exception):
                 child.end()
         if _may_affect_next_run(report, child):
             child.retire()
         self._run_id = ""
+        self._since = datetime.now(UTC)
         self._runs += 1
         return AttemptEnd(
             report=report,
@@ -218,7 +226,7 @@ class Slot:
             report = report_loss(spec.run_id, str(error), child.log.tail())
         except ProtocolError as error:
             report = report_breach(spec.run_id, str(error), child.progress(), child.log.tail())
-        self._last_crash = "" if report.failure is None else report.failure.message
+        self._note_crash("" if report.failure is None else report.failure.message)
         child.end()
         return report, exit_code
 
@@ -257,12 +265,14 @@ class Slot:
 
     def _start(self, child: Child) -> None:
         """Starts workers until one is ready or the slot ends."""
+        self._since = datetime.now(UTC)
         while not self._closing.is_set():
             certain = False
             try:
                 child.replace()
                 if self._got_ready(child):
                     self._starts.succeeded(self.name)
+                    self._since = datetime.now(UTC)
                     return
                 if self._closing.is_set():
                     return
@@ -276,7 +286,7 @@ class Slot:
                 # The system is short of processes or memory, which passes; the slot must survive.
                 reason = f"the system starts no worker process: {type(error).__name__}: {error}"
             child.end()
-            self._last_crash = reason
+            self._note_crash(reason)
             self._closing.wait(self._starts.failed(self.name, reason, certain=certain))
 
     def _got_ready(self, child: Child) -> bool:

@@ -21,6 +21,8 @@ class SlotState:
         restarts: Number of its worker processes after the first.
         last_crash: How its last worker died unexpectedly, or "".
         updated_at: Time of this state, UTC.
+        since: When it began what it does: to start a worker, to wait, or its run.
+        last_crash_at: When its last worker died unexpectedly, ``None`` if none did.
     """
 
     name: str
@@ -33,3 +35,5 @@ class SlotState:
     restarts: int
     last_crash: str
     updated_at: datetime
+    since: datetime | None = None
+    last_crash_at: datetime | None = None

@@ -292,6 +292,22 @@ class OwnerRecord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class QueueLoad(Shape):
+    """The runs of a priority that have not ended.
+
+    Attributes:
+        queued: Runs that wait.
+        paused: Runs that wait in paused batches.
+        running: Runs that a process has taken.
+    """
+
+    priority: Priority
+    queued: int
+    paused: int
+    running: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Reservation:
     """The reservation of an idempotency key.
 

@@ -129,6 +129,7 @@ class RunRow(Base):
             "status",
             sqlite_where=text("not_before IS NOT NULL"),
         ),
+        Index("ix_runs_ended", "ended_at", sqlite_where=text("ended_at IS NOT NULL")),
         Index(
             "ix_runs_to_cancel",
             "seq",
@@ -282,6 +283,8 @@ class SlotRow(Base):
     restarts: Mapped[int]
     last_crash: Mapped[str] = mapped_column(Text)
     updated_at: Mapped[datetime]
+    since: Mapped[datetime | None]
+    last_crash_at: Mapped[datetime | None]
 
 
 class QuarantineRow(Base):

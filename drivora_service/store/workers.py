@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import os
 import socket
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import cast
 
-from sqlalchemy import Table, delete, insert, select, update
+from sqlalchemy import Table, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.shapes import field_names
 from drivora_service.store.ids import new_id
-from drivora_service.store.records import OwnerRecord
+from drivora_service.store.records import BatchState, OwnerRecord, Priority, QueueLoad
 from drivora_service.store.revisions import begin_epoch
-from drivora_service.store.tables import OwnerRow, SlotRow
+from drivora_service.store.tables import AttemptRow, BatchRow, OwnerRow, RunRow, SlotRow
 
 
 class WorkerRepository:
@@ -79,6 +80,39 @@ class WorkerRepository:
         )
         return {row.id: row.heartbeat_at for row in self._session.execute(query)}
 
+    def loads(self) -> tuple[QueueLoad, ...]:
+        """Returns how many runs wait and run, by priority."""
+        waiting = select(BatchRow.priority, BatchRow.state, func.sum(BatchRow.queued))
+        queued: Counter[int] = Counter()
+        paused: Counter[int] = Counter()
+        for rank, state, number in self._session.execute(
+            waiting.where(BatchRow.queued > 0).group_by(BatchRow.priority, BatchRow.state)
+        ):
+            (queued if state == BatchState.OPEN else paused)[rank] += number
+        leased = (
+            select(BatchRow.priority, func.count())
+            .select_from(AttemptRow)
+            .join(RunRow, RunRow.seq == AttemptRow.run_seq)
+            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            .where(AttemptRow.ended_at.is_(None))
+            .group_by(BatchRow.priority)
+        )
+        running = {row[0]: row[1] for row in self._session.execute(leased)}
+        return tuple(
+            QueueLoad(
+                priority=priority,
+                queued=queued[priority.rank],
+                paused=paused[priority.rank],
+                running=running.get(priority.rank, 0),
+            )
+            for priority in Priority
+        )
+
+    def ended_since(self, moment: datetime) -> int:
+        """Returns the number of runs that have ended since a moment."""
+        query = select(func.count()).select_from(RunRow).where(RunRow.ended_at >= moment)
+        return self._session.scalar(query.where(RunRow.ended_at.is_not(None))) or 0
+
     def living(self) -> tuple[OwnerRecord, ...]:
         """Returns the owners that have not left, with their slots."""
         owners = self._session.scalars(
@@ -110,4 +144,6 @@ def _slot(row: SlotRow) -> SlotState:
         restarts=row.restarts,
         last_crash=row.last_crash,
         updated_at=row.updated_at,
+        since=row.since,
+        last_crash_at=row.last_crash_at,
     )

@@ -41,6 +41,7 @@ _TIMES = {
     "ended_at": "2026-03-02T09:30:21Z",
     "updated_at": "2026-03-02T09:30:21Z",
     "told_at": "2026-03-02T09:30:04Z",
+    "since": "2026-03-02T09:30:01Z",
     "found_at": "2026-03-02T09:30:04Z",
     "first_seen": "2026-03-02T09:30:04Z",
     "last_seen": "2026-03-02T09:30:19Z",
@@ -140,6 +141,10 @@ class _Recording:
 
     def catalogues(self) -> None:
         """Records what there is to choose from."""
+        self._wait(
+            "/workers", lambda found: all(slot["state"] == "idle" for slot in found["slots"])
+        )
+        self._keep(examples.WORKERS, self._get("/workers"))
         self._keep(examples.SESSION, self._get("/session"))
         self._keep(examples.HEALTH, self._get("/healthz"))
         self._keep(examples.READINESS, self._get("/readyz"), most=_ALL)

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from drivora_service.api.change_feed import ChangeFeed, feed_of
 from drivora_service.api.event_stream import EventStream, Wanted
 from drivora_service.api.load_guard import MOST_REQUESTS
 from drivora_service.api.tokens import Scope, TokenFile
+from drivora_service.api.worker_view import workers_now
 from drivora_service.store.change_lists import ChangedKind
 from drivora_service.store.records import Priority
 from drivora_service.store.revisions import Position
@@ -32,6 +34,7 @@ from tests.store.samples import claim, finish, finished, new_run, register, subm
 from tests.store.test_campaigns import create
 
 EVENTS = "/api/v1/events"
+CHANGES = "kind=run&kind=batch&kind=campaign&kind=study"
 
 
 @dataclass(frozen=True)
@@ -94,8 +97,10 @@ def many(offline: Offline) -> Iterator[httpx.Client]:
 def listening(
     offline: Offline, query: str = "", headers: dict[str, str] | None = None
 ) -> Iterator[Reader]:
-    """Opens a stream."""
-    url = f"{EVENTS}{'?' * bool(query)}{query}"
+    """Opens a stream of changes."""
+    if "kind=" not in query and "of=" not in query:
+        query = f"{CHANGES}&{query}"
+    url = f"{EVENTS}?{query.rstrip('&')}"
     with offline.client.stream("GET", url, headers=headers or {}) as answer:
         assert answer.status_code == 200, answer.read()
         yield Reader(answer)
@@ -240,7 +245,11 @@ def test_a_stream_ends_with_its_token(
 def test_streams_are_bounded_and_their_places_are_given_back(offline: Offline) -> None:
     context = offline.context
     offline.app.state.changes = ChangeFeed(
-        lambda: context.database, context.revision, lambda *_: "", most=2
+        lambda: context.database,
+        context.revision,
+        lambda *_: "",
+        partial(workers_now, context),
+        most=2,
     )
     with listening(offline), listening(offline):
         details = is_problem(refused := offline.client.get(EVENTS), 503)
@@ -275,7 +284,10 @@ def test_a_hundred_readers_are_served_by_one_look_at_the_database(offline: Offli
 
     with ExitStack() as stack:
         client = stack.enter_context(many(offline))
-        readers = [Reader(stack.enter_context(client.stream("GET", EVENTS))) for _ in range(100)]
+        readers = [
+            Reader(stack.enter_context(client.stream("GET", f"{EVENTS}?{CHANGES}")))
+            for _ in range(100)
+        ]
         for reader in readers:
             assert reader.next().name == "begin"
         events_of.listen(database.engine, "before_cursor_execute", note)
@@ -300,7 +312,13 @@ def test_a_reader_that_is_slow_gets_what_is_then_and_nothing_is_kept_for_it(
         feed = feed_of(offline.app)
         feed.join()
         begin = await feed.read(lambda transaction: transaction.changes.latest())
-        wanted = Wanted(kinds=frozenset(ChangedKind), of="", begin=begin, is_reset=False)
+        wanted = Wanted(
+            kinds=frozenset(ChangedKind),
+            tells_workers=False,
+            of="",
+            begin=begin,
+            is_reset=False,
+        )
         stream = EventStream(feed, wanted, lambda: True)
         is_reading = anyio.Event()
 
@@ -362,8 +380,8 @@ def test_the_documentation_names_the_schemas_of_the_events(offline: Offline) -> 
     content = document["paths"][EVENTS]["get"]["responses"]["200"]["content"]["text/event-stream"]
     for name, reference in content["x-events"].items():
         schema = document["components"]["schemas"][reference["$ref"].rpartition("/")[2]]
-        assert schema["properties"]["revision"]["description"], name
-    assert set(content["x-events"]) == {"begin", "changes", "reset"}
+        assert all(part["description"] for part in schema["properties"].values()), name
+    assert set(content["x-events"]) == {"begin", "changes", "reset", "workers"}
 
 
 def test_no_position_is_told_twice_in_one_epoch(offline: Offline) -> None:

@@ -13,6 +13,7 @@ from drivora_service.api.documentation import EVENTS, event_answers
 from drivora_service.api.event_stream import HEADERS, EventStream, Wanted
 from drivora_service.api.methods import is_head
 from drivora_service.api.resource_router import resource_router
+from drivora_service.api.schemas.events import EventKind
 from drivora_service.api.security import is_valid, reader
 from drivora_service.errors import UnknownName
 from drivora_service.store.change_lists import ChangedKind
@@ -20,6 +21,8 @@ from drivora_service.store.revisions import read_position
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
+
+_CHANGES = tuple(EventKind(kind.value) for kind in ChangedKind)
 
 router = resource_router("events", Depends(reader))
 
@@ -32,7 +35,7 @@ router = resource_router("events", Depends(reader))
 async def get_events(
     request: Request,
     kind: Annotated[
-        list[ChangedKind] | None, Query(description="Only of these kinds; may be repeated.")
+        list[EventKind] | None, Query(description="Only of these kinds; may be repeated.")
     ] = None,
     of: Annotated[
         str,
@@ -59,19 +62,22 @@ async def get_events(
     `begin` comes first. `changes` has the objects that changed, as they are now: a client that
     connects again with the last `id` misses nothing, also where the service was killed meanwhile.
     `reset` says that what changed since that `id` cannot be told, as after a restored backup: ask
-    for everything anew. A comment comes after 15 s of silence. What retention removes is not told.
+    for everything anew. `workers` has what `GET /workers` answers, at first and then whenever that
+    differs, at most once a second. A comment comes after 15 s of silence. What retention removes
+    is not told.
     """
     if is_head(request.scope):
         return Response(headers=HEADERS, media_type=EVENTS)
     feed = feed_of(request.app)
-    kinds = frozenset(kind or ChangedKind)
+    # The workers are of no object.
+    kinds = frozenset(kind or (EventKind if not of else _CHANGES))
     wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
     feed.join()
     return EventStream(feed, wanted, partial(is_valid, request))
 
 
 def _wanted(
-    transaction: Transaction, *, kinds: frozenset[ChangedKind], of: str, after: str
+    transaction: Transaction, *, kinds: frozenset[EventKind], of: str, after: str
 ) -> Wanted:
     if of and not transaction.changes.has(of):
         raise UnknownName("batch, campaign, study or run", of, ())
@@ -79,7 +85,8 @@ def _wanted(
     position = read_position(after)
     is_known = position is not None and transaction.changes.is_known(position)
     return Wanted(
-        kinds=kinds,
+        kinds=frozenset(ChangedKind(wanted.value) for wanted in kinds if wanted in _CHANGES),
+        tells_workers=EventKind.WORKERS in kinds,
         of=of,
         begin=position if position is not None and is_known else latest,
         is_reset=bool(after) and not is_known,

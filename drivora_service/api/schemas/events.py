@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from drivora_service.shapes import Shape
-from drivora_service.store.change_lists import Change
+from drivora_service.store.change_lists import Change, ChangedKind
+
+
+class EventKind(StrEnum):
+    """What a stream may tell of: changes of objects by their kind, and the workers."""
+
+    RUN = ChangedKind.RUN.value
+    BATCH = ChangedKind.BATCH.value
+    CAMPAIGN = ChangedKind.CAMPAIGN.value
+    STUDY = ChangedKind.STUDY.value
+    WORKERS = "workers"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

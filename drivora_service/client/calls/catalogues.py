@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     )
     from drivora_service.api.schemas.network_geometry import NetworkGeometry
     from drivora_service.api.schemas.service import Health, Readiness
+    from drivora_service.api.schemas.workers import Workers
 
 
 def networks() -> Call[NetworkList]:
@@ -67,6 +68,13 @@ def describe_metrics() -> Call[MeasureList]:
     from drivora_service.api.schemas.catalogues import MeasureList
 
     return get(f"{PREFIX}/metrics:describe", MeasureList)
+
+
+def workers() -> Call[Workers]:
+    """Returns what each worker does, how many runs wait and end, and what holds them up."""
+    from drivora_service.api.schemas.workers import Workers
+
+    return get(f"{PREFIX}/workers", Workers)
 
 
 def health() -> Call[Health]:

@@ -451,7 +451,9 @@ export interface paths {
          *     `begin` comes first. `changes` has the objects that changed, as they are now: a client that
          *     connects again with the last `id` misses nothing, also where the service was killed meanwhile.
          *     `reset` says that what changed since that `id` cannot be told, as after a restored backup: ask
-         *     for everything anew. A comment comes after 15 s of silence. What retention removes is not told.
+         *     for everything anew. `workers` has what `GET /workers` answers, at first and then whenever that
+         *     differs, at most once a second. A comment comes after 15 s of silence. What retention removes
+         *     is not told.
          */
         get: operations["get_events_api_v1_events_get"];
         put?: never;
@@ -1094,6 +1096,26 @@ export interface paths {
          * @description Lists the testing methods that a campaign can name, with their parameters.
          */
         get: operations["list_testers_api_v1_testers_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/workers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Workers
+         * @description Returns what each worker does, how many runs wait and end, and what holds them up.
+         */
+        get: operations["get_workers_api_v1_workers_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2323,6 +2345,22 @@ export interface components {
             width: number;
         };
         /**
+         * Death
+         * @description The unexpected end of a worker.
+         */
+        Death: {
+            /**
+             * At
+             * @description null if it was not recorded.
+             */
+            at: string | null;
+            /**
+             * Cause
+             * @description What is known of it.
+             */
+            cause: string;
+        };
+        /**
          * Difference
          * @description One method against the baseline, by one measure on one seed scenario.
          */
@@ -2779,6 +2817,12 @@ export interface components {
             wall_time_s: number;
         };
         /**
+         * EventKind
+         * @description What a stream may tell of: changes of objects by their kind, and the workers.
+         * @enum {string}
+         */
+        EventKind: "run" | "batch" | "campaign" | "study" | "workers";
+        /**
          * Failure
          * @description A violation that a campaign found.
          */
@@ -2938,6 +2982,22 @@ export interface components {
              * @description Violations of this kind in them.
              */
             violations: number;
+        };
+        /**
+         * Fault
+         * @description Why nothing is run now, or nothing is taken.
+         */
+        Fault: {
+            /**
+             * Detail
+             * @description What was found, and what to do.
+             */
+            detail: string;
+            /**
+             * Name
+             * @description Condition of `/readyz` that is not met.
+             */
+            name: string;
         };
         /**
          * FeedbackMode
@@ -4119,6 +4179,28 @@ export interface components {
             pointer: string;
         };
         /**
+         * QueueLoad
+         * @description The runs of a priority that have not ended.
+         */
+        QueueLoad: {
+            /**
+             * Paused
+             * @description Runs that wait in paused batches.
+             */
+            paused: number;
+            priority: components["schemas"]["Priority"];
+            /**
+             * Queued
+             * @description Runs that wait.
+             */
+            queued: number;
+            /**
+             * Running
+             * @description Runs that a process has taken.
+             */
+            running: number;
+        };
+        /**
          * Readiness
          * @description Whether the service can take work.
          */
@@ -4833,6 +4915,12 @@ export interface components {
              */
             position: number[];
         };
+        /**
+         * SlotActivity
+         * @description What a slot does.
+         * @enum {string}
+         */
+        SlotActivity: "starting" | "idle" | "running";
         /**
          * SpaceDocument
          * @description The variable parts beside the fixed scenario.
@@ -6023,6 +6111,112 @@ export interface components {
              * @default 0
              */
             wind_intensity: number;
+        };
+        /**
+         * WorkerSlot
+         * @description A slot: one worker process at a time, and its successors.
+         */
+        WorkerSlot: {
+            /**
+             * Host
+             * @description Machine of that process.
+             */
+            host: string;
+            /**
+             * Is Own
+             * @description Whether this service has it.
+             */
+            is_own: boolean;
+            /** @description Unexpected end of its last worker that died; null if none did. */
+            last_death: components["schemas"]["Death"] | null;
+            /**
+             * Memory Bytes
+             * @description Resident memory of the worker.
+             */
+            memory_bytes: number;
+            /**
+             * Name
+             * @description Unique among the slots of a process.
+             */
+            name: string;
+            /**
+             * Phase
+             * @description What the worker does in detail, such as the part of a step.
+             */
+            phase: string;
+            /**
+             * Pid
+             * @description Process id of the worker; null while there is none.
+             */
+            pid: number | null;
+            /**
+             * Process
+             * @description Id of the process that has the slot: this service, or a command with runs of its own in the same data folder.
+             */
+            process: string;
+            /**
+             * Recycled
+             * @description Worker processes that came after its first one.
+             */
+            recycled: number;
+            /**
+             * Run Id
+             * @description Its run; empty without one.
+             */
+            run_id: string;
+            /**
+             * Runs
+             * @description Runs that the slot has ended.
+             */
+            runs: number;
+            /**
+             * Since
+             * @description When it began that, by the clock of its process; null if it was not recorded.
+             */
+            since: string | null;
+            state: components["schemas"]["SlotActivity"];
+            /**
+             * Step
+             * @description Row of the trace that its run has reached.
+             */
+            step: number;
+            /**
+             * Updated At
+             * Format: date-time
+             * @description Time of this state.
+             */
+            updated_at: string;
+        };
+        /**
+         * Workers
+         * @description What the workers do, and what waits for them.
+         */
+        Workers: {
+            /**
+             * Ended Last Hour
+             * @description The same of the last hour.
+             */
+            ended_last_hour: number;
+            /**
+             * Ended Last Minute
+             * @description Runs that have ended in the last minute, in whatever way.
+             */
+            ended_last_minute: number;
+            /**
+             * Faults
+             * @description Empty where runs are taken and run.
+             */
+            faults: components["schemas"]["Fault"][];
+            /**
+             * Queue
+             * @description Runs that have not ended by priority, the most urgent first.
+             */
+            queue: components["schemas"]["QueueLoad"][];
+            /**
+             * Slots
+             * @description Those of this service first.
+             */
+            slots: components["schemas"]["WorkerSlot"][];
         };
     };
     responses: never;
@@ -7778,7 +7972,7 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description Only of these kinds; may be repeated. */
-                kind?: components["schemas"]["ChangedKind"][] | null;
+                kind?: components["schemas"]["EventKind"][] | null;
                 /** @description Only this batch, campaign, study or run, and what belongs to it. */
                 of?: string;
                 /** @description `id` of an event, or a `revision`: what has changed since comes first. Empty: only what changes from now on. */
@@ -10413,6 +10607,62 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TesterList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_workers_api_v1_workers_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Workers"];
                 };
             };
             /** @description Unauthorized */
