@@ -73,3 +73,16 @@ def test_files_are_sent_as_the_browser_accepts_them(client: httpx.Client) -> Non
 @pytest.mark.parametrize("name", ["none.js", "..%2Findex.html", "%2e%2e%2findex.html"])
 def test_other_files_are_not_sent(client: httpx.Client, name: str) -> None:
     assert client.get(f"/assets/{name}").status_code == 404
+
+
+def test_the_first_download_is_small() -> None:
+    """The document, and all that it names: what a browser loads before the first screen."""
+    document = (BUILT / "index.html").read_text()
+    named = re.findall(r'(?:src|href)="/(assets/[^"]+\.(?:js|css))"', document)
+    assert any(name.endswith(".js") for name in named)
+    assert any(name.endswith(".css") for name in named)
+    sizes = {
+        name: (BUILT / f"{name}.gz").stat().st_size
+        for name in ["index.html", *dict.fromkeys(named)]
+    }
+    assert sum(sizes.values()) < 600_000, sizes

@@ -18,7 +18,7 @@ export class Api {
 
   /** Asks again until an answer is as wanted. */
   async until<Answer>(path: string, wanted: (answer: Answer) => boolean): Promise<Answer> {
-    const deadline = Date.now() + 150_000;
+    const deadline = Date.now() + 480_000;
     for (;;) {
       const answer = await this.get<Answer>(path);
       if (wanted(answer)) return answer;

@@ -102,10 +102,10 @@ export async function makeData(api: Api): Promise<Made> {
   ]);
   const campaign = await api.post<{ id: string }>(
     "/campaigns",
-    meetingCampaign("meeting at a stop", 60),
+    meetingCampaign("meeting at a stop", 50),
   );
   const other = await api.post<{ id: string }>("/campaigns", {
-    ...meetingCampaign("meeting at random", 40),
+    ...meetingCampaign("meeting at random", 20),
     tester: { name: "random" },
   });
   const study = await api.post<{ id: string }>("/studies", smallStudy());
