@@ -43,18 +43,21 @@ class AgentLog:
         Of a path for every step, one every 0.1 s is kept.
 
         Args:
-            points: (n, 2) x and y in metres, n at least 2; further columns are ignored.
+            points: (n, 2) x and y in metres; further columns are ignored. A path ends before its
+                first point that is not finite, and of less than two points nothing is recorded.
 
         Raises:
-            ValueError: The points have another shape, or are not finite.
+            ValueError: The points have another shape.
         """
         if self.plans and self.step - self.plans[-1][0] < self.plan_every:
             return
         path = np.asarray(points, dtype=np.float32)
-        if path.ndim != 2 or len(path) < 2 or path.shape[1] < 2:
-            raise ValueError(f"found a plan of shape {path.shape}; allowed: (n >= 2, 2)")
-        if not np.isfinite(path[:, :2]).all():
-            raise ValueError("found a plan with numbers that are not finite")
+        if path.ndim != 2 or path.shape[1] < 2:
+            raise ValueError(f"found a plan of shape {path.shape}; allowed: (n, 2)")
+        finite = np.isfinite(path[:, :2]).all(axis=1)
+        path = path if finite.all() else path[: int(np.argmin(finite))]
+        if len(path) < 2:
+            return
         if len(path) > MOST_PLAN_POINTS:
             path = path[np.linspace(0, len(path) - 1, MOST_PLAN_POINTS).round().astype(int)]
         self.plans.append((self.step, path[:, :2].copy()))

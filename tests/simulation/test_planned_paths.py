@@ -102,8 +102,11 @@ def test_long_paths_are_thinned_and_others_refused() -> None:
     line[0] = -1.0
     assert path[0, 0] == 0.0
     log.step = 1
-    for wrong in ([(1.0, 2.0)], [1.0, 2.0], [(0.0,), (1.0,)]):
+    for wrong in ([1.0, 2.0], [(0.0,), (1.0,)]):
         with pytest.raises(ValueError, match="shape"):
             log.plan(wrong)
-    with pytest.raises(ValueError, match="not finite"):
-        log.plan([(0.0, 0.0), (1.0, np.nan)])
+    log.plan([(1.0, 2.0)])
+    log.plan([(0.0, 0.0), (1.0, np.nan), (2.0, 0.0)])
+    assert len(log.plans) == 1
+    log.plan([(0.0, 0.0), (1.0, 0.0), (np.inf, 0.0)])
+    assert log.plans[-1][1].tolist() == [[0.0, 0.0], [1.0, 0.0]]

@@ -25,3 +25,8 @@ def normals(line: FloatArray) -> FloatArray:
     across = np.column_stack((-along[:, 1], along[:, 0]))
     unit: FloatArray = across / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
     return unit
+
+
+def directions(yaws: FloatArray) -> FloatArray:
+    """Returns the (n, 2) unit vectors of (n,) angles, radians."""
+    return np.column_stack((np.cos(yaws), np.sin(yaws)))

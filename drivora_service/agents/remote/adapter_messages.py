@@ -83,6 +83,7 @@ def step_reply(control: Any, log: AgentLog) -> pb.StepReply:
             if not math.isnan(value)
         },
         text="\n".join(message for _, message in log.events),
+        plan=log.plans[-1][1].ravel().tolist() if log.plans else (),
     )
     match control:
         case PedalControl():

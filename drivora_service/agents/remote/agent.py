@@ -9,7 +9,7 @@ import grpc
 import numpy as np
 
 from drivora_service.agents.interface import AgentContext, Control, Observation
-from drivora_service.agents.log import AgentLog
+from drivora_service.agents.log import MOST_PLAN_POINTS, AgentLog
 from drivora_service.agents.manifest import AgentDeadlines
 from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.hosts import Host
@@ -76,6 +76,14 @@ class RemoteAgent:
                 )
             row[column] = value
         self._write(reply.text)
+        if len(reply.plan) % 2 or len(reply.plan) > 2 * MOST_PLAN_POINTS:
+            raise AgentError(
+                f"the ADS tells a plan of {len(reply.plan)} numbers; allowed: x and y of at most "
+                f"{MOST_PLAN_POINTS} points",
+                cause="agent_invalid_control",
+            )
+        if reply.plan:
+            self._log.plan(np.array(reply.plan).reshape(-1, 2))
 
     def _write(self, text: str) -> None:
         if self._room <= 0:

@@ -179,7 +179,7 @@ class StepRequest(_message.Message):
     def __init__(self, run: _Optional[str] = ..., time: _Optional[float] = ..., step: _Optional[int] = ..., ego: _Optional[_Iterable[float]] = ..., speed: _Optional[float] = ..., acceleration: _Optional[float] = ..., steer: _Optional[float] = ..., route_s: _Optional[float] = ..., route_lateral: _Optional[float] = ..., objects: _Optional[_Iterable[float]] = ..., object_sizes: _Optional[_Iterable[float]] = ..., object_kinds: _Optional[_Iterable[int]] = ..., object_ids: _Optional[_Iterable[int]] = ..., light: _Optional[_Union[Light, str]] = ..., light_protected: bool = ..., light_distance: _Optional[float] = ..., speed_limit: _Optional[float] = ...) -> None: ...
 
 class StepReply(_message.Message):
-    __slots__ = ("pedals", "acceleration", "pose", "trajectory", "values", "text")
+    __slots__ = ("pedals", "acceleration", "pose", "trajectory", "values", "text", "plan")
     class ValuesEntry(_message.Message):
         __slots__ = ("key", "value")
         KEY_FIELD_NUMBER: _ClassVar[int]
@@ -193,13 +193,15 @@ class StepReply(_message.Message):
     TRAJECTORY_FIELD_NUMBER: _ClassVar[int]
     VALUES_FIELD_NUMBER: _ClassVar[int]
     TEXT_FIELD_NUMBER: _ClassVar[int]
+    PLAN_FIELD_NUMBER: _ClassVar[int]
     pedals: Pedals
     acceleration: Acceleration
     pose: Pose
     trajectory: Trajectory
     values: _containers.ScalarMap[str, float]
     text: str
-    def __init__(self, pedals: _Optional[_Union[Pedals, _Mapping]] = ..., acceleration: _Optional[_Union[Acceleration, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., trajectory: _Optional[_Union[Trajectory, _Mapping]] = ..., values: _Optional[_Mapping[str, float]] = ..., text: _Optional[str] = ...) -> None: ...
+    plan: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, pedals: _Optional[_Union[Pedals, _Mapping]] = ..., acceleration: _Optional[_Union[Acceleration, _Mapping]] = ..., pose: _Optional[_Union[Pose, _Mapping]] = ..., trajectory: _Optional[_Union[Trajectory, _Mapping]] = ..., values: _Optional[_Mapping[str, float]] = ..., text: _Optional[str] = ..., plan: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Pedals(_message.Message):
     __slots__ = ("throttle", "brake", "steer")

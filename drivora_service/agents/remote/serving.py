@@ -101,6 +101,7 @@ class _Service(AgentServicer):
         log = self._log
         log.step = request.step
         log.events.clear()
+        log.plans.clear()
         log.row.fill(float("nan"))
         try:
             return step_reply(self._adapter.run_step(observation_view(request)), log)

@@ -81,6 +81,8 @@ class Ads:
                 x, y, _ = self.place(0.1)
                 x2, y2, _ = self.place(5.0)
                 return TrajectoryControl([[0.05, x, y, 3.0], [1.0, x2, y2, 3.0]])  # type: ignore[arg-type] # as authors write it
+            case "plans":
+                self.context.log.plan([self.place(s)[:2] for s in (0.0, 5.0, 9.0)])
             case "floods":
                 print("x" * 3_000_000, flush=True)
                 print("last words", flush=True)
@@ -128,6 +130,12 @@ def main(what: str) -> None:
             serve_answers({"Describe": described, "SetupEnv": b"", "RunStep": b"\xff\xff\xff"})
         case "undeclared-value":
             reply = pb.StepReply(values={"surprise": 1.0})
+            reply.acceleration.acceleration = 1.0
+            serve_answers(
+                {"Describe": described, "SetupEnv": b"", "RunStep": reply.SerializeToString()}
+            )
+        case "half-a-point":
+            reply = pb.StepReply(plan=[1.0, 2.0, 3.0])
             reply.acceleration.acceleration = 1.0
             serve_answers(
                 {"Describe": described, "SetupEnv": b"", "RunStep": reply.SerializeToString()}

@@ -108,6 +108,15 @@ def test_values_and_lines_are_logged_where_they_were_said(
     assert [(e.step, e.message) for e in trace.log_events[1:3]] == [(10, "acts"), (11, "acts")]
 
 
+def test_planned_paths_arrive_ten_times_a_second(agents: Path, catalogue: AgentCatalogue) -> None:
+    add_agent(agents, "plans")
+    trace = drive(catalogue, "plans")
+    assert [plan.step for plan in trace.plans] == list(range(FAULT_STEP, 40, 2))
+    points = trace.ego_routes[0].line[[0, 5, 9]]
+    for plan in trace.plans:
+        np.testing.assert_allclose(plan.points, points, rtol=1e-6)
+
+
 def test_a_process_stays_for_the_next_run(agents: Path, catalogue: AgentCatalogue) -> None:
     add_agent(agents, "drives")
     first = drive(catalogue, "drives")
@@ -157,6 +166,7 @@ FAILING = {
     "declares-too-much": ("agent_invalid_control", "declares 1001 values", ""),
     "offers-nothing": ("agent_protocol", "does not offer Describe", ""),
     "undeclared-value": ("agent_invalid_control", "'surprise'", ""),
+    "half-a-point": ("agent_invalid_control", "a plan of 3 numbers", ""),
     "offers-no-step": ("agent_protocol", "does not offer RunStep", ""),
     "old-protocol": ("agent_protocol", "version 2", ""),
     "does-not-start": ("agent_died", "exited with code 1 before", "cannot find my weights"),

@@ -30,6 +30,7 @@ from drivora_service.agents.adapters.forecast import (
     leave_out_followers,
 )
 from drivora_service.agents.adapters.lights import must_stop
+from drivora_service.agents.adapters.lines import directions
 from drivora_service.agents.adapters.reference import Reference, find_reference
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -107,6 +108,8 @@ class CommonRoadAdapter:
         if self._plan is None:
             row[0] = 0.0
             return AccelerationControl(-context.vehicle.max_deceleration, observation.steer)
+        plan = self._plan[self._times[: len(self._plan)] >= age]
+        context.log.plan(plan[:, :2] + self._half_base * directions(plan[:, 2]))
         x, y, yaw, speed = self._at(age + context.step_length)[:4].tolist()
         row[0] = speed
         if speed < _STANDING and observation.speed < _STANDING:

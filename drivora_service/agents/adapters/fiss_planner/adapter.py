@@ -101,6 +101,7 @@ class FissAdapter:
         if failed:
             row[0] = 0.0
             return AccelerationControl(-context.vehicle.max_deceleration, 0.0)
+        context.log.plan(np.column_stack((trajectory.x, trajectory.y)))
         pose = pose_after(trajectory, context.step_length, x, y)
         row[0] = pose[3]
         turn = math.remainder(pose[2] - yaw, math.tau)

@@ -21,6 +21,7 @@ from drivora_service.agents.adapters.forecast import (
     leave_out_followers,
 )
 from drivora_service.agents.adapters.lights import must_stop
+from drivora_service.agents.adapters.lines import directions
 from drivora_service.agents.adapters.overlap import overlap
 from drivora_service.agents.adapters.reference import find_reference
 from drivora_service.agents.interface import (
@@ -105,6 +106,7 @@ class FrenetixAdapter:
             for column in found.T
         ]
         self._next = np.array(after)
+        context.log.plan(found[:, :2] + self._half_base * directions(found[:, 2]))
         row[0] = after[3]
         if after[3] < _STANDING and observation.speed < _STANDING:
             after[2] = yaw
