@@ -11,10 +11,11 @@ import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
 import { BatchActions } from "./BatchActions";
-import { type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
+import { actionsOf, type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
 
 const PAGE = 100;
 const idOf = (batch: Batch) => batch.id;
+const hasActions = (batch: Batch) => actionsOf(batch).length > 0;
 
 const COLUMNS: readonly Column<Batch>[] = [
   {
@@ -127,7 +128,7 @@ export function Batches() {
           <News news={news} onInsert={insertNews} />
           <DataTable
             label="Batches"
-            columns={COLUMNS}
+            columns={rows.some(hasActions) ? COLUMNS : COLUMNS.filter(({ id }) => id !== "actions")}
             rows={rows}
             idOf={idOf}
             left={left}

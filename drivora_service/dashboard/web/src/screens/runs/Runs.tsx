@@ -16,6 +16,7 @@ import { useTitle } from "../../shell/useTitle";
 import { CsvButton } from "./CsvButton";
 import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
 import { GIVEN_VIEWS, runFilters } from "./filters";
+import { type Pointed, RunPreview } from "./RunPreview";
 import { RunsAnswer } from "./RunsAnswer";
 import { SelectedRuns } from "./SelectedRuns";
 import { useRunNames } from "./useRunNames";
@@ -30,6 +31,7 @@ export function Runs() {
   const search = useSearch({ from: "/runs" });
   const [held, setHeld] = useState(false);
   const [selected, setSelected] = useState<ReadonlySet<string>>(new Set());
+  const [pointed, setPointed] = useState<Pointed>();
   const names = useRunNames();
   const sha = firstOf(search, "scenario_sha256");
   const filters = {
@@ -124,10 +126,12 @@ export function Runs() {
             selected={selected}
             onSelect={setSelected}
             onCompare={compare}
+            onPoint={(run, element) => setPointed(run && element ? { run, element } : undefined)}
             onEnd={more}
             onOpen={({ id }) => void navigate({ to: "/runs/$runId", params: { runId: id } })}
-            height="calc(100vh - 190px)"
+            height="calc(100vh - 170px)"
           />
+          <RunPreview pointed={pointed} />
         </div>
       )}
     </>
