@@ -18,6 +18,7 @@ export class MapStage {
   readonly screen = new Container();
   /** Called before each frame with the camera. */
   beforeDraw: ((camera: Camera, size: Size) => void) | undefined;
+  afterDraw: (() => void) | undefined;
   onCamera: CameraListener | undefined;
   onHover: PlaceListener | undefined;
   onLeave: (() => void) | undefined;
@@ -115,6 +116,7 @@ export class MapStage {
     this.world.position.set(this.px.width / 2 - x * scale, this.px.height / 2 + y * scale);
     this.beforeDraw?.(this.shown, this.px);
     this.renderer.render(this.root);
+    this.afterDraw?.();
   }
 
   destroy(): void {

@@ -49,11 +49,19 @@ export function ActorList({
       (recording.x[base + row] ?? Number.NaN) - (recording.x[base + ego] ?? Number.NaN),
       (recording.y[base + row] ?? Number.NaN) - (recording.y[base + ego] ?? Number.NaN),
     );
+  const speed: Column<Actor> = {
+    id: "speed",
+    title: "m/s",
+    hint: "Speed",
+    width: "66px",
+    numeric: true,
+    cell: ({ row }) => (present(row) ? fixed(recording.speed[base + row], 1) : "absent"),
+  };
   const columns: readonly Column<Actor>[] = [
     {
       id: "actor",
       title: "Actor",
-      width: "minmax(110px, 1fr)",
+      width: "minmax(84px, 1fr)",
       cell: (actor) => (
         <span
           className="actor"
@@ -69,18 +77,10 @@ export function ActorList({
       ),
     },
     {
-      id: "speed",
-      title: "m/s",
-      hint: "Speed",
-      width: "66px",
-      numeric: true,
-      cell: ({ row }) => (present(row) ? fixed(recording.speed[base + row], 1) : "absent"),
-    },
-    {
       id: "distance",
       title: "away (m)",
       hint: "From the ego, centre to centre",
-      width: "78px",
+      width: "84px",
       numeric: true,
       cell: ({ row }) => (row === ego || !present(row) ? "" : fixed(distance(row), 1)),
     },
@@ -94,11 +94,11 @@ export function ActorList({
             cell: ({ row }: Actor) => perceived.words(step, row),
           },
         ]
-      : []),
+      : [speed]),
     {
       id: "hide",
       title: "",
-      width: "58px",
+      width: "62px",
       cell: ({ id }) => (
         <button
           type="button"

@@ -1,7 +1,8 @@
-import type { ReactNode } from "react";
+import { Fragment, type ReactNode } from "react";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
 import type { PerceivedActors } from "./perception";
+import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";
 import { useStep } from "./useMoment";
 import type { Series } from "./useSeries";
@@ -17,12 +18,14 @@ export function EgoFacts({
   ego,
   series,
   perceived,
+  told,
 }: {
   readonly recording: Recording;
   readonly clock: Clock;
   readonly ego: number;
   readonly series: Series | undefined;
   readonly perceived: PerceivedActors | undefined;
+  readonly told: AgentTold | undefined;
 }) {
   const step = Math.min(useStep(clock), recording.loaded - 1);
   const cell = step * recording.actors.length + ego;
@@ -57,6 +60,12 @@ export function EgoFacts({
       </dd>
       {series && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}
+      {told?.valuesAt(ego, step).map(([name, value]) => (
+        <Fragment key={name}>
+          <dt title="Logged by the agent">{name}</dt>
+          <dd>{Number.isFinite(value) ? Number(value.toPrecision(5)) : "∞"}</dd>
+        </Fragment>
+      ))}
       {end && step >= end.step && (
         <>
           <dt>Ended</dt>

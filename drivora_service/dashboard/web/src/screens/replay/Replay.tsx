@@ -18,6 +18,7 @@ import { type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
 import { TimeLine } from "./TimeLine";
 import type { Range } from "./timeScale";
+import { useAgentTold } from "./useAgentTold";
 import { usePerception } from "./usePerception";
 import { useRecording } from "./useRecording";
 import { useSecondRun } from "./useSecondRun";
@@ -73,6 +74,7 @@ function Player({
   const second = useSecondRun(recording, clock, state.beside, ego, state.pace);
   const { data: otherTimeline } = useTimeline(state.view === "side" ? state.beside : "");
   const beside = useRef<MapHandle>(null);
+  const told = useAgentTold(run.id, recording, loaded >= recording.steps);
   const [measuring, setMeasuring] = useState(false);
   const begun = useRef(false);
   if (!begun.current) {
@@ -205,6 +207,7 @@ function Player({
           clock={clock}
           violations={timeline?.violations ?? NONE}
           state={state}
+          told={told.data}
           perceived={state.perceived ? perception.data : undefined}
           measuring={measuring}
           onCamera={(camera) => {
@@ -222,7 +225,8 @@ function Player({
             loaded={second.compared.recording.loaded}
             clock={second.compared.moment}
             violations={otherTimeline?.violations ?? NONE}
-            state={state}
+            state={{ ...state, camera: map.current?.stage()?.camera ?? state.camera }}
+            told={undefined}
             perceived={undefined}
             measuring={measuring}
             onCamera={(camera) => {
@@ -258,6 +262,7 @@ function Player({
           </header>
           <div className="inside">
             <EgoFacts
+              told={told.data}
               recording={recording}
               clock={clock}
               ego={ego}

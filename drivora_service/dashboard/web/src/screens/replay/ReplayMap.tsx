@@ -7,6 +7,7 @@ import { Ruler } from "../../roads/Ruler";
 import type { ReplayState } from "./address";
 import type { Moment } from "./follower";
 import type { PerceivedActors } from "./perception";
+import type { AgentTold } from "./plans";
 import { ReplayScene } from "./ReplayScene";
 import type { Recording } from "./recording";
 
@@ -37,6 +38,7 @@ export function ReplayMap({
   violations,
   state,
   perceived,
+  told,
   measuring,
   onCamera,
   onFollow,
@@ -53,6 +55,7 @@ export function ReplayMap({
   readonly violations: readonly Schemas["ViolationMark"][];
   readonly state: ReplayState;
   readonly perceived: PerceivedActors | undefined;
+  readonly told: AgentTold | undefined;
   readonly measuring: boolean;
   readonly onCamera: (camera: Camera) => void;
   readonly onFollow: (id: string) => void;
@@ -101,6 +104,12 @@ export function ReplayMap({
       const id = row === undefined ? undefined : recording.actors[row]?.id;
       if (id) handlers.current.onFollow(id === follow.current ? "" : id);
     };
+    let first = true;
+    stage.afterDraw = () => {
+      // For measurements: when the first actors could be seen.
+      if (first && recording.loaded > 0) performance.mark("replay: first frame");
+      first = false;
+    };
     const moved = () => {
       const row = recording.actors.find(({ id }) => id === follow.current)?.row;
       const place = row === undefined ? undefined : scene.placeOf(row, clock.time);
@@ -140,6 +149,10 @@ export function ReplayMap({
     shown?.stage.draw();
   }, [shown, violations]);
 
+  useEffect(() => {
+    shown?.scene.plan(told);
+    shown?.stage.draw();
+  }, [shown, told]);
   useEffect(() => {
     shown?.scene.perceive(perceived);
     shown?.stage.draw();

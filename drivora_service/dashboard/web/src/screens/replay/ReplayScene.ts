@@ -6,7 +6,9 @@ import type { DrawnMap } from "../../roads/RoadMap";
 import { trace } from "../../roads/roadLayer";
 import { ActorLayer, colourOfActor, type Look } from "./actorLayer";
 import { PerceptionLayer } from "./PerceptionLayer";
+import { PlanLayer } from "./PlanLayer";
 import type { PerceivedActors } from "./perception";
+import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";
 import { TrailLayer } from "./trailLayer";
 
@@ -38,6 +40,7 @@ export class ReplayScene {
   private trails: TrailLayer | undefined;
   private trailsOf = "";
   private perception: PerceptionLayer | undefined;
+  private plans: PlanLayer | undefined;
   private options: SceneOptions = {
     trails: 0,
     routes: true,
@@ -65,6 +68,15 @@ export class ReplayScene {
     for (const row of options.hidden) this.actors.hidden.add(row);
     if (options.followed !== undefined) this.label(options.followed);
     this.refreshTrails();
+  }
+
+  /** Shows the paths that agents planned. */
+  plan(told: AgentTold | undefined): void {
+    this.plans?.destroy();
+    this.plans = told?.hasPlans
+      ? new PlanLayer(told, this.recording.egos, this.map.palette)
+      : undefined;
+    if (this.plans) this.below.addChild(this.plans);
   }
 
   /** Shows what an ego perceived, or the truth alone. */
@@ -122,6 +134,7 @@ export class ReplayScene {
     this.actors.show(time, camera.scale);
     const step = Math.floor(time / recording.stepLength + 1e-6);
     this.perception?.show(Math.min(step, recording.loaded - 1));
+    this.plans?.show(step, this.options.hidden);
     if (this.options.trails > 0) this.refreshTrails();
     this.trails?.show(time, this.options.trails, camera.scale);
     for (const [row, text] of this.labels) {
