@@ -8,6 +8,7 @@ import {
 } from "@tanstack/react-router";
 import { parseSearch, type Search, stringifySearch } from "./address";
 import { NotFound } from "./components/States";
+import { prepareRun } from "./screens/replay/runQuery";
 import { firstScreen } from "./screens/start/first";
 import { ScreenError } from "./shell/ScreenError";
 import { Shell } from "./shell/Shell";
@@ -104,6 +105,10 @@ const screens = [
     getParentRoute: () => root,
     path: "/runs/$runId",
     validateSearch: anySearch,
+    loader: ({ context, params }) => {
+      // Not waited for: the screen shows what is there.
+      void prepareRun(context.queries, params.runId);
+    },
     component: lazyRouteComponent(() => import("./screens/replay/Run"), "Run"),
   }),
   createRoute({

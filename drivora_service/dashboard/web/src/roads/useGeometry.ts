@@ -1,12 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
-import { api, body } from "../api/client";
+import { geometryQuery } from "./geometryQuery";
 
 export function useGeometry(name: string) {
-  return useQuery({
-    queryKey: ["network", name, "geometry"],
-    queryFn: async () =>
-      body(await api.GET("/api/v1/networks/{name}/geometry", { params: { path: { name } } })),
-    enabled: name !== "",
-    gcTime: 30 * 60_000,
-  });
+  return useQuery(geometryQuery(name));
 }

@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link, useParams } from "@tanstack/react-router";
-import { api, body, type Schemas } from "../../api/client";
+import type { Schemas } from "../../api/client";
 import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
@@ -8,6 +8,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
 import { lookOfRun } from "../runs/status";
 import { Replay } from "./Replay";
+import { runQuery } from "./runQuery";
 import "./replay.css";
 
 /** Returns the command that drives the scenario of a run again. */
@@ -21,16 +22,7 @@ function againCommand(id: string): string {
 /** A run: its replay, or why there is none. */
 export function Run() {
   const { runId } = useParams({ from: "/runs/$runId" });
-  const {
-    data: run,
-    error,
-    isPending,
-    refetch,
-  } = useQuery({
-    queryKey: ["run", runId],
-    queryFn: async () =>
-      body(await api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: runId } } })),
-  });
+  const { data: run, error, isPending, refetch } = useQuery(runQuery(runId));
   useTitle(run?.label || `Run ${runId}`);
   if (isPending) return <Loading rows={14} />;
   if (error) return <Refused error={error} onRepeat={() => void refetch()} />;

@@ -1,20 +1,15 @@
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
-import { api, body } from "../../api/client";
 import type { Clock } from "./clock";
 import { differenceOf, firstParting, type Pace, timesOfOther } from "./difference";
 import { Follower } from "./follower";
 import type { Recording } from "./recording";
+import { runQuery } from "./runQuery";
 import { useRecording } from "./useRecording";
 
 /** A second run in step with the first; its actors of the same names are compared. */
 export function useSecondRun(first: Recording, clock: Clock, id: string, ego: number, pace: Pace) {
-  const run = useQuery({
-    queryKey: ["run", id],
-    queryFn: async () =>
-      body(await api.GET("/api/v1/runs/{run_id}", { params: { path: { run_id: id } } })),
-    enabled: id !== "",
-  });
+  const run = useQuery(runQuery(id));
   const { recording, loaded, error } = useRecording(run.data?.trace_sha256 ? id : "");
   const whole = recording !== undefined && loaded >= recording.steps;
   const firstWhole = first.loaded >= first.steps;
