@@ -8,7 +8,8 @@ export function count(value: number | null | undefined): string {
 
 /** Returns a number with fixed digits; "not measurable" is the caller's to say. */
 export function fixed(value: number | null | undefined, digits: number): string {
-  return value === null || value === undefined || Number.isNaN(value) ? "" : value.toFixed(digits);
+  if (value === null || value === undefined || Number.isNaN(value)) return "";
+  return value.toFixed(digits).replace(/^-(?=0(\.0*)?$)/, "");
 }
 
 /** Returns seconds as `8 s`, `3 min 20 s`, `2 h 5 min`. */

@@ -46,8 +46,8 @@ export function NetworkMap({
     void navigate({ to: ".", search: { [to.what]: to.id }, resetScroll: false });
 
   const onMap = (made: DrawnMap) => {
-    const hover = new Highlight(index, made.palette.accent, 0.25);
-    const chosen = new Highlight(index, made.palette.accent, 0.5);
+    const hover = new Highlight(index, made.palette.accent, 0.2);
+    const chosen = new Highlight(index, made.palette.accent, 0.35);
     made.stage.world.addChild(hover, chosen);
     const draw = (changed: boolean) => changed && made.stage.draw();
     made.stage.onHover = (x, y) => {

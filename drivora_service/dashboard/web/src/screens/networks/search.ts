@@ -40,7 +40,10 @@ export function partsNamed(geometry: Geometry, text: string): readonly Part[] {
 /** Returns the lanes of a part, and its box with a margin. */
 export function extentOf(geometry: Geometry, { what, id }: Part): { lanes: string[]; box: Box } {
   const light = what === "traffic light" && geometry.traffic_lights.find((one) => one.id === id);
-  const approaches = new Set(light ? light.links.map((link) => link.lane) : []);
+  const approaches = new Set(
+    // Signals of walkers have no stop line.
+    light ? light.links.filter((link) => link.stop_line).map((link) => link.lane) : [],
+  );
   const lanes = geometry.lanes.filter(
     (lane) =>
       (what === "lane" && lane.id === id) ||

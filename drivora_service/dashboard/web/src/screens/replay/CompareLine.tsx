@@ -111,7 +111,7 @@ export function CompareChoice({ run, put }: { readonly run: Schemas["Run"]; read
     .slice(0, MOST);
   return (
     <details className="choice" onToggle={(event) => setWanted(event.currentTarget.open)}>
-      <summary className="button">Compare with…</summary>
+      <summary className="button">Compare…</summary>
       <div className="list">
         {isPending && wanted && <p className="quiet">Loading</p>}
         {data && found.length === 0 && <p>No other recorded run on {run.town}.</p>}

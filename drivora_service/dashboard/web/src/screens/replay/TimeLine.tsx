@@ -114,7 +114,7 @@ export function TimeLine({
       >
         {ticks(range, 10).map((time) => (
           <span key={time} className="tick" style={{ left: share(time) }}>
-            {time}
+            {time - range.from < 0.97 * (range.to - range.from) && time}
           </span>
         ))}
         {egos.map(({ id, row }) => {
