@@ -145,17 +145,17 @@ def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[A
             try:
                 return Answer(read_reply(call, outcome, terms.service), outcome.retry_after_s)
             except ServiceError as error:
-                fault, may_pass = error, may_pass(outcome)
+                fault, is_passing = error, may_pass(outcome)
                 retry_after_s = outcome.retry_after_s
                 is_harmless = is_repeatable or _was_not_done(outcome, terms.service)
         elif isinstance(outcome, httpx.RequestError):
             fault, retry_after_s = no_answer(outcome, terms.service), None
             is_harmless = is_repeatable
             # What an application in this process does not answer, it would not the next time.
-            may_pass = isinstance(outcome, _PASSING) and not terms.service.is_local
+            is_passing = isinstance(outcome, _PASSING) and not terms.service.is_local
         else:
             raise TypeError("a request has an outcome")
-        wait = patience.wait_s(retry_after_s) if is_harmless and may_pass else None
+        wait = patience.wait_s(retry_after_s) if is_harmless and is_passing else None
         if wait is None:
             raise fault
         terms.on_retry(fault, wait)
