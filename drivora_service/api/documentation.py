@@ -27,6 +27,18 @@ _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
 EVENTS = "text/event-stream"
 """Media type of a stream of events."""
+_COLUMNS: Mapping[str, Any] = {
+    "type": "object",
+    "properties": {
+        "rows": {"type": "integer", "description": "Number of rows."},
+        "columns": {
+            "type": "object",
+            "description": "Values of each column, by its name.",
+            "additionalProperties": {"type": "array", "items": {}},
+        },
+    },
+    "required": ["rows", "columns"],
+}
 _BINARY: Mapping[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
 _DESCRIPTION = """Post scenarios and campaigns, follow them, fetch what was recorded and judged.
@@ -93,6 +105,8 @@ def table_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
     content = {
         CSV: {"schema": {"type": "string"}, "example": example},
         PARQUET: _BINARY,
+        ARROW: _BINARY,
+        JSON: {"schema": _COLUMNS, "example": {"rows": 2, "columns": {"evaluation": [0, 1]}}},
     }
     return _with_errors({"description": "The table", "content": content}, errors)
 

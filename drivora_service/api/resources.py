@@ -26,7 +26,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
         ("campaigns", "/campaigns(:validate|/[^/]*)?"),
         ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries))"),
-        ("evaluations", "/campaigns/[^/]*/(evaluations|failures)(/.*)?"),
+        ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),
         ("failures", "/failures(/.*)?"),
         ("studies", "/studies([/:].*)?"),
         ("events", "/events"),

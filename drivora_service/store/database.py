@@ -19,6 +19,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.store.batches import BatchRepository
+from drivora_service.store.campaign_rows import CampaignRowRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
 from drivora_service.store.campaign_views import CampaignViewRepository
 from drivora_service.store.campaigns import CampaignRepository
@@ -90,6 +91,11 @@ class Transaction:
     def changes(self) -> ChangeRepository:
         """The changes of runs, batches, campaigns and studies."""
         return ChangeRepository(self.session)
+
+    @property
+    def campaign_rows(self) -> CampaignRowRepository:
+        """Campaigns for tables."""
+        return CampaignRowRepository(self.session)
 
     @property
     def found(self) -> FoundRepository:

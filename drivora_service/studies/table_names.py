@@ -1,4 +1,4 @@
-"""The names of the tables of a study, and their forms."""
+"""The names of the tables of studies and campaigns, and their forms."""
 
 from __future__ import annotations
 
@@ -18,3 +18,12 @@ class TableForm(StrEnum):
 
     PARQUET = "application/vnd.apache.parquet"
     CSV = "text/csv"
+    ARROW = "application/vnd.apache.arrow.stream"
+    JSON = "application/json"
+
+
+class CampaignTableName(StrEnum):
+    """The tables of a campaign."""
+
+    EVALUATIONS = "evaluations"
+    FAILURES = "failures"

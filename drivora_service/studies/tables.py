@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from drivora_service.store.campaign_records import CampaignRecord, EvaluationRecord, Failure
 from drivora_service.store.database import Database
-from drivora_service.studies.table_names import TableName
+from drivora_service.studies.table_forms import Row, Table, table_chunks
+from drivora_service.studies.table_names import TableForm, TableName
 
 _PAGE = 500
-_ROW_GROUP = 20_000
-"""Rows that are written together."""
 _CELL = (
     ("study_id", pa.string()),
     ("campaign_id", pa.string()),
@@ -89,33 +85,10 @@ SCHEMAS = {
     ),
 }
 
-Row = dict[str, Any]
 
-
-class _Sink(io.RawIOBase):
-    """A file that is read while it is written, so that it is never in memory as a whole."""
-
-    def __init__(self) -> None:
-        self._parts: list[bytes] = []
-        self._position = 0
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: Any) -> int:
-        part = bytes(data)
-        self._parts.append(part)
-        self._position += len(part)
-        return len(part)
-
-    def tell(self) -> int:
-        return self._position
-
-    def drained(self) -> bytes:
-        """Returns what was written since the last call."""
-        part = b"".join(self._parts)
-        self._parts.clear()
-        return part
+def study_table(database: Database, study_id: str, name: TableName) -> Table:
+    """Returns a table of a study; reading it raises ``UnknownName`` if there is no such study."""
+    return Table(schema=SCHEMAS[name], pages=lambda: _pages(database, study_id, name))
 
 
 def parquet_chunks(database: Database, study_id: str, name: TableName) -> Iterator[bytes]:
@@ -124,18 +97,7 @@ def parquet_chunks(database: Database, study_id: str, name: TableName) -> Iterat
     Raises:
         UnknownName: There is no such study.
     """
-    sink, schema = _Sink(), SCHEMAS[name]
-    waiting: list[Row] = []
-    with pq.ParquetWriter(sink, schema, compression="zstd") as writer:
-        for rows in _pages(database, study_id, name):
-            waiting += rows
-            if len(waiting) >= _ROW_GROUP:
-                writer.write_table(pa.Table.from_pylist(waiting, schema=schema))
-                waiting = []
-                yield sink.drained()
-        if waiting:
-            writer.write_table(pa.Table.from_pylist(waiting, schema=schema))
-    yield sink.drained()
+    return table_chunks(study_table(database, study_id, name), TableForm.PARQUET)
 
 
 def csv_chunks(database: Database, study_id: str, name: TableName) -> Iterator[bytes]:
@@ -144,22 +106,7 @@ def csv_chunks(database: Database, study_id: str, name: TableName) -> Iterator[b
     Raises:
         UnknownName: There is no such study.
     """
-    columns = SCHEMAS[name].names
-    yield _lines([columns])
-    for rows in _pages(database, study_id, name):
-        yield _lines([[_cell(row[column]) for column in columns] for row in rows])
-
-
-def _lines(rows: Sequence[Sequence[object]]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue().encode()
-
-
-def _cell(value: object) -> object:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return " ".join(map(str, value)) if isinstance(value, list) else value
+    return table_chunks(study_table(database, study_id, name), TableForm.CSV)
 
 
 def _pages(database: Database, study_id: str, name: TableName) -> Iterator[Sequence[Row]]:

@@ -189,6 +189,8 @@ class _Recording:
         self._keep(examples.RUN, self._get(run))
         self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
         self._keep(examples.RUN_COUNTS, self._get("/runs:counts"))
+        wanted = "column=id&column=status&column=town&column=agent&column=violations"
+        self._keep(examples.RUN_TABLE, self._table(f"/runs:table?{wanted}", 3))
         picture = self._client.get(f"{PREFIX}{run}/picture").text.splitlines(keepends=True)
         self._keep(examples.PICTURE, "".join(picture[:_LINES]))
         self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
@@ -213,6 +215,9 @@ class _Recording:
         self._keep(examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
         self._keep(examples.FIGURES, self._get(f"{one}/figures"))
         self._keep(examples.DISCOVERIES, self._get(f"{one}/discoveries?points=6&kinds=2"))
+        wanted = "column=evaluation&column=kind&column=at_fault&column=time_s&column=sentence"
+        table = self._table(f"{one}/tables/failures?{wanted}", 3)
+        self._keep(examples.CAMPAIGN_TABLE, table)
         self._keep(examples.FAILURES, self._get(f"{one}/failures?limit=1"))
         failing = self._get(f"{one}/evaluations?violating=true&order=-number&limit=1")
         self._keep(examples.EVALUATIONS, failing)
@@ -335,6 +340,11 @@ class _Recording:
                     break
         text = re.sub(r'(?<="revision":)\d+', str(_REVISION), "".join(events))
         return re.sub(r"^id: .*$", f"id: {_EPOCH}.{_REVISION}", text, flags=re.MULTILINE)
+
+    def _table(self, path: str, lines: int) -> str:
+        answer = self._client.get(f"{PREFIX}{path}", headers={"Accept": "text/csv"})
+        answer.raise_for_status()
+        return "".join(answer.text.splitlines(keepends=True)[:lines])
 
     def _keep(self, example: str, answer: object, *, most: int = _MOST_ITEMS) -> None:
         name = example.removeprefix(examples.RECORDED)

@@ -15,6 +15,7 @@ from drivora_service.api.documentation import (
     observations_answers,
     picture_answers,
     scenario_answers,
+    table_answers,
 )
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Frames, Limit, PageToken
@@ -27,6 +28,7 @@ from drivora_service.api.schemas.campaigns import (
     failure_of,
 )
 from drivora_service.api.security import reader
+from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.confirming import trace_name
 from drivora_service.errors import UnknownName
@@ -42,9 +44,11 @@ from drivora_service.store.campaign_records import (
     FailureFilter,
 )
 from drivora_service.store.records import Page
+from drivora_service.studies.table_names import CampaignTableName
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
+    from drivora_service.studies.table_forms import Table
 
 router = resource_router("campaigns", Depends(reader))
 
@@ -220,6 +224,31 @@ def list_failures(
     items = tuple(failure_of(failure, url) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
     return json_answer(request, Page[Failure], body)
+
+
+@router.get(
+    "/campaigns/{campaign_id:id}/tables/{table}",
+    response_class=Response,
+    responses=table_answers(examples.CAMPAIGN_TABLE, 401, 403, 404, 406, 422),
+)
+def get_table(
+    request: Request,
+    context: Context,
+    campaign_id: str,
+    table: CampaignTableName,
+    columns: Columns = None,
+    after: Annotated[
+        int, Query(ge=-1, le=10**9, description="Only evaluations of greater numbers.")
+    ] = -1,
+) -> Response:
+    """Returns evaluations or failures of a campaign as a table, in a form by `Accept`."""
+
+    def opened() -> Table:
+        from drivora_service.studies.lists_as_tables import campaign_table
+
+        return campaign_table(context.database, campaign_id, table, after=after)
+
+    return table_answer(request, table, opened, columns)
 
 
 def _no_trace(number: int) -> UnknownName:

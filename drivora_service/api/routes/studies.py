@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Query, Request, Response
-from fastapi.responses import StreamingResponse
 
 from drivora_service.api import bodies, examples
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, study_body, table_answers
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.observations import CSV, PARQUET
 from drivora_service.api.parameters import Limit, PageToken, Points
-from drivora_service.api.problems import ApiError
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.studies import Study, StudyInList, study_in_list, study_of
 from drivora_service.api.security import reader, submitter
+from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import CampaignRequest
@@ -31,6 +28,7 @@ from drivora_service.studies.table_names import TableName
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
+    from drivora_service.studies.table_forms import Table
 
 router = resource_router("studies")
 
@@ -217,30 +215,23 @@ def get_bands(
     responses=table_answers(examples.STUDY_TABLE, 401, 403, 404, 406, 422),
     dependencies=[Depends(reader)],
 )
-def get_table(request: Request, context: Context, study_id: str, table: TableName) -> Response:
-    """Returns campaigns, evaluations or failures of a study as CSV, or as Parquet by `Accept`."""
-    from drivora_service.studies.tables import csv_chunks, parquet_chunks
-
+def get_table(
+    request: Request,
+    context: Context,
+    study_id: str,
+    table: TableName,
+    columns: Columns = None,
+) -> Response:
+    """Returns campaigns, evaluations or failures of a study as a table, in a form by `Accept`."""
     with context.database.read() as transaction:
         transaction.studies.get(study_id)
-    accept = request.headers.get("accept", "*/*")
-    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
-    if PARQUET in kinds:
-        chunks, form, suffix = parquet_chunks, PARQUET, "parquet"
-    elif kinds & {"*/*", "text/*", CSV}:
-        chunks, form, suffix = csv_chunks, CSV, "csv"
-    else:
-        message = f"tables come as {CSV} or {PARQUET}, not {accept!r}"
-        raise ApiError(HTTPStatus.NOT_ACCEPTABLE, message)
-    return StreamingResponse(
-        chunks(context.database, study_id, table),
-        media_type=form,
-        headers={
-            "Content-Disposition": f'attachment; filename="{table}.{suffix}"',
-            "Cache-Control": "private, no-cache",
-            "Vary": "Accept, Authorization",
-        },
-    )
+
+    def opened() -> Table:
+        from drivora_service.studies.tables import study_table
+
+        return study_table(context.database, study_id, table)
+
+    return table_answer(request, table, opened, columns)
 
 
 def _asked(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:

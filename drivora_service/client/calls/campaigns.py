@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     )
     from drivora_service.studies.comparing import Comparison
     from drivora_service.studies.discoveries import CampaignDiscoveries
+    from drivora_service.studies.table_names import CampaignTableName, TableForm
 
 _CAMPAIGN = f"{PREFIX}/campaigns/{{campaign_id}}"
 
@@ -215,6 +216,35 @@ def evaluation_picture(campaign_id: str, number: int, *, moments: int | None = N
         query={"moments": moments},
         campaign_id=campaign_id,
         number=number,
+    )
+
+
+def campaign_table(
+    campaign_id: str,
+    table: CampaignTableName,
+    *,
+    columns: Sequence[str] = (),
+    after: int | None = None,
+    form: TableForm | None = None,
+) -> Call[bytes]:
+    """Returns the evaluations or failures of a campaign as a file.
+
+    Args:
+        campaign_id: Id of the campaign.
+        table: Which table.
+        columns: Names of its columns; empty: all.
+        after: Only evaluations of greater numbers; ``None``: all.
+        form: As which file; ``None``: Parquet.
+    """
+    from drivora_service.studies.table_names import TableForm
+
+    return get(
+        f"{_CAMPAIGN}/tables/{{table}}",
+        bytes,
+        query={"column": tuple(columns), "after": after},
+        accept=form or TableForm.PARQUET,
+        campaign_id=campaign_id,
+        table=table,
     )
 
 

@@ -132,12 +132,19 @@ def study_bands(
     return get(f"{_STUDY}/bands", StudyBands, query=query, study_id=study_id)
 
 
-def study_table(study_id: str, table: TableName, *, form: TableForm | None = None) -> Call[bytes]:
+def study_table(
+    study_id: str,
+    table: TableName,
+    *,
+    columns: Sequence[str] = (),
+    form: TableForm | None = None,
+) -> Call[bytes]:
     """Returns the campaigns, evaluations or failures of a study as a file.
 
     Args:
         study_id: Id of the study.
         table: Which table.
+        columns: Names of its columns; empty: all.
         form: As which file; ``None``: Parquet.
     """
     from drivora_service.studies.table_names import TableForm
@@ -145,6 +152,7 @@ def study_table(study_id: str, table: TableName, *, form: TableForm | None = Non
     return get(
         f"{_STUDY}/tables/{{table}}",
         bytes,
+        query={"column": tuple(columns)},
         accept=form or TableForm.PARQUET,
         study_id=study_id,
         table=table,

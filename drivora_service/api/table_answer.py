@@ -1,0 +1,78 @@
+"""Answers that are tables, in the form that the client accepts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Query, Request, Response
+from fastapi.responses import StreamingResponse
+
+from drivora_service.api.conditional import JSON
+from drivora_service.api.problems import ApiError
+from drivora_service.studies.table_names import TableForm
+
+if TYPE_CHECKING:
+    from drivora_service.studies.table_forms import Table
+
+Columns = Annotated[
+    list[str] | None,
+    Query(alias="column", max_length=100, description="Only these; may be repeated."),
+]
+
+_SUFFIXES = {
+    TableForm.PARQUET: "parquet",
+    TableForm.ARROW: "arrow",
+    TableForm.JSON: "json",
+    TableForm.CSV: "csv",
+}
+
+
+def accepted_form(request: Request) -> TableForm:
+    """Returns the form that a client accepts; CSV if it names none of them.
+
+    Raises:
+        ApiError: It accepts other forms only (406).
+    """
+    accept = request.headers.get("accept", "*/*")
+    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
+    for form in (TableForm.PARQUET, TableForm.ARROW, TableForm.JSON):
+        if form in kinds:
+            return form
+    if kinds & {"*/*", "text/*", TableForm.CSV}:
+        return TableForm.CSV
+    message = f"tables come as {', '.join(TableForm)}, not {accept!r}"
+    raise ApiError(HTTPStatus.NOT_ACCEPTABLE, message)
+
+
+def table_answer(
+    request: Request, name: str, opened: Callable[[], Table], columns: list[str] | None
+) -> Response:
+    """Answers with a table.
+
+    Args:
+        request: The request.
+        name: Name of the file, without its suffix.
+        opened: Opens the table.
+        columns: Columns that the client wants; none: all.
+
+    Raises:
+        ApiError: The client accepts none of the forms (406).
+        UnknownName: There is no such column.
+        InvalidDocument: There are too many rows for JSON.
+    """
+    from drivora_service.studies.table_forms import chosen_columns, table_chunks
+
+    form = accepted_form(request)
+    table = chosen_columns(opened(), columns or ())
+    headers = {
+        "Content-Disposition": f'attachment; filename="{name}.{_SUFFIXES[form]}"',
+        "Cache-Control": "private, no-cache",
+        "Vary": "Accept, Authorization",
+    }
+    if form is TableForm.JSON:
+        # In memory as a whole, so that it can still be refused.
+        content = b"".join(table_chunks(table, form))
+        return Response(content, media_type=JSON, headers=headers)
+    return StreamingResponse(table_chunks(table, form), media_type=form, headers=headers)
