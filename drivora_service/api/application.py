@@ -24,6 +24,7 @@ from drivora_service.api.request_times import RequestTimes, TimedRequests
 from drivora_service.api.resources import Resources, ResourcesOnDemand
 from drivora_service.api.write_gate import WriteGate
 from drivora_service.api_paths import PREFIX
+from drivora_service.studies.coverage_memory import CoverageMemory
 
 _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Content security policy of the page of the API."""
@@ -59,6 +60,7 @@ def create_api(
     )
     api.state.context = context
     api.state.pictures = Pictures()
+    api.state.coverages = CoverageMemory()
     times = api.state.request_times = RequestTimes()
     methods = MethodTable()
     resources = Resources(api, methods)

@@ -25,7 +25,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("runs", "/runs([/:].*)?"),
         ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
         ("campaigns", "/campaigns(:validate|/[^/]*)?"),
-        ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries))"),
+        ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries|coverage))"),
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),
         ("failures", "/failures(/.*)?"),
         ("studies", "/studies([/:].*)?"),

@@ -179,6 +179,7 @@ class Operations:
     save_campaign_table = Saved(campaign_calls.campaign_table)
     failures = Listed(campaign_calls.failures)
     figures = Answered(campaign_calls.figures)
+    coverage = Answered(campaign_calls.coverage)
     discoveries = Answered(campaign_calls.discoveries)
     compare_campaigns = Answered(campaign_calls.compare_campaigns)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic_core import from_json
@@ -14,9 +15,28 @@ from drivora_service.oracles.failure_facts import avoidable_until, failure_sente
 from drivora_service.oracles.verdict_json import verdict_from_json
 from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
+from drivora_service.store.tables import DocumentRow
 
 Row = dict[str, Any]
 """Values by column."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CandidateRow:
+    """A candidate and whether it failed, for counts of what was tried.
+
+    Attributes:
+        document: Canonical JSON of its scenario; "" if it is invalid.
+        accountability: The strongest of its failures, or ``None``.
+    """
+
+    number: int
+    seed_number: int
+    status: str
+    violations: int
+    accountability: str | None
+    genes: tuple[float, ...]
+    document: str
 
 
 class CampaignRowRepository:
@@ -54,6 +74,48 @@ class CampaignRowRepository:
             .limit(limit)
         )
         return tuple(_evaluation(row) for row in rows)
+
+    def candidates(
+        self, campaign_id: str, *, after: int = -1, limit: int = 500
+    ) -> tuple[CandidateRow, ...]:
+        """Returns candidates in the order of their numbers.
+
+        Args:
+            campaign_id: Id of the campaign.
+            after: Only those of greater numbers.
+            limit: Greatest number of candidates.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        rows = self._session.execute(
+            select(
+                EvaluationRow.number,
+                EvaluationRow.seed_number,
+                EvaluationRow.status,
+                EvaluationRow.violations,
+                EvaluationRow.accountability,
+                EvaluationRow.genes,
+                DocumentRow.body,
+            )
+            .outerjoin(DocumentRow, DocumentRow.sha256 == EvaluationRow.document_sha256)
+            .where(EvaluationRow.campaign_seq == campaign.seq, EvaluationRow.number > after)
+            .order_by(EvaluationRow.number)
+            .limit(limit)
+        )
+        return tuple(
+            CandidateRow(
+                number=number,
+                seed_number=seed_number,
+                status=status,
+                violations=violations,
+                accountability=degree,
+                genes=tuple(json.loads(genes)),
+                document=body or "",
+            )
+            for number, seed_number, status, violations, degree, genes, body in rows
+        )
 
     def failures(
         self, campaign_id: str, *, after: int = -1, evaluations: int = 500

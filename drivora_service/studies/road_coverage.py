@@ -64,13 +64,31 @@ class RoadCoverage:
     @property
     def covered(self) -> NDArray[np.bool_]:
         """(n,) whether each cell is covered, lane by lane."""
-        covered: NDArray[np.bool_] = np.cumsum(self._begun)[:-1] > 0
+        covered: NDArray[np.bool_] = self._cell_counts > 0
         return covered
 
-    def add(self, scenarios: Sequence[Scenario]) -> None:
-        """Covers the lanes that scenarios on this network use."""
-        joined = [way for scenario in scenarios for way in _joined_ways(scenario)]
-        single = [way for scenario in scenarios for way in _straight_ways(scenario)]
+    @property
+    def _cell_counts(self) -> NDArray[np.int64]:
+        """(n,) ways and places on each cell, lane by lane."""
+        counts: NDArray[np.int64] = np.cumsum(self._begun)[:-1]
+        return counts
+
+    def counts_by_lane(self) -> tuple[NDArray[np.int64], ...]:
+        """Returns how many ways and places are on each cell, an array for each lane."""
+        return tuple(np.split(self._cell_counts, self._firsts[1:-1]))
+
+    def add(self, scenarios: Sequence[Scenario], *, only_egos: bool = False) -> None:
+        """Covers the lanes that scenarios on this network use.
+
+        Args:
+            scenarios: The scenarios.
+            only_egos: Whether other actors are left out.
+        """
+        joined = [way for scenario in scenarios for way in _ego_ways(scenario)]
+        single: list[FloatArray] = []
+        if not only_egos:
+            joined += [way for scenario in scenarios for way in _joined_ways(scenario)]
+            single += [way for scenario in scenarios for way in _straight_ways(scenario)]
         if joined:
             self._add_joined(joined)
         if single:
@@ -115,10 +133,14 @@ class RoadCoverage:
         np.add.at(self._begun, self._firsts[lanes] + last_cells + 1, -1)
 
 
-def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
-    """Yields (n, 3) places of each vehicle that follows lanes between them."""
+def _ego_ways(scenario: Scenario) -> Iterator[FloatArray]:
+    """Yields (n, 3) places of each ego."""
     for ego in scenario.ego_vehicles:
         yield _places(ego.route)
+
+
+def _joined_ways(scenario: Scenario) -> Iterator[FloatArray]:
+    """Yields (n, 3) places of each other vehicle that follows lanes between them."""
     for npc in scenario.npc_vehicles:
         if npc.behavior is not NpcBehavior.REPLAY:
             yield _places(npc.route)

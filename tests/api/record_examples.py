@@ -214,6 +214,7 @@ class _Recording:
         self._keep(examples.FINISHED_CAMPAIGN, self._finished(one))
         self._keep(examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
         self._keep(examples.FIGURES, self._get(f"{one}/figures"))
+        self._keep(examples.COVERAGE, self._get(f"{one}/coverage"))
         self._keep(examples.DISCOVERIES, self._get(f"{one}/discoveries?points=6&kinds=2"))
         wanted = "column=evaluation&column=kind&column=at_fault&column=time_s&column=sentence"
         table = self._table(f"{one}/tables/failures?{wanted}", 3)

@@ -18,6 +18,8 @@ from drivora_service.shapes import combine
 from drivora_service.store.campaign_findings import campaign_findings
 from drivora_service.studies.comparing import Comparison, compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
+from drivora_service.studies.coverage_memory import CoverageMemory
+from drivora_service.studies.coverage_values import CampaignCoverage
 from drivora_service.studies.discoveries import CampaignDiscoveries, discoveries_of
 
 router = resource_router("campaigns", Depends(reader))
@@ -94,3 +96,29 @@ def get_discoveries(
         found = campaign_findings(transaction.session, campaign_id)
     body = discoveries_of(campaign_id, found, points=points, kinds=kinds)
     return json_answer(request, CampaignDiscoveries, body)
+
+
+@router.get(
+    "/campaigns/{campaign_id:id}/coverage",
+    response_model=CampaignCoverage,
+    responses=answers(examples.COVERAGE, 401, 403, 404),
+)
+def get_coverage(request: Request, context: Context, campaign_id: str) -> Response:
+    """Returns the roads, values of genes and kinds of scenarios that a campaign has tried.
+
+    One request counts at most 1,000 evaluations that were not counted before; ask again while
+    `counted` is less than `evaluations`.
+    """
+    from drivora_service.studies.campaign_coverage import CoverageCounts
+
+    with context.database.read() as transaction:
+        campaign = transaction.campaigns.get(campaign_id)
+    memory: CoverageMemory = request.app.state.coverages
+    coverage = memory.coverage(
+        context.database,
+        campaign_id,
+        lambda: CoverageCounts(
+            context.networks, lambda place: context.gene_spaces.of(campaign, place)
+        ),
+    )
+    return json_answer(request, CampaignCoverage, coverage)

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         FailureFilter,
     )
     from drivora_service.studies.comparing import Comparison
+    from drivora_service.studies.coverage_values import CampaignCoverage
     from drivora_service.studies.discoveries import CampaignDiscoveries
     from drivora_service.studies.table_names import CampaignTableName, TableForm
 
@@ -271,6 +272,16 @@ def figures(campaign_id: str) -> Call[Figures]:
     from drivora_service.api.schemas.comparisons import Figures
 
     return get(f"{_CAMPAIGN}/figures", Figures, campaign_id=campaign_id)
+
+
+def coverage(campaign_id: str) -> Call[CampaignCoverage]:
+    """Returns the roads, values of genes and kinds of scenarios that a campaign has tried.
+
+    Ask again while ``counted`` is less than ``evaluations``.
+    """
+    from drivora_service.studies.coverage_values import CampaignCoverage
+
+    return get(f"{_CAMPAIGN}/coverage", CampaignCoverage, campaign_id=campaign_id)
 
 
 def discoveries(
