@@ -26,7 +26,9 @@ from drivora_service.store.campaign_records import (
     EvaluationFilter,
     FailureFilter,
 )
+from drivora_service.store.found_records import FoundFilter
 from drivora_service.store.records import BatchState, JobFilter, Priority
+from drivora_service.studies.table_names import CampaignTableName
 
 
 def broken(scenario: dict[str, Any]) -> dict[str, Any]:
@@ -317,3 +319,50 @@ def test_a_campaign_is_paused_resumed_and_cancelled(client: Client) -> None:
     assert resumed.state in (CampaignState.QUEUED, CampaignState.RUNNING)
     client.cancel_campaign(posted.id)
     assert client.follow_campaign(posted.id).state is CampaignState.CANCELLED
+
+
+def test_the_curves_the_coverage_and_the_tables_of_a_campaign(
+    client: Client, campaign: Campaign
+) -> None:
+    found = client.discoveries(campaign.id, points=5)
+    assert found.simulations == campaign.simulations
+    assert found.avoidable[-1] + found.others[-1] == campaign.counts.violating
+    coverage = client.coverage(campaign.id)
+    assert (coverage.counted, coverage.simulations) == (6, 6)
+    content = client.campaign_table(
+        campaign.id, CampaignTableName.EVALUATIONS, columns=["evaluation", "violations"]
+    )
+    table = pq.read_table(io.BytesIO(content))
+    assert table.column_names == ["evaluation", "violations"]
+    assert table.num_rows == campaign.counts.evaluations
+
+
+def test_failures_of_all_campaigns_and_their_groups(client: Client, campaign: Campaign) -> None:
+    wanted = FoundFilter(campaign_id=campaign.id)
+    found = tuple(client.found_failures(wanted))
+    assert [(one.evaluation, one.place) for one in reversed(found)] == [
+        (one.evaluation, one.place) for one in client.failures(campaign.id)
+    ]
+    assert client.found_failure(found[0].id) == found[0]
+    groups = tuple(client.failure_groups(wanted))
+    assert sum(group.failures for group in groups) == len(found)
+    recorded = next(one for one in found if one.picture_url)
+    assert recorded.evaluation is not None
+    picture = client.evaluation_picture(campaign.id, recorded.evaluation, moments=2)
+    assert b"<svg" in picture
+
+
+def test_runs_are_counted_drawn_and_put_into_a_table(client: Client, runs: tuple[Run, ...]) -> None:
+    wanted = JobFilter(batch_id=runs[0].batch_id)
+    assert client.run_counts(wanted).total == len(runs)
+    oldest = tuple(client.runs(wanted, oldest_first=True))
+    assert [run.id for run in oldest] == [run.id for run in reversed(tuple(client.runs(wanted)))]
+    content = client.run_table(wanted, columns=["id"], oldest_first=True)
+    table = pq.read_table(io.BytesIO(content))
+    assert table.column("id").to_pylist() == [run.id for run in oldest]
+    assert b"<svg" in client.run_picture(runs[0].id, moments=2)
+
+
+def test_metrics_are_described(client: Client, runs: tuple[Run, ...]) -> None:
+    described = {one.name for one in client.describe_metrics().items}
+    assert set(runs[0].metrics) <= described
