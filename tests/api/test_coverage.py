@@ -125,7 +125,7 @@ def test_a_request_counts_only_so_many_and_goes_on_where_it_ended(
     whole = CoverageMemory().coverage(context.database, record.id, made)
     assert whole.counted == record.counts.evaluations > 3
     memory = CoverageMemory(most_at_once=3)
-    counted = []
+    counted: list[int] = []
     while not counted or counted[-1] < whole.counted:
         part = memory.coverage(context.database, record.id, made)
         counted.append(part.counted)

@@ -177,6 +177,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/campaigns/{campaign_id}/coverage": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Coverage
+         * @description Returns the roads, values of genes and kinds of scenarios that a campaign has tried.
+         *
+         *     One request counts at most 1,000 evaluations that were not counted before; ask again while
+         *     `counted` is less than `evaluations`.
+         */
+        get: operations["get_coverage_api_v1_campaigns__campaign_id__coverage_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/campaigns/{campaign_id}/discoveries": {
         parameters: {
             query?: never;
@@ -329,6 +352,26 @@ export interface paths {
          * @description Returns the figures of a campaign so far, by which campaigns are compared.
          */
         get: operations["get_figures_api_v1_campaigns__campaign_id__figures_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/campaigns/{campaign_id}/tables/{table}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Table
+         * @description Returns evaluations or failures of a campaign as a table, in a form by `Accept`.
+         */
+        get: operations["get_table_api_v1_campaigns__campaign_id__tables__table__get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -868,6 +911,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/runs:table": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Table
+         * @description Returns the runs that pass a filter as a table, in a form by `Accept`.
+         */
+        get: operations["get_table_api_v1_runs_table_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/scenarios:validate": {
         parameters: {
             query?: never;
@@ -1013,7 +1076,7 @@ export interface paths {
         };
         /**
          * Get Table
-         * @description Returns campaigns, evaluations or failures of a study as CSV, or as Parquet by `Accept`.
+         * @description Returns campaigns, evaluations or failures of a study as a table, in a form by `Accept`.
          */
         get: operations["get_table_api_v1_studies__study_id__tables__table__get"];
         put?: never;
@@ -1780,6 +1843,44 @@ export interface components {
             violating: number;
         };
         /**
+         * CampaignCoverage
+         * @description What the scenarios of a campaign cover.
+         */
+        CampaignCoverage: {
+            /** Campaign Id */
+            campaign_id: string;
+            /**
+             * Counted
+             * @description Evaluations that are counted; ask again for the others where these are fewer.
+             */
+            counted: number;
+            /**
+             * Evaluations
+             * @description Evaluations of the campaign so far.
+             */
+            evaluations: number;
+            /**
+             * Genes
+             * @description Genes that vary, by seed scenario; empty if they are not known any more.
+             */
+            genes: components["schemas"]["GeneCoverage"][];
+            /**
+             * Kinds
+             * @description Kinds of scenarios, the most frequent first.
+             */
+            kinds: components["schemas"]["ScenarioKind"][];
+            /**
+             * Networks
+             * @description By road network.
+             */
+            networks: components["schemas"]["NetworkCoverage"][];
+            /**
+             * Simulations
+             * @description Simulated candidates among them.
+             */
+            simulations: number;
+        };
+        /**
          * CampaignDiscoveries
          * @description The failures of a campaign against simulations.
          */
@@ -2157,6 +2258,12 @@ export interface components {
              */
             updated_at: string;
         };
+        /**
+         * CampaignTableName
+         * @description The tables of a campaign.
+         * @enum {string}
+         */
+        CampaignTableName: "evaluations" | "failures";
         /**
          * CampaignValidation
          * @description A campaign that can be run.
@@ -3142,6 +3249,46 @@ export interface components {
             value: number;
         };
         /**
+         * GeneCoverage
+         * @description The values of a gene that were tried, in bins from its least to its greatest value.
+         */
+        GeneCoverage: {
+            /**
+             * Avoidable
+             * @description Those with a failure that is the fault of an ego and avoidable.
+             */
+            avoidable: number[];
+            /**
+             * Block
+             * @description Name of the block of genes.
+             */
+            block: string;
+            /**
+             * Failing
+             * @description Those with a failure.
+             */
+            failing: number[];
+            /** High */
+            high: number;
+            kind: components["schemas"]["GeneKind"];
+            /** Low */
+            low: number;
+            /** Name */
+            name: string;
+            /**
+             * Seed Number
+             * @description Place of the seed scenario in the campaign, from 0.
+             */
+            seed_number: number;
+            /**
+             * Simulations
+             * @description For each bin, simulations with a value in it.
+             */
+            simulations: number[];
+            /** Unit */
+            unit: string;
+        };
+        /**
          * GeneKind
          * @description The meaning of a gene's values.
          * @enum {string}
@@ -3269,6 +3416,27 @@ export interface components {
             wall_time_s: number | null;
         };
         JsonValue: unknown;
+        /**
+         * LaneCoverage
+         * @description How often scenarios lead over the pieces of a lane, which are equally long.
+         */
+        LaneCoverage: {
+            /**
+             * Actors
+             * @description For each piece: ways and places of all actors.
+             */
+            actors: number[];
+            /**
+             * Egos
+             * @description For each piece, from the lane's begin: ways of egos over it.
+             */
+            egos: number[];
+            /**
+             * Lane
+             * @description Id of the lane.
+             */
+            lane: string;
+        };
         /**
          * LaneGeometry
          * @description A lane as a line with a width.
@@ -3645,6 +3813,32 @@ export interface components {
             traffic_lights: number;
         };
         /**
+         * NetworkCoverage
+         * @description The lanes of a road network that scenarios use.
+         */
+        NetworkCoverage: {
+            /**
+             * Ego Share
+             * @description Share that egos use.
+             */
+            ego_share: number;
+            /**
+             * Lanes
+             * @description Lanes with any use.
+             */
+            lanes: components["schemas"]["LaneCoverage"][];
+            /**
+             * Network
+             * @description Name of the road network.
+             */
+            network: string;
+            /**
+             * Share
+             * @description Share of the length of its drivable lanes that any actor uses.
+             */
+            share: number;
+        };
+        /**
          * NetworkGeometry
          * @description All that is needed to draw a network.
          */
@@ -3864,6 +4058,12 @@ export interface components {
          * @enum {string}
          */
         Order: "number" | "-number";
+        /**
+         * Others
+         * @description A kind of actors that a scenario places.
+         * @enum {string}
+         */
+        Others: "vehicles" | "walkers" | "obstacles" | "egos" | "none";
         /**
          * Outcome
          * @description The three possible outcomes of an oracle.
@@ -4703,6 +4903,30 @@ export interface components {
             version: "1.0";
             /** @description Weather; clear by default. */
             weather?: components["schemas"]["WeatherDocument"];
+        };
+        /**
+         * ScenarioKind
+         * @description Simulations of one kind: an ego's turn, with one kind of other actors.
+         *
+         *     A scenario with several kinds of other actors, or egos with several turns, counts in each.
+         */
+        ScenarioKind: {
+            /**
+             * Avoidable
+             * @description Those with a failure that is the fault of an ego and avoidable.
+             */
+            avoidable: number;
+            /**
+             * Failing
+             * @description Those with a failure.
+             */
+            failing: number;
+            /** @description Kind of other actors. */
+            others: components["schemas"]["Others"];
+            /** Simulations */
+            simulations: number;
+            /** @description Turn of an ego. */
+            turn: components["schemas"]["Turn"];
         };
         /**
          * SeedDocument
@@ -5820,6 +6044,12 @@ export interface components {
              */
             yellow_time: number | null;
         };
+        /**
+         * Turn
+         * @description The change of an ego's heading from the start to the end of its route.
+         * @enum {string}
+         */
+        Turn: "straight" | "left" | "right" | "back" | "unknown";
         /**
          * Validation
          * @description A scenario that can be run.
@@ -6964,6 +7194,73 @@ export interface operations {
             };
         };
     };
+    get_coverage_api_v1_campaigns__campaign_id__coverage_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                campaign_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CampaignCoverage"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     get_discoveries_api_v1_campaigns__campaign_id__discoveries_get: {
         parameters: {
             query?: {
@@ -7560,6 +7857,103 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_table_api_v1_campaigns__campaign_id__tables__table__get: {
+        parameters: {
+            query?: {
+                /** @description Only these; may be repeated. */
+                column?: string[] | null;
+                /** @description Only evaluations of greater numbers. */
+                after?: number;
+            };
+            header?: never;
+            path: {
+                campaign_id: string;
+                table: components["schemas"]["CampaignTableName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The table */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        /** @description Values of each column, by its name. */
+                        columns: {
+                            [key: string]: unknown[];
+                        };
+                        /** @description Number of rows. */
+                        rows: number;
+                    };
+                    "application/vnd.apache.arrow.stream": string;
+                    "application/vnd.apache.parquet": string;
+                    /**
+                     * @example evaluation,kind,at_fault,time_s,sentence
+                     *     20,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 15.6 m/s (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     *     23,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 15.6 m/s (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     */
+                    "text/csv": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -9658,6 +10052,117 @@ export interface operations {
             };
         };
     };
+    get_table_api_v1_runs_table_get: {
+        parameters: {
+            query?: {
+                /** @description Only these; may be repeated. */
+                column?: string[] | null;
+                /** @description Order of the runs. */
+                order?: components["schemas"]["RunOrder"];
+                /** @description Of this batch. */
+                batch?: string;
+                /** @description In any of these states. */
+                status?: components["schemas"]["RunStatus"][] | null;
+                /** @description Driven by this agent. */
+                agent?: string;
+                /** @description On this network. */
+                town?: string;
+                /** @description With the verdict `outcome` of this oracle. */
+                oracle?: string;
+                /** @description See `oracle`. */
+                outcome?: components["schemas"]["Outcome"];
+                /** @description See `oracle`: by the fault of an ego, or not. Without `oracle`: with a violation by the fault of an ego, or with violations, but none by its fault. */
+                at_fault?: boolean | null;
+                /** @description The strongest of its violations is this. */
+                accountability?: components["schemas"]["Accountability"] | null;
+                /** @description With, or without, any violation. */
+                violated?: boolean | null;
+                /** @description Of this scenario. */
+                scenario_sha256?: string;
+                /** @description Of this campaign, if the service runs or ran it. */
+                campaign?: string;
+                /** @description Submitted at this time or later. */
+                since?: string | null;
+                /** @description Submitted before this time. */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The table */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        /** @description Values of each column, by its name. */
+                        columns: {
+                            [key: string]: unknown[];
+                        };
+                        /** @description Number of rows. */
+                        rows: number;
+                    };
+                    "application/vnd.apache.arrow.stream": string;
+                    "application/vnd.apache.parquet": string;
+                    /**
+                     * @example id,status,town,agent,violations
+                     *     0193a5b0c4d2000000000006,finished,tee-town,idm,0
+                     *     0193a5b0c4d2000000000004,cancelled,tee-town,idm,
+                     */
+                    "text/csv": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     validate_scenario_api_v1_scenarios_validate_post: {
         parameters: {
             query?: {
@@ -10283,7 +10788,10 @@ export interface operations {
     };
     get_table_api_v1_studies__study_id__tables__table__get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only these; may be repeated. */
+                column?: string[] | null;
+            };
             header?: never;
             path: {
                 study_id: string;
@@ -10299,6 +10807,15 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
+                    "application/json": {
+                        /** @description Values of each column, by its name. */
+                        columns: {
+                            [key: string]: unknown[];
+                        };
+                        /** @description Number of rows. */
+                        rows: number;
+                    };
+                    "application/vnd.apache.arrow.stream": string;
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example study_id,campaign_id,scenario,agent,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
@@ -10782,13 +11299,13 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 0.0
+                     *     drivora_slot_busy{slot="slot-0"} 1.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 0.0
                      */
                     "text/plain": string;
                 };
