@@ -3,6 +3,8 @@ import { csvOf, type Numbers, pngOf, store, svgOf } from "./export";
 
 export interface FigureProps {
   readonly title: string;
+  /** Level of the title among the headings of the screen. */
+  readonly level?: 2 | 3;
   /** One sentence that says what the figure shows. */
   readonly note?: ReactNode;
   /** Name of stored files, without an ending. */
@@ -13,7 +15,7 @@ export interface FigureProps {
 }
 
 /** A drawing with its title, its numbers as a table, and its files: SVG, PNG and CSV. */
-export function Figure({ title, note, file, numbers, children }: FigureProps) {
+export function Figure({ title, level = 3, note, file, numbers, children }: FigureProps) {
   const room = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   useLayoutEffect(() => {
@@ -39,7 +41,7 @@ export function Figure({ title, note, file, numbers, children }: FigureProps) {
   return (
     <figure className="figure">
       <figcaption>
-        <h3>{title}</h3>
+        {level === 2 ? <h2>{title}</h2> : <h3>{title}</h3>}
         {note && <p>{note}</p>}
         <div className="files">
           {Object.entries(files).map(([name, save]) => (

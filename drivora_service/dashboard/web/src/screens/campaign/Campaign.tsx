@@ -11,6 +11,7 @@ import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
 import { Ancestry } from "./Ancestry";
+import { Coverage } from "./Coverage";
 import { Evaluations } from "./Evaluations";
 import { Found } from "./Found";
 import { Kinds } from "./Kinds";
@@ -39,6 +40,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const tabs = [
     { name: "failures", title: "Failures", count: campaign.counts.violating },
     { name: "objectives", title: "Objectives" },
+    { name: "coverage", title: "Coverage" },
     { name: "ancestry", title: "Ancestry" },
     { name: "evaluations", title: "Evaluations", count: campaign.counts.evaluations },
     { name: "settings", title: "Settings" },
@@ -78,6 +80,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       <Tabs tabs={tabs} open={open} search={search} />
       {open === "failures" && <Kinds campaign={campaign} />}
       {open === "objectives" && <Objectives campaign={campaign} />}
+      {open === "coverage" && <Coverage campaign={campaign} />}
       {open === "ancestry" && <Ancestry campaign={campaign} />}
       {open === "evaluations" && <Evaluations campaign={campaign} />}
       {open === "settings" && <Settings campaign={campaign} />}

@@ -35,6 +35,7 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
     : [];
   return (
     <Figure
+      level={2}
       title="Failures against simulations"
       note={
         random

@@ -23,6 +23,13 @@ const FILTERS = [
     words: ACCOUNTABILITY_WORDS,
     single: true,
   },
+  {
+    name: "at_fault",
+    title: "At fault",
+    values: ["true", "false"],
+    words: { true: "an ego at fault", false: "no ego at fault" },
+    single: true,
+  },
   { name: "confirmation", title: "Second run", values: CONFIRMATIONS, single: true },
   { name: "oracle", title: "Oracle", single: true },
 ] as const;
@@ -55,11 +62,13 @@ export function Kinds({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
         </Link>
       ),
     },
-    numeric("failures", "Simulations", ({ failures }) => failures),
-    numeric("at_fault", "At fault", ({ at_fault }) => at_fault),
-    numeric("avoidable", "Avoidable", ({ avoidable }) => avoidable),
-    numeric("confirmed", "Confirmed", ({ confirmed }) => confirmed),
-    numeric("flaky", "Flaky", ({ flaky }) => flaky),
+    counted("failures", "Simulations", ({ failures }) => failures, {}),
+    counted("at_fault", "At fault", ({ at_fault }) => at_fault, { at_fault: "true" }),
+    counted("avoidable", "Avoidable", ({ avoidable }) => avoidable, {
+      accountability: "avoidable",
+    }),
+    counted("confirmed", "Confirmed", ({ confirmed }) => confirmed, { confirmation: "confirmed" }),
+    counted("flaky", "Flaky", ({ flaky }) => flaky, { confirmation: "flaky" }),
     numeric("groups", "Groups", ({ groups }) => groups),
     {
       id: "first",
@@ -104,6 +113,29 @@ function numeric(id: string, title: string, of: (kind: Kind) => number | null): 
     width: "92px",
     numeric: true,
     cell: (kind) => of(kind) ?? <span title="Not grouped yet">not yet</span>,
+  };
+}
+
+/** A count that leads to the failures that it counts. */
+function counted(
+  id: string,
+  title: string,
+  of: (kind: Kind) => number,
+  filter: Readonly<Record<string, string>>,
+): Column<Kind> {
+  return {
+    id,
+    title,
+    width: "92px",
+    numeric: true,
+    cell: (kind) =>
+      of(kind) === 0 ? (
+        <span className="quiet">0</span>
+      ) : (
+        <Link to="." search={{ tab: "failures", kind: kind.kind, ...filter }} resetScroll={false}>
+          {count(of(kind))}
+        </Link>
+      ),
   };
 }
 
@@ -178,7 +210,9 @@ function Violations({ campaign }: { readonly campaign: string }) {
   const oracle = firstOf(search, "oracle");
   const accountability = one(ACCOUNTABILITIES, firstOf(search, "accountability"));
   const confirmation = one(CONFIRMATIONS, firstOf(search, "confirmation"));
+  const atFault = firstOf(search, "at_fault");
   const filters = {
+    ...(atFault ? { at_fault: atFault === "true" } : {}),
     ...(kind ? { kind } : {}),
     ...(oracle ? { oracle } : {}),
     ...(accountability ? { accountability } : {}),

@@ -39,6 +39,7 @@ export function CurvesTogether({
         with failures that do not count
       </label>
       <Figure
+        level={2}
         title={all ? "Failures against simulations" : "Failures that count against simulations"}
         note={campaigns.length > SHOWN ? `The first ${SHOWN} campaigns.` : undefined}
         file="campaigns"

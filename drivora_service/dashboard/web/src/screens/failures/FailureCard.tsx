@@ -7,6 +7,13 @@ import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
 import { ACCOUNTABILITY } from "./words";
 
+/** Why a failure has no picture. */
+export function whyNone({ confirmation }: Schemas["FoundFailure"]): string {
+  return confirmation === "open"
+    ? "drawn after the second run, at the end of the campaign"
+    : "nothing was recorded";
+}
+
 /** A failure: its picture, its sentence, and where it comes from. */
 export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailure"] }) {
   const { verdict, campaign_id, evaluation, accountability } = failure;
@@ -15,7 +22,11 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
     : "";
   return (
     <section className="panel failure-card" aria-live="polite">
-      <Picture src={failure.picture_url} alt={`Moments of: ${failure.sentence}`} />
+      <Picture
+        src={failure.picture_url}
+        alt={`Moments of: ${failure.sentence}`}
+        none={whyNone(failure)}
+      />
       <div className="inside">
         <p>{failure.sentence}</p>
         <dl className="facts-list">

@@ -5,6 +5,7 @@ import type { Schemas } from "../../api/client";
 import { count, moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
 import { useKeys } from "../../shell/keys";
+import { whyNone } from "./FailureCard";
 import { groupText } from "./words";
 
 type Group = Schemas["FailureGroup"];
@@ -51,7 +52,11 @@ export function GroupCards({
     >
       {groups.map((group) => (
         <li key={group.group} className="panel">
-          <Picture src={group.example.picture_url} alt={`Moments of: ${group.sentence}`} />
+          <Picture
+            src={group.example.picture_url}
+            alt={`Moments of: ${group.sentence}`}
+            none={whyNone(group.example)}
+          />
           <div className="inside">
             <h2>
               <Link className="whole" to="." search={{ ...search, group: group.group }}>
