@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
-import { api, body } from "../api/client";
+import { api, body, type Schemas } from "../api/client";
 import { plain } from "../screens/failures/words";
 import { Help } from "./Help";
 
@@ -12,27 +12,17 @@ function useOracles() {
   });
 }
 
-/** The name of an oracle, with its definition and thresholds at a click. */
+/** The name of an oracle; a click shows its definition, its thresholds and where they come from. */
 export function OracleHelp({ name }: { readonly name: string }) {
   const { data } = useOracles();
   const oracle = data?.items.find((one) => one.name === name);
   if (!oracle) return <>{plain(name)}</>;
-  const thresholds = Object.entries(oracle.thresholds);
   return (
     <Help name={plain(name)}>
       <h3>{plain(name)}</h3>
-      <p>{oracle.description}</p>
-      {thresholds.length > 0 && (
-        <dl className="facts-list">
-          {thresholds.map(([threshold, value]) => (
-            <div key={threshold} style={{ display: "contents" }}>
-              <dt>{plain(threshold)}</dt>
-              <dd>{typeof value === "object" ? JSON.stringify(value) : String(value)}</dd>
-            </div>
-          ))}
-        </dl>
-      )}
-      {thresholds.length > 0 && <p className="quiet">Thresholds in SI units.</p>}
+      <p>{oracle.definition}</p>
+      <Thresholds oracle={oracle} />
+      {oracle.source && <p className="quiet">{oracle.source}</p>}
       <p>
         <Link to="/failures" search={{ oracle: name }}>
           Its failures
@@ -43,5 +33,33 @@ export function OracleHelp({ name }: { readonly name: string }) {
         </Link>
       </p>
     </Help>
+  );
+}
+
+function Thresholds({ oracle }: { readonly oracle: Schemas["Oracle"] }) {
+  const told = new Map(oracle.threshold_descriptions.map((one) => [one.name, one]));
+  const values = Object.entries(oracle.thresholds);
+  if (values.length === 0) return null;
+  return (
+    <dl className="facts-list thresholds">
+      {values.map(([name, value]) => {
+        const about = told.get(name);
+        return (
+          <div key={name} style={{ display: "contents" }}>
+            <dt>
+              {plain(name)}
+              <br />
+              <strong>
+                {typeof value === "object" ? JSON.stringify(value) : String(value)} {about?.unit}
+              </strong>
+            </dt>
+            <dd>
+              {about?.meaning}
+              {about?.source && <span className="quiet"> {about.source}</span>}
+            </dd>
+          </div>
+        );
+      })}
+    </dl>
   );
 }

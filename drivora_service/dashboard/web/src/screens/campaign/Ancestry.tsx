@@ -6,10 +6,12 @@ import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { MeasureHelp } from "../../help/MeasureHelp";
 import { OracleHelp } from "../../help/OracleHelp";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { type Change, changesBetween } from "./changes";
 import { type Evaluation, evaluationQuery, useEvaluation } from "./evaluation";
+import { Measured } from "./Measured";
 
 /** An evaluation with its ancestors, and what each changed of its parents. */
 export function Ancestry({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
@@ -59,6 +61,7 @@ function One({
     <>
       <Verdicts campaign={campaign.id} evaluation={query.data} />
       <Lineage campaign={campaign.id} evaluation={query.data} />
+      <Measured evaluation={query.data} />
     </>
   );
 }
@@ -143,7 +146,7 @@ function Lineage({
             <th scope="col">Result</th>
             {objectives.map((name) => (
               <th key={name} scope="col" className="number">
-                {plain(name)}
+                <MeasureHelp name={name} />
               </th>
             ))}
             <th scope="col">Changed against its first parent</th>

@@ -2,6 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
+import { Picture } from "../../components/Picture";
 import { Loading, Refused } from "../../components/States";
 import { ACCOUNTABILITY, kindText } from "../failures/words";
 import { useEvaluation } from "./evaluation";
@@ -46,6 +47,12 @@ function Card({
   const worst = data?.failures[0];
   return (
     <li className="card">
+      {evaluation.violations > 0 && data?.observations_url && (
+        <Picture
+          src={`/api/v1/campaigns/${campaign}/evaluations/${evaluation.number}/picture`}
+          alt={`Moments of evaluation ${evaluation.number}`}
+        />
+      )}
       <Link
         className="whole"
         to="/campaigns/$id"

@@ -6,6 +6,7 @@ import { bestSoFar, paretoFront } from "../../components/charts/curves";
 import { Figure } from "../../components/charts/Figure";
 import { Scatter, type ScatterPoint } from "../../components/charts/Scatter";
 import { Empty, Loading, Refused } from "../../components/States";
+import { MeasureHelp } from "../../help/MeasureHelp";
 import { ACCOUNTABILITY, plain } from "../failures/words";
 import { MOST, useObjectives } from "./useObjectives";
 
@@ -45,6 +46,11 @@ export function Objectives({ campaign }: { readonly campaign: Schemas["Campaign"
     <section className="panel">
       <header>
         <h2>Objectives</h2>
+        <span className="explained">
+          {names.map((name) => (
+            <MeasureHelp key={name} name={name} feedback={campaign.tester} />
+          ))}
+        </span>
         <Choice
           name="y"
           title="Vertical"
