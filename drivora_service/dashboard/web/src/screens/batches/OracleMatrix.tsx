@@ -3,6 +3,7 @@ import { Link } from "@tanstack/react-router";
 import { api, body } from "../../api/client";
 import { count } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
+import { OracleHelp } from "../../help/OracleHelp";
 import { type MatrixRow, matrixOf, OUTCOMES, searchOf } from "./matrix";
 
 /** Oracles by outcomes of a batch's runs; each number leads to its runs. */
@@ -56,7 +57,9 @@ function Matrix({
       <tbody>
         {rows.map(({ oracle, cells }) => (
           <tr key={oracle}>
-            <th scope="row">{oracle.replaceAll("_", " ")}</th>
+            <th scope="row">
+              <OracleHelp name={oracle} />
+            </th>
             {cells.map(({ column, number }) => (
               <td key={column.id} className="number" data-bad={column.bad && number > 0}>
                 {number > 0 ? (

@@ -7,7 +7,7 @@ import { Loading, Refused } from "../../components/States";
 import { ACCOUNTABILITY, kindText } from "../failures/words";
 import { useEvaluation } from "./evaluation";
 
-const SHOWN = 3;
+const SHOWN = 8;
 
 /** The newest evaluations with failures, as cards. */
 export function Newest({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
@@ -28,7 +28,7 @@ export function Newest({ campaign }: { readonly campaign: Schemas["Campaign"] })
   if (query.data.items.length === 0)
     return <p className="quiet">No failure in {campaign.simulations} simulations.</p>;
   return (
-    <ul className="cards">
+    <ul className="cards newest">
       {query.data.items.map((evaluation) => (
         <Card key={evaluation.number} campaign={campaign.id} evaluation={evaluation} />
       ))}
