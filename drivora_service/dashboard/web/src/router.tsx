@@ -85,6 +85,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/workers",
+    validateSearch: anySearch,
+    component: lazyRouteComponent(() => import("./screens/workers/WorkersScreen"), "WorkersScreen"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/session",
     validateSearch: anySearch,
     component: lazyRouteComponent(() => import("./screens/session/SessionScreen"), "SessionScreen"),

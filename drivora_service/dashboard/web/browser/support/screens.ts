@@ -29,6 +29,7 @@ export function screens(made: Made): readonly Screen[] {
     { route: "/batches", name: "batches", at: "/batches" },
     { route: "/batches/$batchId", name: "batch", at: `/batches/${made.collisions}` },
     { route: "/agents", name: "agents", at: "/agents" },
+    { route: "/workers", name: "workers", at: "/workers" },
     { route: "/session", name: "session", at: "/session" },
     { route: "/networks", name: "networks", at: "/networks" },
     { route: "/networks/$name", name: "network", at: "/networks/tee-town" },

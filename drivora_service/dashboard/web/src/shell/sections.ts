@@ -7,4 +7,5 @@ export const SECTIONS = [
   { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },
   { to: "/agents", name: "Agents", key: "a" },
+  { to: "/workers", name: "Workers", key: "w" },
 ] as const;
