@@ -2,13 +2,15 @@ import { useQuery } from "@tanstack/react-query";
 import { Link, useParams } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
 import { Copy } from "../../components/Copy";
-import { Mark } from "../../components/Mark";
-import { moment } from "../../components/numbers";
+import { type Column, DataTable } from "../../components/DataTable";
+import { Mark, type MarkLook } from "../../components/Mark";
+import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
 import { lookOfRun } from "../runs/status";
 import { Replay } from "./Replay";
 import { runQuery } from "./runQuery";
+import { blameWords, gravestFirst, oracleName } from "./verdictWords";
 import "./replay.css";
 
 /** Returns the command that drives the scenario of a run again. */
@@ -67,12 +69,15 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
     );
   if (status === "finished")
     return (
-      <Empty
-        title="The run was not recorded, or its recording was pruned"
-        command={againCommand(run.id)}
-      >
-        <p>Its verdicts are kept. The command drives it again, with the same result.</p>
-      </Empty>
+      <>
+        <Verdicts verdicts={run.verdicts} />
+        <Empty
+          title="The run was not recorded, or its recording was pruned"
+          command={againCommand(run.id)}
+        >
+          <p>Its verdicts are kept. The command drives it again, with the same result.</p>
+        </Empty>
+      </>
     );
   return (
     <Empty title={`Not judged: ${lookOfRun(run).text}`} command={againCommand(run.id)}>
@@ -82,3 +87,57 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
     </Empty>
   );
 }
+
+const OUTCOMES: Readonly<Record<Schemas["Outcome"], MarkLook>> = {
+  passed: { sign: "✓", tone: "good", text: "passed" },
+  violated: { sign: "✕", tone: "bad", text: "violated" },
+  not_measurable: { sign: "–", tone: "lost", text: "not measurable" },
+};
+
+/** A violation that is no failure by itself. */
+const OBSERVED: MarkLook = { sign: "○", tone: "quiet", text: "observed" };
+
+/** All verdicts of a run without a recording, the violations first. */
+function Verdicts({ verdicts }: { readonly verdicts: readonly Schemas["Verdict"][] }) {
+  const rows = [
+    ...gravestFirst(verdicts),
+    ...verdicts.filter(({ outcome }) => outcome === "not_measurable"),
+    ...verdicts.filter(({ outcome }) => outcome === "passed"),
+  ];
+  return (
+    <DataTable label="Verdicts" columns={VERDICTS} rows={rows} idOf={verdictId} height="50vh" />
+  );
+}
+
+function verdictId({ oracle, ego, time, counterpart }: Schemas["Verdict"]): string {
+  return `${oracle} ${ego} ${time ?? ""} ${counterpart ?? ""}`;
+}
+
+const VERDICTS: readonly Column<Schemas["Verdict"]>[] = [
+  { id: "oracle", title: "Oracle", width: "150px", cell: ({ oracle }) => oracleName(oracle) },
+  { id: "ego", title: "Ego", width: "90px", cell: ({ ego }) => ego },
+  {
+    id: "outcome",
+    title: "Outcome",
+    width: "130px",
+    cell: ({ outcome, severity }) => (
+      <Mark
+        {...(outcome === "violated" && severity === "observation" ? OBSERVED : OUTCOMES[outcome])}
+      />
+    ),
+  },
+  {
+    id: "time",
+    title: "At (s)",
+    width: "70px",
+    numeric: true,
+    cell: ({ time }) => fixed(time, 2),
+  },
+  { id: "blame", title: "Fault", width: "260px", cell: (verdict) => blameWords(verdict) },
+  {
+    id: "message",
+    title: "Finding",
+    width: "minmax(240px, 1fr)",
+    cell: ({ message }) => <span title={message}>{message}</span>,
+  },
+];
