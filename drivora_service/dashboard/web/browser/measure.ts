@@ -27,9 +27,13 @@ interface Painted {
 }
 
 async function painted(page: Page, before: string): Promise<Painted> {
-  const script = `window.painted.rows !== ${JSON.stringify(before)} && window.painted`;
-  const found = await page.waitForFunction(script, undefined, { polling: 20, timeout: 60_000 });
-  return (await found.jsonValue()) as Painted;
+  const deadline = Date.now() + 60_000;
+  while (Date.now() < deadline) {
+    const found = (await page.evaluate("window.painted")) as Painted;
+    if (found.rows !== before) return found;
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  throw new Error("no other rows were painted within a minute");
 }
 
 const browser = await startBrowser();

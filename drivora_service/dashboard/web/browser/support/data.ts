@@ -7,6 +7,9 @@ import { REPOSITORY } from "./service";
 
 const EXAMPLES = join(REPOSITORY, "openscenario_schemas", "examples");
 
+/** The same for both campaigns, so that they can be compared. */
+const SIMULATIONS = 40;
+
 /** What the tests open: ids of what the service has. */
 export interface Made {
   readonly batches: readonly string[];
@@ -102,10 +105,10 @@ export async function makeData(api: Api): Promise<Made> {
   ]);
   const campaign = await api.post<{ id: string }>(
     "/campaigns",
-    meetingCampaign("meeting at a stop", 50),
+    meetingCampaign("meeting at a stop", SIMULATIONS),
   );
   const other = await api.post<{ id: string }>("/campaigns", {
-    ...meetingCampaign("meeting at random", 20),
+    ...meetingCampaign("meeting at random", SIMULATIONS),
     tester: { name: "random" },
   });
   const study = await api.post<{ id: string }>("/studies", smallStudy());

@@ -1,0 +1,69 @@
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { Browser } from "playwright-core";
+import { afterAll, beforeAll, expect, it } from "vitest";
+import { Api } from "./support/api";
+import { startBrowser } from "./support/browser";
+import { postBatch, shortScenarios } from "./support/data";
+import { drawn, open } from "./support/page";
+import { drivora, Service } from "./support/service";
+
+const folder = mkdtempSync(join(tmpdir(), "drivora-session-"));
+// As a service does that listens beyond loopback.
+const service = new Service(folder, { settings: { DRIVORA_REQUIRE_TOKENS: "true" } });
+let browser: Browser;
+let address: string;
+let reader: string;
+let submitter: string;
+
+async function token(name: string, scope: string): Promise<string> {
+  const words = ["tokens", "create", name, "--scope", scope, "--data-dir", folder, "--json"];
+  return (JSON.parse(await drivora(...words)) as { token: string }).token;
+}
+
+beforeAll(async () => {
+  reader = await token("reader", "read");
+  submitter = await token("submitter", "submit");
+  [browser] = await Promise.all([startBrowser(), service.start()]);
+  address = `http://127.0.0.1:${new URL(service.url).port}`;
+});
+afterAll(async () => {
+  await browser.close();
+  await service.stop();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+it("a reader signs in with a token, sees the screen of the address, and signs out", async () => {
+  const api = new Api(address, submitter);
+  const batch = await postBatch(api, "behind tokens", shortScenarios(2));
+  const { page, context } = await open(browser, `${address}/batches/${batch}`);
+  await page.getByLabel("Token").fill("wrong");
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.locator("[role=alert]").waitFor();
+  await page.getByLabel("Token").fill(reader);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await expect.poll(() => page.locator("main h1").innerText()).toContain("behind tokens");
+  await page.locator(".live[data-state=live]").waitFor();
+
+  const cookies = await context.cookies();
+  expect(cookies).toHaveLength(1);
+  expect(cookies[0]).toMatchObject({ httpOnly: true, sameSite: "Strict" });
+  const stored = await page.evaluate("JSON.stringify([{ ...localStorage }, document.cookie])");
+  expect(stored).not.toContain(reader);
+
+  await page.reload();
+  await drawn(page);
+  expect(await page.locator("main h1").innerText()).toContain("behind tokens");
+  // A cookie that reads may not post.
+  const refused = await page.evaluate(
+    `fetch("/api/v1/batches/${batch}:cancel", { method: "POST" }).then(({ status }) => status)`,
+  );
+  expect(refused).toBe(403);
+
+  await page.goto(`${address}/session`);
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await page.getByLabel("Token").waitFor();
+  expect(await page.evaluate("fetch('/api/v1/runs').then(({ status }) => status)")).toBe(401);
+  await context.close();
+});
