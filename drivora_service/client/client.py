@@ -154,7 +154,7 @@ class Client(BlockingOperations):
 
         Args:
             batch_id: Which batch.
-            on_progress: Called with the batch at every poll.
+            on_progress: Called with the batch at every look.
 
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
@@ -168,7 +168,7 @@ class Client(BlockingOperations):
 
         Args:
             campaign_id: Which campaign.
-            on_progress: Called with the campaign at every poll, the last one included.
+            on_progress: Called with the campaign at every look, the last one included.
 
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
@@ -182,7 +182,7 @@ class Client(BlockingOperations):
 
         Args:
             study_id: Which study.
-            on_progress: Called with the study at every poll, the last one included.
+            on_progress: Called with the study at every look, the last one included.
 
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.

@@ -1,4 +1,8 @@
-"""Following batches, campaigns and studies until they have ended."""
+"""Following batches, campaigns and studies until they have ended.
+
+A service tells by events when a look is worth it, see ``waiting``; an application in this process,
+and a service without events, is looked at in a pace of its own.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from drivora_service.client.calls import campaigns, catalogues, jobs, runs, studies
 from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, asking
+from drivora_service.client.waiting import Waiting
 from drivora_service.errors import ServiceUnavailable
 
 if TYPE_CHECKING:
@@ -46,6 +51,11 @@ class _Pace:
             return False
         self._asked_at = self._looked_at
         return True
+
+    @property
+    def looked_s(self) -> float:
+        """Seconds since the last look began."""
+        return time.monotonic() - self._looked_at
 
     def wait(self, retry_after_s: float | None) -> Sleep:
         """Returns the wait before the next look.
@@ -87,13 +97,17 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
     Args:
         batch_id: Id of the batch.
         terms: How the service is asked.
-        on_progress: Called with the batch at every poll.
+        on_progress: Called with the batch at every look.
 
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
+    from drivora_service.store.change_lists import ChangedKind
+
     handed_out: set[str] = set()
     pace = _Pace(is_local=terms.service.is_local)
+    waiting = Waiting(ChangedKind.BATCH, batch_id, terms)
+    yield from waiting.begin()
     while True:
         pace.look()
         answer = yield from asking(jobs.batch(batch_id), terms)
@@ -105,7 +119,7 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
             return
         if pace.is_still((batch.counts, batch.state)):
             yield from expecting_workers(terms)
-        yield pace.wait(answer.retry_after_s)
+        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
 
 
 def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int) -> Items[Run]:
@@ -140,14 +154,17 @@ def followed_campaign(
     Args:
         campaign_id: Id of the campaign.
         terms: How the service is asked.
-        on_progress: Called with the campaign at every poll, the last one included.
+        on_progress: Called with the campaign at every look, the last one included.
 
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     from drivora_service.store.campaign_records import CampaignState
+    from drivora_service.store.change_lists import ChangedKind
 
     pace = _Pace(is_local=terms.service.is_local)
+    waiting = Waiting(ChangedKind.CAMPAIGN, campaign_id, terms)
+    yield from waiting.begin()
     while True:
         pace.look()
         answer = yield from asking(campaigns.campaign(campaign_id), terms)
@@ -157,7 +174,7 @@ def followed_campaign(
             return campaign
         if pace.is_still((campaign.state, campaign.counts, campaign.kinds)):
             yield from expecting_workers(terms)
-        yield pace.wait(answer.retry_after_s)
+        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
 
 
 def followed_study(
@@ -168,12 +185,16 @@ def followed_study(
     Args:
         study_id: Id of the study.
         terms: How the service is asked.
-        on_progress: Called with the study at every poll, the last one included.
+        on_progress: Called with the study at every look, the last one included.
 
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
+    from drivora_service.store.change_lists import ChangedKind
+
     pace = _Pace(is_local=terms.service.is_local)
+    waiting = Waiting(ChangedKind.STUDY, study_id, terms)
+    yield from waiting.begin()
     while True:
         pace.look()
         answer = yield from asking(studies.study(study_id), terms)
@@ -183,4 +204,4 @@ def followed_study(
             return study
         if pace.is_still((study.campaigns, study.counts)):
             yield from expecting_workers(terms)
-        yield pace.wait(answer.retry_after_s)
+        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)

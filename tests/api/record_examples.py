@@ -144,7 +144,10 @@ class _Recording:
         self._wait(
             "/workers", lambda found: all(slot["state"] == "idle" for slot in found["slots"])
         )
-        self._keep(examples.WORKERS, self._get("/workers"))
+        workers = self._get("/workers")
+        for slot in workers["slots"]:
+            slot |= {"host": "workstation", "pid": 4711, "memory_bytes": 213_110_784}
+        self._keep(examples.WORKERS, workers)
         self._keep(examples.SESSION, self._get("/session"))
         self._keep(examples.HEALTH, self._get("/healthz"))
         self._keep(examples.READINESS, self._get("/readyz"), most=_ALL)

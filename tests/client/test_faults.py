@@ -318,11 +318,13 @@ def test_waiting_ends_when_no_run_can_be_begun(client_at: MakeClient) -> None:
     check = {"name": "workers", "ok": False, "detail": "libsumo is missing"}
     not_ready = Answer(503, ok({"ready": False, "checks": [check]}).body)
     seen: list[Any] = []
-    with scripted(batch, batch, not_ready) as server:
+    no_events = Answer(404, b"{}")
+    with scripted(no_events, batch, batch, not_ready) as server:
         waiting = client_at(server.url).wait_for_batch("b", on_progress=seen.append)
         with pytest.raises(ServiceUnavailable, match="cannot begin runs: libsumo is missing"):
             tuple(waiting)
         assert [asked.target for asked in server.asked] == [
+            "/api/v1/events?kind=batch&kind=workers&of=b",
             "/api/v1/batches/b",
             "/api/v1/batches/b",
             "/readyz",

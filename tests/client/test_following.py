@@ -17,7 +17,7 @@ from drivora_service.api.examples import FINISHED_CAMPAIGN, read_recorded
 from drivora_service.api.schemas.batches import Batch
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.client.connecting import ignore_retry
-from drivora_service.client.flows import Emit, Request, Terms
+from drivora_service.client.flows import Emit, Listen, Receive, Request, Sleep, Terms
 from drivora_service.client.following import batch_runs, followed_campaign
 from drivora_service.client.replies import Reply, Service
 from drivora_service.store.campaign_records import CampaignState
@@ -92,6 +92,9 @@ def performed(
             content = value if isinstance(value, bytes) else json.dumps(value).encode()
             headers = httpx.Headers({"Retry-After": "2"})
             outcome = Reply(status=200, headers=headers, content=content)
+        elif isinstance(step, Listen):
+            # An older service: there are no events.
+            outcome = Reply(status=404, headers=httpx.Headers(), content=b"")
         else:
             slept.append(step.seconds)
     raise AssertionError("it did not end")
@@ -192,3 +195,97 @@ def test_a_campaign_is_followed_until_it_rests() -> None:
     assert [one.state.value for one in seen] == ["queued", *["running"] * 3, "failed"]
     assert asked.count("/readyz") == 2
     assert len(slept) == 4
+
+
+def followed(*parts: bytes | None) -> tuple[list[Any], list[str]]:
+    """Follows a batch of a service that tells these parts of events; it is done at the last look.
+
+    Returns the steps by their names, and the positions after which the client listened.
+    """
+    steps: list[Any] = []
+    positions: list[str] = []
+    coming = iter(parts)
+    batch: dict[str, Any] = {**BATCH, "size": 1, "counts": {"running": 1}}
+    flow: Any = batch_runs("b", TERMS, lambda _: None)
+    outcome: Any = None
+    left = len(parts)
+    while True:
+        try:
+            step = flow.send(outcome)
+        except StopIteration:
+            return steps, positions
+        outcome = None
+        if isinstance(step, Listen):
+            steps.append("listen")
+            assert ("of", "b") in step.call.parameters
+            positions.append(step.headers.get("Last-Event-ID", ""))
+            outcome = Reply(status=200, headers=httpx.Headers(), content=b"")
+        elif isinstance(step, Receive):
+            steps.append("receive")
+            outcome = next(coming)
+            left -= 1
+            if not left:
+                batch |= {"size": 0, "counts": {}}
+        elif isinstance(step, Sleep):
+            steps.append("sleep")
+            assert step.seconds <= 2.0
+        else:
+            steps.append(step.call.path.rpartition("/")[2])
+            value = READY if step.call.path == "/readyz" else batch
+            outcome = Reply(status=200, headers=httpx.Headers(), content=json.dumps(value).encode())
+
+
+CHANGE = (
+    b'event: changes\nid: ab.2\ndata: {"revision":2,"changes":[{"kind":"batch","id":"b",'
+    b'"status":"open","revision":2,"batch_id":"b","campaign_id":"","study_id":""}]}\n\n'
+)
+
+
+def workers(*faults: str) -> bytes:
+    told = {
+        "slots": [],
+        "queue": [],
+        "ended_last_minute": 0,
+        "ended_last_hour": 0,
+        "faults": [{"name": name, "detail": "?"} for name in faults],
+    }
+    return b"event: workers\nid: ab.1\ndata: " + json.dumps(told).encode() + b"\n\n"
+
+
+def test_a_batch_is_looked_at_when_it_changes_and_not_before() -> None:
+    begin = b'event: begin\nid: ab.1\ndata: {"revision":1}\n\n'
+    steps, _ = followed(begin, workers(), workers("campaigns"), CHANGE[:9], CHANGE[9:])
+    # It listens before it looks, so that no change is between the two.
+    assert [step for step in steps if step != "sleep"] == [
+        "listen",
+        "b",
+        *["receive"] * 5,
+        "b",
+    ]
+
+
+def test_silence_a_reset_and_workers_that_cannot_begin_are_reasons_to_look() -> None:
+    reset = b'event: reset\nid: ab.9\ndata: {"revision":9}\n\n'
+    for part in (b": heartbeat\nid: ab.7\n\n", reset, workers("workers")):
+        steps, _ = followed(part, CHANGE)
+        looks = [step for step in steps if step not in ("sleep", "readyz")]
+        assert looks == ["listen", "b", "receive", "b", "receive", "b"]
+        # Nothing has changed, so that a fault may be the reason.
+        assert steps.count("readyz") == 1
+
+
+def test_a_stream_that_breaks_off_is_listened_to_again_after_its_last_position() -> None:
+    steps, positions = followed(CHANGE, None, CHANGE)
+    assert [step for step in steps if step not in ("sleep", "readyz")] == [
+        "listen",
+        "b",
+        "receive",
+        "b",
+        "receive",
+        "b",
+        "listen",
+        "b",
+        "receive",
+        "b",
+    ]
+    assert positions == ["", "ab.2"]
