@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivora_service.api.context import ApiContext
+from drivora_service.api.run_lookup import find_document, find_run
+from drivora_service.campaigns.confirming import trace_name
 from drivora_service.errors import Conflict, UnknownName
+from drivora_service.store.evaluation_runs import evaluation_of_run
 from drivora_service.store.records import RunRecord
 
 if TYPE_CHECKING:
@@ -36,15 +39,27 @@ class RecordedRun:
 def recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
     """Returns a run with its recording.
 
+    A failure that a campaign found is shown by the recording of its second, identical run.
+
     Raises:
         UnknownName: There is no such run, or it recorded nothing, or its trace was removed.
     """
+    evaluation = evaluation_of_run(run_id)
     with context.database.read() as transaction:
-        record = transaction.jobs.detail(run_id)
-    path = context.trace_path(record.id)
-    if not record.trace_sha256 or not path.is_file():
-        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
-    return RecordedRun(record=record, path=path)
+        record = find_run(transaction, run_id)
+        path = context.trace_path(record.id)
+        if record.trace_sha256 and path.is_file():
+            return RecordedRun(record=record, path=path)
+        if evaluation is not None:
+            record = transaction.campaign_views.run(evaluation)
+            folder = context.campaign_folder(evaluation.campaign_id).traces
+            path = folder / trace_name(evaluation.number)
+            if record.trace_sha256 and path.is_file():
+                return RecordedRun(record=record, path=path)
+    hint = f"the run is {record.status.value}"
+    if evaluation is not None:
+        hint += "; of the runs of a campaign, failures that were confirmed have a recording"
+    raise UnknownName("trace", run_id, (), hint)
 
 
 def view_of(context: ApiContext, run: RecordedRun) -> RunView:
@@ -84,7 +99,7 @@ def scenario_of(context: ApiContext, run: RecordedRun) -> Scenario:
     from drivora_service.scenario.canonical import from_canonical
 
     with context.database.read() as transaction:
-        return from_canonical(transaction.jobs.document(run.record.id))
+        return from_canonical(find_document(transaction, run.record.id))
 
 
 def is_driven_by_sumo(context: ApiContext, run: RecordedRun, ego: EgoView) -> bool:

@@ -24,11 +24,12 @@ from drivora_service.store.campaign_records import (
 from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
+from drivora_service.store.evaluation_runs import EvaluationId, run_of_evaluation
 from drivora_service.store.evaluations import evaluation_row, failure_of
 from drivora_service.store.failure_kinds import failure_kinds
 from drivora_service.store.merging import Branch, first_numbers
 from drivora_service.store.paging import make_token, read_token
-from drivora_service.store.records import Page
+from drivora_service.store.records import Page, RunRecord
 
 _PLACES = 1 << 16
 """More than the violations of one evaluation: number and violation together order a page."""
@@ -77,6 +78,14 @@ class CampaignViewRepository:
         campaign = campaign_row(self._session, campaign_id)
         row = evaluation_row(self._session, campaign, number)
         return self._summaries(campaign.seq, [row])[0]
+
+    def run(self, wanted: EvaluationId) -> RunRecord:
+        """Returns the run of an evaluation, also where the queue has none.
+
+        Raises:
+            UnknownName: There is no such campaign, or it has no such evaluation.
+        """
+        return run_of_evaluation(self._session, wanted)
 
     def ancestors(
         self, campaign_id: str, number: int, *, most: int

@@ -22,6 +22,7 @@ from drivora_service.shapes import combine, read_all
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.campaign_records import Confirmation
 from drivora_service.store.campaign_tables import CampaignRow, FailureRow
+from drivora_service.store.evaluation_runs import EvaluationId
 from drivora_service.store.found_records import FailureGroup, FoundFailure, FoundFilter
 from drivora_service.store.found_tables import FoundRow
 from drivora_service.store.paging import make_token, read_token
@@ -135,13 +136,7 @@ class FoundRepository:
     def _of(self, seqs: Sequence[int]) -> dict[int, FoundFailure]:
         """Returns failures by their ``seq``."""
         rows = self._session.execute(_detail_query().where(FoundRow.seq.in_(seqs))).all()
-        run_ids = self._campaign_runs(rows)
-        return {row.seq: _failure(row, run_ids) for row in rows}
-
-    def _campaign_runs(self, rows: Sequence[Row[*tuple[Any, ...]]]) -> frozenset[str]:
-        """Returns the ids of the runs of evaluations that are still there."""
-        wanted = [_evaluation_run(row) for row in rows if row.campaign_id]
-        return frozenset(self._session.scalars(select(RunRow.id).where(RunRow.id.in_(wanted))))
+        return {row.seq: _failure(row) for row in rows}
 
 
 def _group_query() -> Select[*tuple[Any, ...]]:
@@ -198,11 +193,11 @@ def _detail_query() -> Select[*tuple[Any, ...]]:
     )
 
 
-def _failure(row: Row[*tuple[Any, ...]], run_ids: frozenset[str]) -> FoundFailure:
+def _failure(row: Row[*tuple[Any, ...]]) -> FoundFailure:
     kind = row.kind or ""
     if row.campaign_id:
         verdict = verdict_from_json(row.verdict)
-        run_id = _evaluation_run(row) if _evaluation_run(row) in run_ids else ""
+        run_id = EvaluationId(row.campaign_id, row.number).run_id
     else:
         # Parsing the whole reports would take a second for a page.
         (verdict,) = read_all(Verdict, [from_json(row.report)["verdicts"][row.place]])
@@ -223,10 +218,6 @@ def _failure(row: Row[*tuple[Any, ...]], run_ids: frozenset[str]) -> FoundFailur
         sentence=failure_sentence(verdict, town=row.town, kind=kind),
         verdict=verdict,
     )
-
-
-def _evaluation_run(row: Row[*tuple[Any, ...]]) -> str:
-    return f"{row.campaign_id}-{row.number}"
 
 
 def _example(row: Row[*tuple[Any, ...]]) -> int:

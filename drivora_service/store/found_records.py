@@ -57,7 +57,7 @@ class FoundFailure(Shape):
         kind: Its kind in the campaign; empty outside campaigns.
         confirmation: Whether an identical run repeated it; null outside campaigns.
         batch_id: Batch of the run; empty in campaigns, and for a job that was posted singly.
-        run_id: Id of its run; empty if there is none any more.
+        run_id: Id of its run.
         is_recorded: Whether there is a recording of its run.
         avoidable_until: Last moment at which braking would have avoided it, simulation time in
             seconds; null if it was not avoidable, or that is not measurable.

@@ -20,12 +20,13 @@ from drivora_service.api.documentation import (
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
 from drivora_service.api.pictures import Moments, picture_answer
+from drivora_service.api.recorded_run import recorded_run
 from drivora_service.api.resource_router import resource_router
+from drivora_service.api.run_lookup import find_document, find_run
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
 from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
-from drivora_service.errors import UnknownName
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
@@ -108,7 +109,7 @@ def get_table(
 def get_run(request: Request, context: Context, run_id: str) -> Response:
     """Returns a run with its results."""
     with context.database.read() as transaction:
-        run = transaction.jobs.detail(run_id)
+        run = find_run(transaction, run_id)
     return json_answer(request, Run, run_of(run, PREFIX))
 
 
@@ -120,7 +121,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
     """Returns the scenario of a run as a document that can be posted again."""
     with context.database.read() as transaction:
-        text = transaction.jobs.document(run_id)
+        text = find_document(transaction, run_id)
     content = document_text(to_document(from_canonical(text))).encode()
     return bytes_answer(request, content, media_type=JSON, etag=digest(content))
 
@@ -137,12 +138,8 @@ def get_observations(
     part: Frames,
 ) -> Response:
     """Returns the recording of a run: frames in the published shape, Parquet or Arrow."""
-    with context.database.read() as transaction:
-        record = transaction.jobs.get(run_id)
-    path = context.trace_path(record.id)
-    if not record.trace_sha256 or not path.is_file():
-        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
-    return observations_answer(request, path, record.trace_sha256, part)
+    run = recorded_run(context, run_id)
+    return observations_answer(request, run.path, run.record.trace_sha256, part)
 
 
 @router.get(
@@ -152,18 +149,13 @@ def get_observations(
 )
 def get_picture(request: Request, context: Context, run_id: str, moments: Moments = 5) -> Response:
     """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""
-    with context.database.read() as transaction:
-        record = transaction.jobs.get(run_id)
-        report = transaction.jobs.report(run_id)
-    path = context.trace_path(record.id)
-    if report is None or not record.trace_sha256 or not path.is_file():
-        raise UnknownName("trace", run_id, (), f"the run is {record.status.value}")
+    run = recorded_run(context, run_id)
     return picture_answer(
         request,
         context,
-        path,
-        trace_sha256=record.trace_sha256,
-        town=record.town,
-        verdicts=report.verdicts,
+        run.path,
+        trace_sha256=run.record.trace_sha256,
+        town=run.record.town,
+        verdicts=run.record.verdicts,
         moments=moments,
     )

@@ -38,7 +38,7 @@ class FailureGroup(found_records.FailureGroup):
 
 def found_failure_of(failure: found_records.FoundFailure, base: str) -> FoundFailure:
     """Returns a failure with its addresses; ``base`` is the address of the API."""
-    run = f"{base}/runs/{failure.run_id}" if failure.run_id else ""
+    run = f"{base}/runs/{failure.run_id}"
     evaluation = f"{base}/campaigns/{failure.campaign_id}/evaluations/{failure.evaluation}"
     own = evaluation if failure.campaign_id else run
     return combine(

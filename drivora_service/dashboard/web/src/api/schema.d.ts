@@ -3203,7 +3203,7 @@ export interface components {
             place: number;
             /**
              * Run Id
-             * @description Id of its run; empty if there is none any more.
+             * @description Id of its run.
              */
             run_id: string;
             /**

@@ -1,0 +1,42 @@
+"""Finding runs by their ids: those of the queue, and those of evaluations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drivora_service.errors import UnknownName
+from drivora_service.store.evaluation_runs import evaluation_of_run
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
+    from drivora_service.store.records import RunRecord
+
+
+def find_run(transaction: Transaction, run_id: str) -> RunRecord:
+    """Returns a run with its results.
+
+    Raises:
+        UnknownName: There is none of this id.
+    """
+    try:
+        return transaction.jobs.detail(run_id)
+    except UnknownName:
+        evaluation = evaluation_of_run(run_id)
+        if evaluation is None:
+            raise
+        return transaction.campaign_views.run(evaluation)
+
+
+def find_document(transaction: Transaction, run_id: str) -> str:
+    """Returns the scenario of a run as canonical JSON text.
+
+    Raises:
+        UnknownName: There is no such run, or it is of an invalid candidate.
+    """
+    try:
+        return transaction.jobs.document(run_id)
+    except UnknownName:
+        evaluation = evaluation_of_run(run_id)
+        if evaluation is None:
+            raise
+        return transaction.evaluations.document(evaluation.campaign_id, evaluation.number)
