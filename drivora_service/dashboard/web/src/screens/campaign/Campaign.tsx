@@ -52,6 +52,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
         <h1>{name || id}</h1>
         <Mark {...lookOfSearch(state, request)} />
         <div className="actions">
+          <Tables id={id} />
           <Actions kind="campaign" id={id} name={name} state={state} request={request} />
         </div>
         <Facts campaign={campaign} />
@@ -85,6 +86,20 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       {open === "evaluations" && <Evaluations campaign={campaign} />}
       {open === "settings" && <Settings campaign={campaign} />}
     </>
+  );
+}
+
+/** The numbers into a spreadsheet. */
+function Tables({ id }: { readonly id: string }) {
+  return (
+    <span className="doing">
+      CSV:
+      {(["evaluations", "failures"] as const).map((table) => (
+        <a key={table} href={`/api/v1/campaigns/${id}/tables/${table}`} download={`${table}.csv`}>
+          {table}
+        </a>
+      ))}
+    </span>
   );
 }
 
