@@ -86,7 +86,7 @@ it("a filter is in the address, and a reload shows the same", async () => {
 it("an address leads deep into the data, for a new reader too", async () => {
   const at = `${url}/campaigns/${made.campaign}?tab=settings`;
   const { page, context } = await open(browser, at);
-  expect(await page.locator("main h1").innerText()).toBe("meeting at a stop");
+  expect(await page.locator("main h1").innerText()).toBe("meeting at a stop, doppeltest 1");
   const tab = page.locator(
     "[role=tab][aria-selected=true], [aria-current=true], [aria-current=page]",
   );

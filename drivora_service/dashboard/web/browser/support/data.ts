@@ -7,8 +7,8 @@ import { REPOSITORY } from "./service";
 
 const EXAMPLES = join(REPOSITORY, "openscenario_schemas", "examples");
 
-/** The same for both campaigns, so that they can be compared. */
-const SIMULATIONS = 40;
+/** The same for all campaigns, so that they can be compared. */
+const SIMULATIONS = 30;
 
 /** What the tests open: ids of what the service has. */
 export interface Made {
@@ -16,7 +16,8 @@ export interface Made {
   /** A batch with collisions for which egos are and are not at fault. */
   readonly collisions: string;
   readonly campaign: string;
-  readonly otherCampaign: string;
+  /** It and others, of two methods with two seeds each. */
+  readonly compared: readonly string[];
   readonly study: string;
   /** A run in which an ego is at fault. */
   readonly run: string;
@@ -103,19 +104,28 @@ export async function makeData(api: Api): Promise<Made> {
     scenario("three-drivers.json"),
     scenario("signalised-grid.json"),
   ]);
-  const campaign = await api.post<{ id: string }>(
-    "/campaigns",
-    meetingCampaign("meeting at a stop", SIMULATIONS),
-  );
-  const other = await api.post<{ id: string }>("/campaigns", {
-    ...meetingCampaign("meeting at random", SIMULATIONS),
-    tester: { name: "random" },
-  });
+  const compared: string[] = [];
+  for (const [name, seed] of [
+    ["doppeltest", 1],
+    ["random", 1],
+    ["doppeltest", 2],
+    ["random", 2],
+  ] as const) {
+    const content = meetingCampaign(`meeting at a stop, ${name} ${seed}`, SIMULATIONS);
+    const posted = await api.post<{ id: string }>("/campaigns", {
+      ...content,
+      tester: { name },
+      seed,
+    });
+    compared.push(posted.id);
+  }
+  const [campaign] = compared;
+  if (campaign === undefined) throw new Error("no campaign was posted");
   const study = await api.post<{ id: string }>("/studies", smallStudy());
   for (const batch of [struck, examples]) {
     await api.until<Progress>(`/batches/${batch}`, ({ done }) => done === true);
   }
-  for (const { id } of [campaign, other]) {
+  for (const id of compared) {
     await api.until<Progress>(`/campaigns/${id}`, ({ state }) => state === "finished");
   }
   await api.until<Progress>(`/studies/${study.id}`, ({ state }) => state === "finished");
@@ -125,8 +135,8 @@ export async function makeData(api: Api): Promise<Made> {
   return {
     batches: [struck, examples],
     collisions: struck,
-    campaign: campaign.id,
-    otherCampaign: other.id,
+    campaign,
+    compared,
     study: study.id,
     run: run.id,
     otherRun: otherRun.id,

@@ -18,7 +18,7 @@ export function screens(made: Made): readonly Screen[] {
     {
       route: "/compare",
       name: "compare",
-      at: `/compare?campaign=${made.campaign}&campaign=${made.otherCampaign}`,
+      at: `/compare?${made.compared.map((id) => `campaign=${id}`).join("&")}`,
     },
     { route: "/failures", name: "failures", at: "/failures" },
     { route: "/studies", name: "studies", at: "/studies" },
