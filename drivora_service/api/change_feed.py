@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from http import HTTPStatus
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import structlog
 
@@ -34,6 +34,8 @@ _LOOK_S = 0.1
 """Seconds between two looks at the database's counter, which take some microseconds."""
 _BLIND_S = 0.5
 """The same where there is no counter: each look is a query."""
+MOST_KEPT = 256
+"""Lists and frames that are kept for streams that are in step, each."""
 WORKERS_S = 1.0
 """Seconds between two looks at the workers, while a stream tells of them."""
 _RETRY_AFTER_S = "5"
@@ -107,16 +109,11 @@ class ChangeFeed:
         Raises:
             ApiError: There are too many, or the service is being stopped (503).
         """
-        if self.is_closed or self._streams >= self._most:
-            detail = (
-                "the service is being stopped"
-                if self.is_closed
-                else f"{self._most} streams of events are open, and no more are served: close some"
-            )
-            raise ApiError(
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                f"{detail}; try again in {_RETRY_AFTER_S} s",
-                headers={"Retry-After": _RETRY_AFTER_S},
+        if self.is_closed:
+            raise _refusal("the service is being stopped")
+        if self._streams >= self._most:
+            raise _refusal(
+                f"{self._most} streams of events are open, and no more are served: close some"
             )
         self._streams += 1
         if self._task is None:
@@ -128,10 +125,14 @@ class ChangeFeed:
         if not self._streams and self._task is not None:
             self._task.cancel()
             self._task, self.newest = None, None
+            self._lists.clear()
+            self._frames.clear()
 
     def close(self) -> None:
         """Ends all streams; called in the event loop."""
         self.is_closed = True
+        if self._task is not None:
+            self._task.cancel()
         self._reader.shutdown(wait=False)
         self._wake()
 
@@ -139,8 +140,11 @@ class ChangeFeed:
         """Reads in the feed's thread.
 
         Raises:
+            ApiError: The service is being stopped (503).
             StoreError: The database cannot be used.
         """
+        if self.is_closed:
+            raise _refusal("the service is being stopped")
         return await asyncio.get_running_loop().run_in_executor(
             self._reader, partial(self._in_transaction, act)
         )
@@ -154,6 +158,7 @@ class ChangeFeed:
         key = after, kinds
         found = self._lists.get(key)
         if found is None:
+            _make_room(self._lists)
             act = partial(self._changes, after=after, kinds=kinds, until=self.newest)
             found = self._lists[key] = asyncio.ensure_future(self.read(act))
         try:
@@ -179,6 +184,7 @@ class ChangeFeed:
     def frame(self, key: Hashable, write: Callable[[], bytes]) -> bytes:
         """Returns what ``write`` makes, which is made once for equal keys until more changes."""
         if key not in self._frames:
+            _make_room(self._frames)
             self._frames[key] = write()
         return self._frames[key]
 
@@ -213,7 +219,8 @@ class ChangeFeed:
                     # The counter was read before, so that no change is overlooked.
                     self._advance(await self.read(lambda transaction: transaction.changes.latest()))
                     seen = version
-                except StoreError as error:
+                except Exception as error:
+                    # Whatever it is: streams would stay open and never tell a change again.
                     self._faults.error("changes_cannot_be_read", error=str(error))
             await asyncio.sleep(_BLIND_S if version is None else _LOOK_S)
 
@@ -227,6 +234,20 @@ class ChangeFeed:
         self._frames.clear()
         moved, self.moved = self.moved, asyncio.Event()
         moved.set()
+
+
+def _refusal(detail: str) -> ApiError:
+    return ApiError(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        f"{detail}; try again in {_RETRY_AFTER_S} s",
+        headers={"Retry-After": _RETRY_AFTER_S},
+    )
+
+
+def _make_room(kept: dict[Hashable, Any]) -> None:
+    """Removes the oldest where there are many: clients come with positions of their own."""
+    while len(kept) >= MOST_KEPT:
+        del kept[next(iter(kept))]
 
 
 def _study_state(context: ApiContext, transaction: Transaction, study_id: str) -> str:

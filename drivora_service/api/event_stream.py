@@ -82,7 +82,7 @@ async def _events(
     yield _frame("begin", position, Begin, Begin(revision=position.revision))
     if wanted.is_reset:
         yield _frame("reset", position, Reset, Reset(revision=position.revision))
-    beat_at = time.monotonic() + HEARTBEAT_S
+    beat_at = check_at = time.monotonic() + HEARTBEAT_S
     workers: Workers | None = None
     while not feed.is_closed:
         found = await _workers(feed) if wanted.tells_workers else None
@@ -99,22 +99,26 @@ async def _events(
                 listed = await feed.changes(after, wanted.kinds)
             except StoreError:
                 await _wait(moved, _FAULT_S)
-                continue
-            position = listed.position
-            told = tuple(c for c in listed.changes if not wanted.of or c.is_of(wanted.of))
-            if told:
-                changes = Changes(revision=position.revision, changes=told)
-                yield feed.frame(
-                    (after, wanted.kinds, wanted.of),
-                    lambda at=position, of=changes: _frame("changes", at, Changes, of),  # type: ignore[misc] # mypy infers no type of defaults
-                )
-                beat_at = time.monotonic() + HEARTBEAT_S
+            else:
+                position = listed.position
+                told = tuple(c for c in listed.changes if not wanted.of or c.is_of(wanted.of))
+                if told:
+                    changes = Changes(revision=position.revision, changes=told)
+                    # With its end: a list that was read before the newest change is shorter.
+                    yield feed.frame(
+                        (after, position, wanted.kinds, wanted.of),
+                        partial(_frame, "changes", position, Changes, changes),
+                    )
+                    beat_at = time.monotonic() + HEARTBEAT_S
         else:
-            longest = beat_at - time.monotonic()
+            longest = min(beat_at, check_at) - time.monotonic()
             await _wait(moved, min(longest, WORKERS_S) if wanted.tells_workers else longest)
-        if time.monotonic() >= beat_at:
+        if time.monotonic() >= check_at:
+            # However much is told: a token that was revoked ends its streams.
             if not is_allowed():
                 return
+            check_at = time.monotonic() + HEARTBEAT_S
+        if time.monotonic() >= beat_at:
             # An id without data is no event; a client that comes again names it.
             yield f": heartbeat\nid: {position}\n\n".encode()
             beat_at = time.monotonic() + HEARTBEAT_S

@@ -85,7 +85,7 @@ class EvaluationRepository:
                     campaign_seq=campaign.seq,
                     number=record.number,
                     agent=campaign.agent,
-                    town=_town(campaign, record.seed_number),
+                    town=town_of_seed(campaign, record.seed_number),
                     found_at=now,
                 )
             _count(campaign, record)
@@ -252,7 +252,7 @@ def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> Eval
     return row
 
 
-def _town(campaign: CampaignRow, seed_number: int) -> str:
+def town_of_seed(campaign: CampaignRow, seed_number: int) -> str:
     """Returns the road network of a seed scenario."""
     seeds = json.loads(campaign.document).get("scenarios") or ()
     if seed_number >= len(seeds):

@@ -104,7 +104,7 @@ def test_a_session_has_the_scope_of_its_token_and_ends_with_it(
     assert client.get(JOBS).status_code == 200
     refused = is_problem(client.post(JOBS, json=SCENARIO, headers=origin(client)), 403)
     assert "submit is needed" in refused["detail"]
-    with client.stream("GET", "/api/v1/events") as stream:
+    with client.stream("GET", "/api/v1/events", params={"kind": "run"}) as stream:
         parts = stream.iter_bytes()
         next(parts)
         tokens.revoke("viewer")

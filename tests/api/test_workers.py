@@ -6,7 +6,7 @@ import json
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,10 @@ def until(client: httpx.Client, holds: Callable[[Any], bool]) -> Any:
     return found
 
 
+def _is_driving(slot: Mapping[str, Any]) -> bool:
+    return bool(slot["state"] == "running" and slot["step"] > 0)
+
+
 def test_a_slot_tells_what_it_does_and_how_its_worker_died(tmp_path: Path) -> None:
     with (
         running_service(tmp_path / "data", workers=1) as url,
@@ -55,7 +59,7 @@ def test_a_slot_tells_what_it_does_and_how_its_worker_died(tmp_path: Path) -> No
         assert slot["memory_bytes"] > 1 << 20
         before = datetime.now(UTC)
         run_id = client.post("/api/v1/jobs", json=LONG).json()["id"]
-        found = until(client, lambda found: found["slots"][0]["step"] > 0)
+        found = until(client, lambda found: _is_driving(found["slots"][0]))
         (slot,) = found["slots"]
         assert (slot["state"], slot["run_id"]) == ("running", run_id)
         assert before <= datetime.fromisoformat(slot["since"]) <= datetime.now(UTC)

@@ -22,6 +22,7 @@ def until(condition: Callable[[], bool]) -> None:
 
 
 def test_logs_are_cut_while_they_are_written(tmp_path: Path) -> None:
+    before = set(threading.enumerate())
     logs = [WorkerLog(tmp_path / f"{number}.log", longest=LONGEST) for number in range(2)]
     files = [log.open() for log in logs]
     keeper = LogKeeper(lambda: logs)
@@ -37,4 +38,5 @@ def test_logs_are_cut_while_they_are_written(tmp_path: Path) -> None:
     finally:
         keeper.close()
     logs[1].close()
-    assert not any(thread.name == "log-keeper" for thread in threading.enumerate())
+    begun = set(threading.enumerate()) - before
+    assert not any(thread.name == "log-keeper" for thread in begun)

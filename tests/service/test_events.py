@@ -96,6 +96,7 @@ def test_a_reader_misses_no_end_of_a_run_however_often_the_service_is_killed(
                     documents = [{**SCENARIO, "seed": seed} for seed in range(RUNS)]
                     posted = client.post_batch(documents)
                     batch_id = posted.batch.id
+                    told[batch_id] = RunStatus.QUEUED
                     for item in posted.items:
                         told[item.job_id] = RunStatus.QUEUED
                     listener = threading.Thread(target=listen, args=(client, batch_id))
@@ -127,8 +128,8 @@ def test_streams_end_at_once_when_the_service_is_stopped(tmp_path: Path) -> None
         httpx.Client(
             base_url=json.loads((tmp_path / "service.json").read_text())["url"], timeout=30.0
         ) as client,
-        client.stream("GET", "/api/v1/events") as answer,
-        client.stream("GET", "/api/v1/events") as other,
+        client.stream("GET", "/api/v1/events?kind=run") as answer,
+        client.stream("GET", "/api/v1/events?kind=run") as other,
     ):
         parts = [stream.iter_bytes() for stream in (answer, other)]
         assert all(next(part).startswith(b"event: begin") for part in parts)
@@ -136,7 +137,7 @@ def test_streams_end_at_once_when_the_service_is_stopped(tmp_path: Path) -> None
         begun = time.monotonic()
         # The end of the body, not a broken connection.
         assert all(list(part) == [] for part in parts)
-        server.wait(30.0)
         # The server would else wait 5 s for answers that go on.
         assert time.monotonic() - begun < 4.0
+        server.wait(30.0)
         assert server.returncode == 0

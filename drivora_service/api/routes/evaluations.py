@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
@@ -40,6 +41,7 @@ from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
     Confirmation,
     EvaluationFilter,
+    EvaluationRecord,
     EvaluationSummary,
     FailureFilter,
 )
@@ -162,7 +164,7 @@ def get_observations(
     response_class=Response,
     responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
 )
-def get_picture(
+async def get_picture(
     request: Request,
     context: Context,
     campaign_id: str,
@@ -170,18 +172,23 @@ def get_picture(
     moments: Moments = 5,
 ) -> Response:
     """Returns a strip of moments of the second, identical run of a failing candidate, as SVG."""
-    with context.database.read() as transaction:
-        record = transaction.evaluations.get(campaign_id, number)
-        document = transaction.evaluations.document(campaign_id, number)
+
+    def recorded() -> tuple[EvaluationRecord, str]:
+        with context.database.read() as transaction:
+            record = transaction.evaluations.get(campaign_id, number)
+            document = transaction.evaluations.document(campaign_id, number)
+        return record, from_canonical(document).map_region.town
+
+    record, town = await asyncio.to_thread(recorded)
     path = context.campaign_folder(campaign_id).traces / trace_name(number)
     if not path.is_file():
         raise _no_trace(number)
-    return picture_answer(
+    return await picture_answer(
         request,
         context,
         path,
         trace_sha256=record.report.trace_sha256,
-        town=from_canonical(document).map_region.town,
+        town=town,
         verdicts=record.report.verdicts,
         moments=moments,
     )

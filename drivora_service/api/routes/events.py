@@ -71,8 +71,13 @@ async def get_events(
     feed = feed_of(request.app)
     # The workers are of no object.
     kinds = frozenset(kind or (EventKind if not of else _CHANGES))
-    wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
+    # Counted before it reads: what is refused costs no look at the database.
     feed.join()
+    try:
+        wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
+    except BaseException:
+        feed.leave()
+        raise
     return EventStream(feed, wanted, partial(is_valid, request))
 
 

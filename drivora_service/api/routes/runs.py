@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
@@ -147,10 +148,12 @@ def get_observations(
     response_class=Response,
     responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
 )
-def get_picture(request: Request, context: Context, run_id: str, moments: Moments = 5) -> Response:
+async def get_picture(
+    request: Request, context: Context, run_id: str, moments: Moments = 5
+) -> Response:
     """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""
-    run = recorded_run(context, run_id)
-    return picture_answer(
+    run = await asyncio.to_thread(recorded_run, context, run_id)
+    return await picture_answer(
         request,
         context,
         run.path,
