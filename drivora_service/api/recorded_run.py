@@ -47,15 +47,14 @@ def recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
     evaluation = evaluation_of_run(run_id)
     with context.database.read() as transaction:
         record = find_run(transaction, run_id)
-        path = context.trace_path(record.id)
-        if record.trace_sha256 and path.is_file():
+    path = context.trace_path(record.id)
+    if record.trace_sha256 and path.is_file():
+        return RecordedRun(record=record, path=path)
+    if evaluation is not None and record.trace_sha256:
+        folder = context.campaign_folder(evaluation.campaign_id).traces
+        path = folder / trace_name(evaluation.number)
+        if path.is_file():
             return RecordedRun(record=record, path=path)
-        if evaluation is not None:
-            record = transaction.campaign_views.run(evaluation)
-            folder = context.campaign_folder(evaluation.campaign_id).traces
-            path = folder / trace_name(evaluation.number)
-            if record.trace_sha256 and path.is_file():
-                return RecordedRun(record=record, path=path)
     hint = f"the run is {record.status.value}"
     if evaluation is not None:
         hint += "; of the runs of a campaign, failures that were confirmed have a recording"

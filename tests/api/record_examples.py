@@ -191,7 +191,7 @@ class _Recording:
         run = f"/runs/{job['id']}"
         self._keep(examples.RUN, self._get(run))
         self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
-        self._keep(examples.RUN_COUNTS, self._get("/runs:counts"))
+        self._keep(examples.RUN_COUNTS, self._get(f"/runs:counts?batch={batch.rpartition('/')[2]}"))
         wanted = "column=id&column=status&column=town&column=agent&column=violations"
         self._keep(examples.RUN_TABLE, self._table(f"/runs:table?{wanted}", 3))
         picture = self._client.get(f"{PREFIX}{run}/picture").text.splitlines(keepends=True)

@@ -49,7 +49,7 @@ CIRCUMSTANCES = {
     *("id", "batch_id", "run_id", "trace", "rate", "left_s", "active_s", "created_at"),
     *("started_at", "ended_at", "updated_at", "told_at", "search_s", "prepare_s", "wall_time_s"),
     *("step_cost_us", "agent_cost_us", "run_url", "runs_url", "scenario_url", "failures_url"),
-    *("observations_url", "evaluations_url"),
+    *("observations_url", "evaluations_url", "revision"),
 }
 
 

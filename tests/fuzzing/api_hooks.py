@@ -47,8 +47,12 @@ def before_call(_context: Any, case: schemathesis.Case[Any], **_arguments: Any) 
     """Mends valid requests that are refused for what no schema says.
 
     The two ends of a span are put in order. A page token gets the query that it is of; one of
-    another path, which an answer had by chance, is taken out.
+    another path, which an answer had by chance, is taken out. An id of dots would be a step in the
+    path of the address: the request would be for another operation.
     """
+    for name, value in (case.path_parameters or {}).items():
+        if value in (".", "..", ""):
+            case.path_parameters[name] = "none"
     if case.meta is None or case.meta.is_negative_at(ParameterLocation.QUERY):
         return
     query = case.query

@@ -86,7 +86,7 @@ def count_runs(request: Request, context: Context, wanted: Filter) -> Response:
 @router.get(
     "/runs:table",
     response_class=Response,
-    responses=table_answers(examples.RUN_TABLE, 401, 403, 406, 422),
+    responses=table_answers(examples.RUN_TABLE, 401, 403, 404, 406, 422),
 )
 def get_table(
     request: Request,

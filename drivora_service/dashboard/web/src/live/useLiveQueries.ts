@@ -10,14 +10,25 @@ export function useLiveQueries(): void {
   const queries = useQueryClient();
   useEffect(() => {
     let touched = new Set<string>();
+    let asking = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const renew = () => {
       timer = undefined;
       const keys = touched;
       touched = new Set();
-      void queries.invalidateQueries({
-        predicate: ({ queryKey: [kind, id] }) =>
-          keys.has("everything") || keys.has(`${kind} ${id}`),
+      // An answer that is on its way is waited for: under load it would else never come. What
+      // changed meanwhile is asked for after it.
+      const asked = queries.invalidateQueries(
+        {
+          predicate: ({ queryKey: [kind, id] }) =>
+            keys.has("everything") || keys.has(`${kind} ${id}`),
+        },
+        { cancelRefetch: false },
+      );
+      asking = true;
+      void asked.finally(() => {
+        asking = false;
+        if (touched.size > 0) timer ??= setTimeout(renew, GATHER_MS);
       });
     };
     const stop = listen((told) => {
@@ -26,7 +37,7 @@ export function useLiveQueries(): void {
       else if (told.type === "changes")
         for (const change of told.changes) for (const key of touches(change)) touched.add(key);
       else return;
-      timer ??= setTimeout(renew, GATHER_MS);
+      if (!asking) timer ??= setTimeout(renew, GATHER_MS);
     });
     return () => {
       stop();

@@ -43,7 +43,9 @@ export function nameOf(event: KeyboardEvent): string {
 function isTyping(target: EventTarget | null): boolean {
   return (
     target instanceof HTMLElement &&
-    (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName))
+    (target.isContentEditable ||
+      /^(TEXTAREA|SELECT)$/.test(target.tagName) ||
+      (target instanceof HTMLInputElement && !/^(checkbox|radio|button)$/.test(target.type)))
   );
 }
 
@@ -52,7 +54,7 @@ function isPressing(event: KeyboardEvent): boolean {
   return (
     (event.key === "Enter" || event.key === " ") &&
     event.target instanceof HTMLElement &&
-    event.target.closest("button, a[href], summary, [role=tab]") !== null
+    event.target.closest("button, a[href], summary, [role=tab], input") !== null
   );
 }
 

@@ -45,7 +45,7 @@ export function ExportButtons({
   };
   return (
     <>
-      <button type="button" onClick={savePicture} title="Save the map as a picture (s)">
+      <button type="button" onClick={savePicture} title="Save the map as a picture">
         PNG
       </button>
       {type && (

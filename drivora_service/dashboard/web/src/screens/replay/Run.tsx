@@ -48,8 +48,19 @@ export function Run() {
           </a>
         </div>
       </div>
+      {run.trace_sha256 && run.status !== "finished" && <NotJudged run={run} />}
       {run.trace_sha256 ? <Replay key={run.id} run={run} /> : <NoRecording run={run} />}
     </>
+  );
+}
+
+/** What a run without a judgement says above its replay: it neither passes nor fails. */
+function NotJudged({ run }: { readonly run: Schemas["Run"] }) {
+  return (
+    <p role="note">
+      <Mark {...lookOfRun(run)} /> Not judged{run.cause && `: ${run.cause.replaceAll("_", " ")}`}
+      {run.error && `. ${run.error.message}`}
+    </p>
   );
 }
 

@@ -27,8 +27,10 @@ export function VerdictLine({
     <div className="verdict-line whole-width">
       {first ? (
         <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
-      ) : (
+      ) : verdicts.length > unclear.length ? (
         <Mark sign="✓" tone="good" text="No oracle was violated" />
+      ) : (
+        <Mark sign="–" tone="lost" text="No oracle has judged the run" />
       )}
       {rest.slice(0, MOST).map((verdict) => (
         <Violation
