@@ -8,6 +8,7 @@ from http import HTTPStatus
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from drivora_service.api.problems import problem_response
+from drivora_service.api_paths import PREFIX
 
 RETRY_AFTER = {"Retry-After": "5"}
 """Header of refusals: when to ask again."""
@@ -54,7 +55,8 @@ class WriteGate:
 
     def _refusal(self, path: str) -> str:
         action = path.rpartition(":")[2]
-        if action == "validate":
+        # Who signs in wants to look, or to sign out; neither is work.
+        if action == "validate" or path == f"{PREFIX}/session":
             return ""
         if self._stopping():
             return "the service is being stopped and takes no more work; ask again later"

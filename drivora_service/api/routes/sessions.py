@@ -38,7 +38,7 @@ _SCOPES: dict[Scope, Literal["read", "submit", "admin"]] = {
 @router.post(
     "/session",
     status_code=204,
-    responses=no_content(401, 403, 409, 422, 429),
+    responses=no_content(401, 403, 409, 422, 429, 503),
     openapi_extra={"requestBody": {"content": {"application/json": {"example": _EXAMPLE}}}},
 )
 async def begin_session(request: Request, context: Context, given: SessionRequest) -> Response:
@@ -82,7 +82,7 @@ async def get_session(request: Request, context: Context, response: Response) ->
     )
 
 
-@router.delete("/session", status_code=204, responses=no_content(403))
+@router.delete("/session", status_code=204, responses=no_content(403, 503))
 async def end_session(request: Request, context: Context) -> Response:
     """Ends the session of the request; without one, nothing changes."""
     secret = session_secret(request.headers)
