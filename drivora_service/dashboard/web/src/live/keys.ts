@@ -1,5 +1,8 @@
 import type { Change } from "./messages";
 
+/** Stands for all queries, where what has changed cannot be told. */
+export const EVERYTHING = "everything";
+
 /** Returns the queries that a change touches: `kind id` and `kind list`, also of what it belongs to. */
 export function touches(change: Change): readonly string[] {
   const found = [`${change.kind} ${change.id}`, `${change.kind} list`];

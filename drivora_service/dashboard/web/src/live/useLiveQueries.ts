@@ -1,7 +1,7 @@
-import { useQueryClient } from "@tanstack/react-query";
+import { type QueryClient, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { listen } from "./hub";
-import { touches } from "./keys";
+import { EVERYTHING, touches } from "./keys";
 
 const GATHER_MS = 300;
 
@@ -10,38 +10,42 @@ export function useLiveQueries(): void {
   const queries = useQueryClient();
   useEffect(() => {
     let touched = new Set<string>();
-    let asking = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
     const renew = () => {
-      timer = undefined;
-      const keys = touched;
-      touched = new Set();
-      // An answer that is on its way is waited for: under load it would else never come. What
-      // changed meanwhile is asked for after it.
-      const asked = queries.invalidateQueries(
-        {
-          predicate: ({ queryKey: [kind, id] }) =>
-            keys.has("everything") || keys.has(`${kind} ${id}`),
-        },
-        { cancelRefetch: false },
-      );
-      asking = true;
-      void asked.finally(() => {
-        asking = false;
-        if (touched.size > 0) timer ??= setTimeout(renew, GATHER_MS);
-      });
+      touched = renewTouched(queries, touched);
+      timer = touched.size > 0 ? setTimeout(renew, GATHER_MS) : undefined;
     };
     const stop = listen((told) => {
-      if (told.type === "reset") touched.add("everything");
+      if (told.type === "reset") touched.add(EVERYTHING);
       else if (told.type === "workers") touched.add("workers list");
       else if (told.type === "changes")
         for (const change of told.changes) for (const key of touches(change)) touched.add(key);
       else return;
-      if (!asking) timer ??= setTimeout(renew, GATHER_MS);
+      timer ??= setTimeout(renew, GATHER_MS);
     });
     return () => {
       stop();
       clearTimeout(timer);
     };
   }, [queries]);
+}
+
+/**
+ * Asks anew for the touched queries, and returns those to ask for later.
+ *
+ * An answer that is on its way is waited for: under load it would else never come. It may have been
+ * made before the change, so that its query is asked for once more after it.
+ */
+export function renewTouched(queries: QueryClient, touched: ReadonlySet<string>): Set<string> {
+  const later = new Set<string>();
+  void queries.invalidateQueries({
+    predicate: ({ queryKey: [kind, id], state }) => {
+      const key = `${kind} ${id}`;
+      if (!touched.has(EVERYTHING) && !touched.has(key)) return false;
+      if (state.fetchStatus === "idle") return true;
+      later.add(key);
+      return false;
+    },
+  });
+  return later;
 }

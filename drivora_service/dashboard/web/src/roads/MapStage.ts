@@ -171,6 +171,15 @@ export class MapStage {
       },
       { signal },
     );
+    // A gesture that the browser takes over ends without a pointer going up.
+    for (const end of ["pointercancel", "lostpointercapture"])
+      canvas.addEventListener(
+        end,
+        () => {
+          this.held = undefined;
+        },
+        { signal },
+      );
     canvas.addEventListener("pointerleave", () => this.onLeave?.(), { signal });
   }
 

@@ -7,7 +7,7 @@ const BASELINE = "random";
 /** Reads the quartiles of Random in the study of a campaign, at its scenario and with its ADS. */
 export function useBands({ study_id, cell }: Schemas["Campaign"], points: number) {
   return useQuery({
-    queryKey: ["study", study_id ?? "", "bands", BASELINE, cell?.scenario, cell?.agent, points],
+    queryKey: ["bands", study_id ?? "", BASELINE, cell?.scenario, cell?.agent, points],
     enabled: Boolean(study_id && cell && cell.method !== BASELINE),
     // A study without Random has no such band: the answer to that is 422, and no error here.
     retry: false,

@@ -26,7 +26,7 @@ export function GroupCards({
   const links = () => [...(list.current?.querySelectorAll<HTMLElement>("a.whole") ?? [])];
   const move = (by: number) => {
     const all = links();
-    const now = all.findIndex((link) => link === document.activeElement);
+    const now = all.indexOf(document.activeElement as HTMLAnchorElement);
     const next = all[Math.min(Math.max(now + by, 0), all.length - 1)];
     next?.focus();
     next?.closest("li")?.scrollIntoView({ block: "nearest" });

@@ -40,6 +40,8 @@ export function NetworkMap({
   const [pointed, setPointed] = useState<LanePlace>();
   const [clicked, setClicked] = useState<Clicked>();
   const first = useRef(readCamera(camera));
+  /** Lane that the next address has because of a click. */
+  const clickedLane = useRef<string>(undefined);
   const settled = useRef<ReturnType<typeof setTimeout>>(undefined);
 
   const go = (to: Part) =>
@@ -62,6 +64,7 @@ export function NetworkMap({
     made.stage.onClick = (x, y) => {
       const place = index.at(x, y);
       setClicked(place && { place, x, y });
+      clickedLane.current = place?.lane.id;
       if (place) go({ what: "lane", id: place.lane.id });
     };
     setMap({ ...made, hover, chosen });
@@ -73,17 +76,19 @@ export function NetworkMap({
   useEffect(() => {
     if (!map) return;
     if (!what || !id) {
+      first.current = undefined;
       if (map.chosen.show([])) map.stage.draw();
       return;
     }
     const { lanes, box } = extentOf(geometry, { what, id });
     map.chosen.show(lanes, what === "junction" ? geometry.junctions[id] : []);
     // A lane that was clicked is in sight already.
+    const byClick = what === "lane" && clickedLane.current === id;
+    clickedLane.current = undefined;
     if (first.current) first.current = undefined;
-    else if (box.every(Number.isFinite) && !(what === "lane" && clicked?.place.lane.id === id))
-      map.stage.fit(box, true, 12);
+    else if (box.every(Number.isFinite) && !byClick) map.stage.fit(box, true, 12);
     map.stage.draw();
-  }, [map, geometry, what, id, clicked]);
+  }, [map, geometry, what, id]);
 
   const keep = (now: Camera, byHand: boolean) => {
     if (!byHand) return;

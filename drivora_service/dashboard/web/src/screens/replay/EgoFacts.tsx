@@ -37,9 +37,16 @@ export function EgoFacts({
       `${fixed(value, digits)} ${unit}`
     );
   const speed = recording.speed[cell];
+  const absent = Number.isNaN(recording.x[cell] ?? Number.NaN);
   const end = recording.ends[ego];
   return (
     <dl className="facts ego-facts">
+      {absent && (
+        <>
+          <dt>State</dt>
+          <dd className="quiet">not in the run at this time</dd>
+        </>
+      )}
       <dt>Speed</dt>
       <dd>
         {number(speed, 2, "m/s")}
@@ -58,7 +65,7 @@ export function EgoFacts({
         {number(recording.routeS[own], 1, "m")}
         <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
       </dd>
-      {series && <Around series={series} step={step} number={number} />}
+      {series && !absent && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}
       {told?.valuesAt(ego, step).map(([name, value]) => (
         <Fragment key={name}>

@@ -35,7 +35,8 @@ export class PerceptionLayer extends Container {
 
   /** Shows a step. */
   show(step: number): void {
-    const { perceived, recording } = this;
+    const perceived = this.perceived;
+    const recording = this.recording;
     const ego = step * recording.actors.length + perceived.head.row;
     const x = recording.x[ego] as number;
     this.range.visible = !Number.isNaN(x);

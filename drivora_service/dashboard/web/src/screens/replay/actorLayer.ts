@@ -65,7 +65,7 @@ export class ActorLayer extends Container {
 
   /** Moves the actors to a time, between two steps in proportion. */
   show(time: number, scale: number): void {
-    const { recording } = this;
+    const recording = this.recording;
     const count = recording.actors.length;
     const at = Math.min(time / recording.stepLength, recording.loaded - 1);
     const step = Math.floor(at + 1e-6);
@@ -108,7 +108,7 @@ export class ActorLayer extends Container {
 
   /** Returns the actor whose box holds a place at a time, or is nearest within some metres. */
   at(x: number, y: number, time: number, within: number): Actor | undefined {
-    const { recording } = this;
+    const recording = this.recording;
     const step = Math.min(Math.floor(time / recording.stepLength + 1e-6), recording.loaded - 1);
     const count = recording.actors.length;
     let best: Actor | undefined;

@@ -49,6 +49,14 @@ describe("two runs", () => {
     expect(times[1]).toBeCloseTo(0.2);
     expect(times[2]).toBeCloseTo(0.4);
   });
+  it("have no distance where one of them is over", () => {
+    const one = run([0, 1, 2, 3]);
+    const other = run([0, 2]);
+    const times = timesOfOther(one, other, 0, 0, "time");
+    const { apart, speed } = differenceOf(one, other, 0, 0, times);
+    expect([...apart]).toEqual([0, 1, Number.NaN, Number.NaN]);
+    expect([...speed].slice(2)).toEqual([Number.NaN, Number.NaN]);
+  });
   it("have a distance and a difference of speed", () => {
     const one = run([0, 2, 4]);
     const other = run([0, 1, 2]);

@@ -88,8 +88,10 @@ export function differenceOf(
   const speed = new Float64Array(one.steps).fill(Number.NaN);
   for (let k = 0; k < one.steps; k++) {
     const there = Math.round((times[k] as number) / other.stepLength);
+    // It stands at its end, for it is over: there is no distance to it any more.
+    if (k > 0 && times[k] === times[k - 1] && there === other.steps - 1) break;
     const a = k * one.actors.length + ego;
-    const b = Math.min(there, other.steps - 1) * other.actors.length + otherEgo;
+    const b = there * other.actors.length + otherEgo;
     apart[k] = Math.hypot(
       (one.x[a] as number) - (other.x[b] as number),
       (one.y[a] as number) - (other.y[b] as number),

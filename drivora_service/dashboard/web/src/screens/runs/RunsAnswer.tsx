@@ -29,12 +29,16 @@ export function RunsAnswer({
     <p className="answer" role="status">
       <strong>{count(counts.total)}</strong> {counts.total === 1 ? "run" : "runs"}
       {parts.map(({ words, number, adds }) =>
-        number > 0 && number < counts.total && !("oracle" in search) ? (
+        number > 0 && !("oracle" in search) ? (
           <span key={words}>
             {" · "}
-            <Link to="/runs" search={{ ...search, ...adds }}>
-              {count(number)} {words}
-            </Link>
+            {number < counts.total ? (
+              <Link to="/runs" search={{ ...search, ...adds }}>
+                {count(number)} {words}
+              </Link>
+            ) : (
+              `all ${words}`
+            )}
           </span>
         ) : null,
       )}

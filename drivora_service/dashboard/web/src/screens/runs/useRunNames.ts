@@ -7,12 +7,12 @@ const NAMED = 100;
 /** The newest batches and campaigns by name, to filter by. */
 export function useRunNames(): Names {
   const batches = useQuery({
-    queryKey: ["batch", "names"],
+    queryKey: ["batch", "list", "names"],
     queryFn: async () =>
       body(await api.GET("/api/v1/batches", { params: { query: { limit: NAMED } } })),
   });
   const campaigns = useQuery({
-    queryKey: ["campaign", "names"],
+    queryKey: ["campaign", "list", "names"],
     queryFn: async () =>
       body(await api.GET("/api/v1/campaigns", { params: { query: { limit: NAMED } } })),
   });
