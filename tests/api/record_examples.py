@@ -83,14 +83,18 @@ _CRASH: dict[str, Any] = {
     "ego_vehicles": [{**examples.SCENARIO["ego_vehicles"][0], "agent": {"name": "scripted"}}],
     "npc_obstacles": [_CONTAINER],
 }
-_LONG: dict[str, Any] = {
+LONG: dict[str, Any] = {
     **examples.SCENARIO,
+    "ego_vehicles": [
+        {**ego, "agent": {"name": "pdm-closed"}} for ego in examples.SCENARIO["ego_vehicles"]
+    ],
     "npc_obstacles": [_CONTAINER],
+    "background_traffic": {"count": 150},
     "step_length": 0.01,
     "max_sim_time": 3600.0,
     "stuck_after": 3600.0,
 }
-"""Keeps a worker busy for as long as the queue is looked at."""
+"""Keeps a worker busy for several seconds, in which the queue is looked at."""
 
 
 def main() -> None:
@@ -297,10 +301,11 @@ class _Recording:
 
     @contextmanager
     def _busy_worker(self) -> Iterator[None]:
-        job = self._post("/jobs", _LONG)["id"]
+        job = self._post("/jobs", LONG)["id"]
         self._wait(f"/jobs/{job}", lambda found: found["status"] == "running")
         yield
-        assert self._get(f"/jobs/{job}")["status"] == "running"
+        found = self._get(f"/jobs/{job}")
+        assert found["status"] == "running", found
         self._post(f"/jobs/{job}:cancel")
 
     def _finished(self, campaign: str) -> Any:

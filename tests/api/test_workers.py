@@ -13,26 +13,13 @@ from typing import Any
 
 import httpx
 
-from drivora_service.api.examples import SCENARIO
 from drivora_service.cli.service_process import running_service
 from drivora_service.store.records import Priority
 from tests.api.conftest import Offline
+from tests.api.record_examples import LONG
 from tests.store.samples import claim, finish, finished, register, submit
 
 WORKERS = "/api/v1/workers"
-LONG: dict[str, Any] = {
-    **SCENARIO,
-    "npc_obstacles": [
-        {
-            "id": "container",
-            "model": "static.prop.container",
-            "location": {"x": 3.4, "y": 50.0, "yaw": 91.51},
-        }
-    ],
-    "step_length": 0.01,
-    "max_sim_time": 3600.0,
-    "stuck_after": 3600.0,
-}
 
 
 def until(client: httpx.Client, holds: Callable[[Any], bool]) -> Any:

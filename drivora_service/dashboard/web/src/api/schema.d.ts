@@ -10110,8 +10110,8 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example id,status,town,agent,violations
-                     *     0193a5b0c4d2000000000006,finished,tee-town,idm,0
-                     *     0193a5b0c4d2000000000004,cancelled,tee-town,idm,
+                     *     0193a5b0c4d2000000000007,finished,tee-town,idm,0
+                     *     0193a5b0c4d2000000000005,cancelled,tee-town,idm,
                      */
                     "text/csv": string;
                 };
@@ -10828,7 +10828,7 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example study_id,campaign_id,scenario,agent,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
-                     *     0193a5b0c4d200000000000f,0193a5b0c4d2000000000010,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
+                     *     0193a5b0c4d2000000000010,0193a5b0c4d2000000000011,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
                      */
                     "text/csv": string;
                 };
