@@ -115,7 +115,7 @@ def new_epoch() -> str:
 
 
 def revise_batches(session: Session, batch_seqs: Iterable[int], first: int) -> None:
-    """Gives batches their revisions, for statements that no flush sees.
+    """Sets the revisions of batches, for statements that no flush sees.
 
     Args:
         session: Session of the transaction.
@@ -130,12 +130,12 @@ def revise_batches(session: Session, batch_seqs: Iterable[int], first: int) -> N
 
 
 def campaign_has_changed(session: Session, campaign_seq: int) -> None:
-    """Gives a campaign a revision with the next flush, for statements that no flush sees."""
+    """Sets the revision of a campaign with the next flush, for statements that no flush sees."""
     flag_modified(session.get_one(CampaignRow, campaign_seq), "revision")
 
 
 def revise(session: Session, *_: object) -> None:
-    """Gives the rows of a flush their revisions; a listener of ``before_flush``."""
+    """Sets the revisions of the rows of a flush; a listener of ``before_flush``."""
     changed: dict[Revised, None] = {}
     for row in (*session.new, *session.dirty):
         if isinstance(

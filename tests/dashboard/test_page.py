@@ -86,3 +86,8 @@ def test_the_first_download_is_small() -> None:
         for name in ["index.html", *dict.fromkeys(named)]
     }
     assert sum(sizes.values()) < 600_000, sizes
+
+
+def test_the_lock_file_names_no_address() -> None:
+    lock = BUILT.with_name("web") / "package-lock.json"
+    assert "://" not in lock.read_text(), "remove what npm wrote: resolved, funding"

@@ -321,7 +321,7 @@ function Player({
           type="button"
           aria-pressed={state.perceived}
           onClick={togglePerceived}
-          title="Where the ego perceived the others, and whom it missed (v)"
+          title="Where the ego perceived the other actors, and which it missed (v)"
         >
           Perceived
         </button>
