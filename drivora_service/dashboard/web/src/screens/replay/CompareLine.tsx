@@ -6,6 +6,7 @@ import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
 import type { Pace, Parting } from "./difference";
+import "./compare.css";
 
 type Put = (changes: Record<string, string | undefined>) => void;
 

@@ -2,6 +2,7 @@ import { type ReactNode, useEffect, useRef } from "react";
 import type { Clock } from "./clock";
 import { RATES } from "./clock";
 import { usePlaying } from "./useMoment";
+import "./controls.css";
 
 /** Play, pause, steps, speed, and the time in numbers. */
 export function Controls({

@@ -6,6 +6,7 @@ import { type Line, Plot } from "./Plot";
 import type { Range } from "./timeScale";
 import { useStep } from "./useMoment";
 import type { Series } from "./useSeries";
+import "./plots.css";
 
 interface Shown extends Omit<Line, "values"> {
   readonly column: string;

@@ -5,6 +5,7 @@ import { stripsOf } from "./lightStrips";
 import type { Recording } from "./recording";
 import { type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
 import { oracleName, untilWords } from "./verdictWords";
+import "./timeline.css";
 
 const ROW_PX = 20;
 const MARK_PX = 19;

@@ -2,7 +2,8 @@ import type { MapStage } from "../../roads/MapStage";
 import type { Clock } from "./clock";
 import type { Range } from "./timeScale";
 
-const FOOT_PX = 30;
+/** Height of the line of text below a picture. */
+export const FOOT_PX = 30;
 const FRAMES_A_SECOND = 30;
 const VIDEO_TYPES = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
 
@@ -16,24 +17,34 @@ export function save(content: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
+/** Draws the map as it is over the whole of a canvas, with a line of text below it. */
+export function drawWithFoot(
+  pen: OffscreenCanvasRenderingContext2D,
+  stage: MapStage,
+  foot: number,
+  text: string,
+): void {
+  const { width, height } = pen.canvas;
+  const style = getComputedStyle(document.documentElement);
+  pen.fillStyle = style.getPropertyValue("--raised");
+  pen.fillRect(0, 0, width, height);
+  // Drawn in this moment: a canvas of WebGL is empty after its frame was shown.
+  stage.drawNow();
+  pen.drawImage(stage.canvas, 0, 0, width, height - foot);
+  pen.fillStyle = style.getPropertyValue("--ink");
+  pen.font = `${(13 * foot) / FOOT_PX}px system-ui, sans-serif`;
+  pen.textBaseline = "middle";
+  pen.fillText(text, foot / 3, height - foot / 2);
+}
+
 /** Returns the map as it is, with a line of text below it, as a PNG. */
 export async function picture(stage: MapStage, text: string): Promise<Blob> {
   const { canvas } = stage;
-  const ratio = canvas.width / Math.max(stage.size.width, 1);
-  const foot = Math.round(FOOT_PX * ratio);
+  const foot = Math.round((FOOT_PX * canvas.width) / Math.max(stage.size.width, 1));
   const whole = new OffscreenCanvas(canvas.width, canvas.height + foot);
   const pen = whole.getContext("2d");
   if (!pen) throw new Error("the browser cannot draw the picture");
-  const style = getComputedStyle(document.documentElement);
-  pen.fillStyle = style.getPropertyValue("--raised");
-  pen.fillRect(0, 0, whole.width, whole.height);
-  // Drawn in this moment: a canvas of WebGL is empty after its frame was shown.
-  stage.drawNow();
-  pen.drawImage(canvas, 0, 0);
-  pen.fillStyle = style.getPropertyValue("--ink");
-  pen.font = `${13 * ratio}px system-ui, sans-serif`;
-  pen.textBaseline = "middle";
-  pen.fillText(text, 10 * ratio, canvas.height + foot / 2);
+  drawWithFoot(pen, stage, foot, text);
   return whole.convertToBlob({ type: "image/png" });
 }
 
