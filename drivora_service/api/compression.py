@@ -9,26 +9,12 @@ from typing import Literal
 from fastapi import Request, Response
 
 from drivora_service.api.conditional import cache_headers, is_known
-
-Coding = Literal["", "gzip", "zstd"]
-"""Of the content of an answer; "": as it is."""
+from drivora_service.api.negotiation import Coding, accepted_coding
 
 _GZIP_LEVEL = 1
 """The fastest: higher ones take several times as long for a few per cent of numbers."""
 _GZIP_WINDOW = 31
 """Of zlib: the largest window, in the format of gzip."""
-
-
-def accepted_coding(accept_encoding: str) -> Coding:
-    """Returns the best coding that a client accepts, by its header; zstd before gzip."""
-    accepted: dict[str, float] = {}
-    for part in accept_encoding.lower().split(","):
-        name, _, parameter = part.partition(";")
-        accepted[name.strip()] = _weight(parameter)
-    usual = accepted.get("*", 0.0)
-    if accepted.get("zstd", usual) > 0.0:
-        return "zstd"
-    return "gzip" if accepted.get("gzip", usual) > 0.0 else ""
 
 
 def compressed(parts: Iterator[bytes], coding: Literal["gzip", "zstd"]) -> Iterator[bytes]:
@@ -66,16 +52,6 @@ def coded_headers(request: Request, etag: str) -> tuple[Coding, dict[str, str]]:
     headers = cache_headers(f"{etag}{coding and '-'}{coding}")
     headers["Vary"] += ", Accept-Encoding"
     return coding, headers
-
-
-def _weight(parameter: str) -> float:
-    name, _, value = parameter.strip().partition("=")
-    if name.strip() != "q":
-        return 1.0
-    try:
-        return float(value)
-    except ValueError:
-        return 0.0
 
 
 def _gzip(parts: Iterator[bytes]) -> Iterator[bytes]:

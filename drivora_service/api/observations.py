@@ -14,8 +14,8 @@ from fastapi.responses import FileResponse, StreamingResponse
 
 from drivora_service.api.arrow_answer import ARROW, arrow_answer
 from drivora_service.api.conditional import cache_headers, digest, is_known
+from drivora_service.api.negotiation import accepted_form
 from drivora_service.api.problems import ApiError
-from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_rows import TraceRows
 
 if TYPE_CHECKING:
@@ -25,6 +25,12 @@ NDJSON = "application/x-ndjson"
 PARQUET = "application/vnd.apache.parquet"
 CSV = "text/csv"
 
+_FORMS = (NDJSON, PARQUET, ARROW)
+_OTHER_NAMES = {
+    "application/x-parquet": PARQUET,
+    "application/ndjson": NDJSON,
+    "application/jsonl": NDJSON,
+}
 _CHUNK_BYTES = 64 * 1024
 
 
@@ -67,18 +73,17 @@ def observations_answer(
     """Answers with the recorded frames of a run in the form that the client accepts.
 
     Raises:
-        ApiError: The range is empty, a column unknown, or the form has no columns to choose (422);
-            or the client accepts none of the forms (406).
+        ApiError: The range is empty (422); or the client accepts none of the forms, of which a
+            choice of columns or rows leaves Arrow (406).
+        UnknownName: The trace has no such column.
     """
     steps = part.steps
     if steps.last is not None and steps.last < steps.first:
         raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, "`last` must not be before `first`")
-    form = _accepted(request)
+    has_choice = part.columns or part.rows is not TraceRows.ALL
+    form = accepted_form(request, (ARROW,) if has_choice else _FORMS, _OTHER_NAMES)
     if form == ARROW:
         return _arrow(request, path, trace_sha256, part)
-    if part.columns or part.rows is not TraceRows.ALL:
-        detail = f"`column` and `rows` choose from {ARROW} only; found {form}"
-        raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, detail)
     name = "parquet" if form == PARQUET else "ndjson"
     etag = f"{trace_sha256}-{name}-{steps.first}-{'' if steps.last is None else steps.last}"
     headers = cache_headers(etag)
@@ -97,21 +102,6 @@ def observations_answer(
     return Response(_parquet_range(path, steps), media_type=PARQUET, headers=headers)
 
 
-def _accepted(request: Request) -> str:
-    accept = request.headers.get("accept", "*/*")
-    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
-    if ARROW in kinds:
-        return ARROW
-    if kinds & {PARQUET, "application/x-parquet"}:
-        return PARQUET
-    if kinds & {"*/*", "application/*", NDJSON, "application/ndjson", "application/jsonl"}:
-        return NDJSON
-    raise ApiError(
-        HTTPStatus.NOT_ACCEPTABLE,
-        f"observations come as {NDJSON}, {PARQUET} or {ARROW}, not {accept!r}",
-    )
-
-
 def _arrow(request: Request, path: Path, trace_sha256: str, part: FramePart) -> Response:
     from drivora_service.observations.trace_stream import TracePart, open_stream
 
@@ -122,10 +112,7 @@ def _arrow(request: Request, path: Path, trace_sha256: str, part: FramePart) -> 
         wanted = TracePart(
             first=part.steps.first, stop=part.steps.stop, rows=part.rows, columns=part.columns
         )
-        try:
-            return open_stream(path, wanted)
-        except UnknownName as error:
-            raise ApiError(HTTPStatus.UNPROCESSABLE_ENTITY, str(error)) from error
+        return open_stream(path, wanted)
 
     return arrow_answer(request, opened, etag=etag)
 

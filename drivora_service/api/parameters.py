@@ -121,14 +121,14 @@ Steps = Annotated[StepRange, Depends(_step_range)]
 async def _frame_part(
     steps: Steps,
     rows: Annotated[
-        TraceRows, Query(description="Whose rows; `egos` with Arrow only.")
+        TraceRows, Query(description="Whose rows; with `egos`, the answer is Arrow.")
     ] = TraceRows.ALL,
     column: Annotated[
         list[Annotated[str, Query(max_length=200)]] | None,
         Query(
             max_length=100,
-            description="A column besides `step` and `actor`; with Arrow only. May be repeated; "
-            "without it, all columns come.",
+            description="A column besides `step` and `actor`; the answer is then Arrow. May be "
+            "repeated; without it, all columns come.",
         ),
     ] = None,
 ) -> FramePart:

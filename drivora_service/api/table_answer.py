@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from drivora_service.api.conditional import JSON
-from drivora_service.api.problems import ApiError
+from drivora_service.api.negotiation import accepted_form
 from drivora_service.studies.table_names import TableForm
 
 if TYPE_CHECKING:
@@ -28,22 +27,7 @@ _SUFFIXES = {
     TableForm.CSV: "csv",
 }
 
-
-def accepted_form(request: Request) -> TableForm:
-    """Returns the form that a client accepts; CSV if it names none of them.
-
-    Raises:
-        ApiError: It accepts other forms only (406).
-    """
-    accept = request.headers.get("accept", "*/*")
-    kinds = {part.partition(";")[0].strip().lower() for part in accept.split(",")}
-    for form in (TableForm.PARQUET, TableForm.ARROW, TableForm.JSON):
-        if form in kinds:
-            return form
-    if kinds & {"*/*", "text/*", TableForm.CSV}:
-        return TableForm.CSV
-    message = f"tables come as {', '.join(TableForm)}, not {accept!r}"
-    raise ApiError(HTTPStatus.NOT_ACCEPTABLE, message)
+_FORMS = (TableForm.CSV, TableForm.PARQUET, TableForm.ARROW, TableForm.JSON)
 
 
 def table_answer(
@@ -64,7 +48,7 @@ def table_answer(
     """
     from drivora_service.studies.table_forms import chosen_columns, table_chunks
 
-    form = accepted_form(request)
+    form = TableForm(accepted_form(request, _FORMS))
     table = chosen_columns(opened(), columns or ())
     headers = {
         "Content-Disposition": f'attachment; filename="{name}.{_SUFFIXES[form]}"',

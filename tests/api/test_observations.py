@@ -10,8 +10,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from drivora_service.api.compression import accepted_coding
-
 PARQUET = {"Accept": "application/vnd.apache.parquet"}
 ARROW = {"Accept": "application/vnd.apache.arrow.stream", "Accept-Encoding": "identity"}
 
@@ -82,33 +80,25 @@ def test_arrow_is_compressed_as_the_client_accepts(
     assert found == plain.content
 
 
-@pytest.mark.parametrize(
-    ("header", "coding"),
-    [
-        ("", ""),
-        ("identity", ""),
-        ("gzip, deflate", "gzip"),
-        ("gzip, deflate, br, zstd", "zstd"),
-        ("zstd;q=0, GZIP;q=0.5", "gzip"),
-        ("*", "zstd"),
-        ("*;q=0, gzip", "gzip"),
-        ("gzip;q=high", ""),
-    ],
-)
-def test_the_coding_is_one_that_is_accepted(header: str, coding: str) -> None:
-    assert accepted_coding(header) == coding
-
-
 def test_columns_and_rows_that_cannot_be_chosen_are_refused(
     http: httpx.Client, finished_run: dict[str, Any]
 ) -> None:
     url = finished_run["observations_url"]
     unknown = http.get(url, params={"column": "colour"}, headers=ARROW)
-    assert unknown.status_code == 422
+    assert unknown.status_code == 404
     assert "known: step, time, actor, x" in unknown.json()["detail"]
     assert http.get(url, params={"rows": "walkers"}, headers=ARROW).status_code == 422
     for params in ({"column": "x"}, {"rows": "egos"}):
-        assert http.get(url, params=params, headers=PARQUET).status_code == 422
+        assert http.get(url, params=params, headers=PARQUET).status_code == 406
+
+
+def test_chosen_columns_and_rows_come_as_arrow_unless_the_client_says_otherwise(
+    http: httpx.Client, finished_run: dict[str, Any]
+) -> None:
+    url = finished_run["observations_url"]
+    for params in ({"column": "x"}, {"rows": "egos"}):
+        answer = http.get(url, params=params)
+        assert (answer.status_code, answer.headers["Content-Type"]) == (200, ARROW["Accept"])
 
 
 def test_what_is_known_is_not_sent_again(http: httpx.Client, finished_run: dict[str, Any]) -> None:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import examples
-from drivora_service.api.arrow_answer import ARROW, accepted_form, arrow_answer
+from drivora_service.api.arrow_answer import ARROW, arrow_answer
 from drivora_service.api.compression import compressed_answer
 from drivora_service.api.conditional import JSON, digest
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, series_answers
+from drivora_service.api.negotiation import accepted_form
 from drivora_service.api.recorded_run import (
     ego_of,
     is_driven_by_sumo,
