@@ -11,6 +11,10 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.running import Runs
 from drivora_service.runs.report import RunSpec
 
+_TOGETHER_S = 0.2
+"""Seconds for which ended runs wait for others while workers have runs to take. What comes of them
+in the process that searches costs a third if it is done together."""
+
 
 class LocalEvaluator:
     """Runs on an executor that it owns."""
@@ -37,7 +41,7 @@ class LocalEvaluator:
             left = None if until is None else until - time.monotonic()
             if left is not None and left <= 0.0:
                 break
-            ends = self._runs.wait(left)
+            ends = self._runs.wait(self._patience(left), count=self._enough())
             if ends:
                 return tuple(
                     Answer(
@@ -48,6 +52,14 @@ class LocalEvaluator:
                     for end in ends
                 )
         return ()
+
+    def _enough(self) -> int:
+        """Returns the number of runs that may end before a worker has no run to take."""
+        return max(len(self._runs) - 2 * self._executor.capacity, 1)
+
+    def _patience(self, left: float | None) -> float:
+        """Returns the seconds to wait for them, after which fewer are answered."""
+        return _TOGETHER_S if left is None else min(left, _TOGETHER_S)
 
     def close(self) -> None:
         """Ends every run and every worker process."""

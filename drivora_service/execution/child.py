@@ -9,12 +9,13 @@ from pathlib import Path
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, KeptWorker, WorkerDiedError
+from drivora_service.execution.sent_report import SentReport
 from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.runs.candidate import Candidate
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.report import RunSpec
 from drivora_service.worker.channel import LONGEST_BODY, Kind, ProtocolError
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.messages import NotReady, candidate_of, message_of, report_of
+from drivora_service.worker.messages import NotReady, candidate_of, message_of
 from drivora_service.worker.processes import (
     ProcessReading,
     proportional_memory,
@@ -43,7 +44,7 @@ class Child:
     Attributes:
         log: Output of the processes.
         ready: Whether the process has been set up.
-        candidate: What the process has made of the genes of its run, ``None`` before the run's end.
+        candidate: What a process that died made of the genes of its run, ``None`` before.
         restarts: Number of processes after the first.
     """
 
@@ -103,20 +104,18 @@ class Child:
 
     def begin(self, spec: RunSpec) -> None:
         """Hands a run to the process, which is idle."""
-        self.log.cut()
-        self.log.mark()
+        self.log.begin_run()
         self._runs += 1
         self._spec, self.candidate = spec, None
         self._descendant_memory, self._next_descendants_look = 0, 0.0
         self._current().begin(spec)
 
-    def wait(self, timeout: float) -> RunReport | None:
+    def wait(self, timeout: float) -> SentReport | None:
         """Waits for the report of the run; ``None`` after ``timeout`` seconds.
 
         Raises:
             WorkerDiedError: The process has ended and left no report.
             KeeperLostError: Its keeper has ended.
-            ProtocolError: It has sent something else.
         """
         spec = self._spec
         if spec is None:
@@ -125,9 +124,8 @@ class Child:
         frame = worker.receive(timeout)
         if frame is None:
             return None
-        report = report_of(frame, spec.run_id)
-        self.candidate = _candidate_of(spec, worker)
-        return report
+        note = b"" if spec.candidate is None else worker.board.note(LONGEST_BODY)
+        return SentReport(frame=frame, note=note, spec=spec)
 
     def is_ready_again(self) -> bool:
         """Waits until the process, which has sent a report, is ready for the next run.

@@ -19,7 +19,7 @@ from drivora_service.worker.channel import (
     Frame,
     Kind,
     ProtocolError,
-    wait_for,
+    Waiting,
 )
 from drivora_service.worker.keeper import HandedFile, is_guard, keep
 from drivora_service.worker.loop import WorkerTask
@@ -29,6 +29,7 @@ from drivora_service.worker.processes import (
     descendants_of,
     listed_children,
     read_process,
+    started_processes,
 )
 from drivora_service.worker.progress import BoardReader
 
@@ -37,6 +38,9 @@ _ANSWER_S = 10.0
 _END_S = 10.0
 """Seconds within which a keeper ends everything; longer than its own time limit."""
 _LOOK_S = 0.05
+_LOOK_AGAIN_S = 1.0
+"""Seconds after which processes are looked for even if the system seems to have started none: a
+process with enough rights can change what the system tells."""
 
 
 class WorkerDiedError(Exception):
@@ -79,10 +83,14 @@ class KeptWorker:
         self._exit_code: int | None = None
         self._leftovers: tuple[str, ...] | None = None
         self._descendants: dict[int, ProcessHandle] = {}
+        self._started_processes: int | None = None
+        self._looked_at = 0.0
         self.board = BoardReader()
         channel, theirs = socket.socketpair()
         control, keepers = socket.socketpair()
         self._channel, self._control = Channel(channel), Channel(control)
+        self._both = Waiting(self._channel, self._control)
+        self._answers = Waiting(self._control)
         try:
             self._process: BaseProcess = start_process(
                 keep, (keepers, theirs, HandedFile(log), HandedFile(self.board.fileno()), task)
@@ -109,8 +117,13 @@ class KeptWorker:
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something that is no message.
         """
-        if not self._channel.has_message:
-            wait_for((self._channel, self._control), timeout)
+        if (
+            not self._channel.has_message
+            and not self._both.wait(timeout)
+            and not self._channel.is_within_message
+            and self._exit_code is None
+        ):
+            return None
         try:
             frame = self._channel.read()
             if frame is None:
@@ -133,7 +146,7 @@ class KeptWorker:
                 if lives and not self._keeper.is_stopped:
                     raise ProtocolError("it closed its channel")
                 raise KeeperLostError(f"the keeper did not answer within {_ANSWER_S:g} s")
-            wait_for((self._control,), _LOOK_S)
+            self._answers.wait(_LOOK_S)
             self._receive_keeper()
 
     def _receive_keeper(self) -> None:
@@ -166,7 +179,13 @@ class KeptWorker:
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
+        count, now = started_processes(), time.monotonic()
+        is_recent = now - self._looked_at < _LOOK_AGAIN_S
+        if count is not None and count == self._started_processes and is_recent:
+            return ()
         if self._is_alone() and not self._keeper.is_stopped:
+            # Counted before the look, so that no process that began during it is missed.
+            self._started_processes, self._looked_at = count, now
             return ()
         self._leftovers = None
         self._control.put(Frame(Kind.LOOK))
@@ -174,7 +193,7 @@ class KeptWorker:
         while self._leftovers is None and self._exit_code is None:
             if time.monotonic() > until or self._keeper.is_stopped:
                 raise KeeperLostError("the keeper does not answer")
-            wait_for((self._control,), _LOOK_S)
+            self._answers.wait(_LOOK_S)
             self._receive_keeper()
         return self._leftovers or ()
 
@@ -230,7 +249,7 @@ class KeptWorker:
         until = time.monotonic() + _END_S
         try:
             while time.monotonic() < until and not self._keeper.is_stopped:
-                wait_for((self._control,), _LOOK_S)
+                self._answers.wait(_LOOK_S)
                 self._receive_keeper()
                 if self._exit_code is not None and not self._keeper.lives:
                     return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -60,7 +61,7 @@ class LocalExecutor:
         self._waiting: deque[RunSpec] = deque()
         self._taken: set[str] = set()
         self._cancelled: set[str] = set()
-        self._ended: deque[AttemptEnd] = deque()
+        self._ended: deque[Callable[[], AttemptEnd]] = deque()
         self._woken = False
         self._closed = False
         task = WorkerTask(perform=perform, warm_up=warm_up, prepare=prepare, setup=setup)
@@ -132,7 +133,8 @@ class LocalExecutor:
         """Ends a run that no slot has started."""
         now = datetime.now(UTC)
         report = cancelled_report(run_id)
-        self._add_end(AttemptEnd(report=report, worker="", started=now, ended=now))
+        end = AttemptEnd(report=report, worker="", started=now, ended=now)
+        self._add_end(lambda: end)
 
     def withdraw(self) -> tuple[str, ...]:
         """Removes every spec that no slot has started; returns the ids of their runs."""
@@ -155,7 +157,8 @@ class LocalExecutor:
             self._woken = False
             ended = tuple(self._ended)
             self._ended.clear()
-        return ended
+        # Here, together and by the caller: the slots' threads go on with their next runs.
+        return tuple(read() for read in ended)
 
     def wake(self) -> None:
         """Makes the current or next :meth:`wait` return at once."""
@@ -203,13 +206,13 @@ class LocalExecutor:
             self._waiting.appendleft(spec)
             self._work.notify()
 
-    def _put_end(self, end: AttemptEnd) -> None:
+    def _put_end(self, run_id: str, read: Callable[[], AttemptEnd]) -> None:
         with self._work:
-            self._let_go(end.report.run_id)
-            self._add_end(end)
+            self._let_go(run_id)
+            self._add_end(read)
 
-    def _add_end(self, end: AttemptEnd) -> None:
-        self._ended.append(end)
+    def _add_end(self, read: Callable[[], AttemptEnd]) -> None:
+        self._ended.append(read)
         if len(self._ended) >= self._wanted:
             self._over.notify_all()
 

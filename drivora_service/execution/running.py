@@ -42,17 +42,21 @@ class Runs:
         """Queues a run; its id must be unique."""
         self._attempt(spec, RunState())
 
-    def wait(self, timeout: float | None = None) -> tuple[AttemptEnd, ...]:
-        """Waits for the end of an attempt; returns the last attempts of runs that ended with it.
+    def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
+        """Waits for the ends of attempts; returns the last attempts of runs that ended with them.
 
         Their reports are those of the runs.
+
+        Args:
+            timeout: Seconds after which it returns in any case.
+            count: Number of ends to wait for.
 
         Raises:
             WorkersCannotStart: No worker can be started; the runs in flight have not failed.
         """
         over: list[AttemptEnd] = []
         # Attempts that ended before the fault are returned first.
-        ends = self._executor.wait(0.0 if self._executor.fault else timeout)
+        ends = self._executor.wait(0.0 if self._executor.fault else timeout, count=count)
         if not ends and self._running and self._executor.fault:
             raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
         for end in ends:

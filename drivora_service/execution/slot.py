@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -22,6 +23,7 @@ from drivora_service.execution.deaths import (
 )
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
+from drivora_service.execution.sent_report import SentReport
 from drivora_service.execution.starts import WorkerStarts
 from drivora_service.execution.watch import Sample, Watch
 from drivora_service.execution.worker_log import WorkerLog
@@ -32,6 +34,7 @@ from drivora_service.runs.slot_state import SlotState
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.worker.channel import ProtocolError
 from drivora_service.worker.loop import WorkerTask
+from drivora_service.worker.progress import NO_PROGRESS
 
 _POLL_S = 0.2
 """Seconds between two checks of a run: the resolution of its limits. A check wakes the process that
@@ -41,6 +44,11 @@ _LOG_AGAIN_S = 60.0
 """Seconds between two log lines about faults of one slot."""
 
 _log = structlog.get_logger(__name__)
+
+
+Sink = Callable[[str, Callable[[], AttemptEnd]], None]
+"""Takes the id of a run of which an attempt has ended, and a function that returns that end. It
+never raises, and may be called from another thread."""
 
 
 class Source(Protocol):
@@ -74,7 +82,7 @@ class Slot:
         limits: Limits,
         starts: WorkerStarts,
         source: Source,
-        sink: Callable[[AttemptEnd], None],
+        sink: Sink,
     ) -> None:
         """Starts the slot and its worker."""
         self.name = name
@@ -86,7 +94,7 @@ class Slot:
         self._last_crash = ""
         self._last_crash_at: datetime | None = None
         self._since = datetime.now(UTC)
-        self._unsent: AttemptEnd | None = None
+        self._unsent: tuple[str, Callable[[], AttemptEnd]] | None = None
         self._logged_at = -_LOG_AGAIN_S
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=name, daemon=True)
@@ -154,7 +162,7 @@ class Slot:
 
     def _serve_runs(self, child: Child) -> None:
         if self._unsent is not None:
-            self._sink(self._unsent)
+            self._sink(*self._unsent)
             self._unsent = None
         while not self._closing.is_set():
             if child.needs_replacement or not child.ready:
@@ -167,8 +175,8 @@ class Slot:
                 self._source.put_back(spec)
                 child.end()
                 continue
-            self._unsent = self._attempt(child, spec)
-            self._sink(self._unsent)
+            self._unsent = (spec.run_id, self._attempt(child, spec))
+            self._sink(*self._unsent)
             self._unsent = None
             if child.ready and not child.needs_replacement:
                 self._check_leftovers(child, spec.run_id)
@@ -185,40 +193,67 @@ class Slot:
             child.log.note(f"run {run_id} left processes behind: {', '.join(leftovers)}")
             child.retire()
 
-    def _attempt(self, child: Child, spec: RunSpec) -> AttemptEnd:
+    def _attempt(self, child: Child, spec: RunSpec) -> Callable[[], AttemptEnd]:
         """Performs an attempt; returns its end in every case, so that no run is lost."""
         self._run_id = spec.run_id
         self._since = started = datetime.now(UTC)
+        outcome: RunReport | SentReport
         exit_code = 0
         try:
-            report, exit_code = self._perform(child, spec)
+            outcome, exit_code = self._perform(child, spec)
         except Exception as error:
             # The worker reports all that a run raises; this is a fault of the system.
-            self._log_fault("slot_fault", error)
-            report = report_loss(spec.run_id, f"the worker process was lost: {error!r}", "")
-            self._note_crash(f"the worker process was lost: {error!r}")
+            outcome = self._lost(spec.run_id, error)
             with contextlib.suppress(Exception):
                 child.end()
-        if _may_affect_next_run(report, child):
+        if isinstance(outcome, RunReport) and _may_affect_next_run(outcome, child):
             child.retire()
         self._run_id = ""
-        self._since = datetime.now(UTC)
+        self._since = ended = datetime.now(UTC)
         self._runs += 1
-        return AttemptEnd(
-            report=report,
+        end = partial(
+            AttemptEnd,
             worker=self.name,
             started=started,
-            ended=datetime.now(UTC),
+            ended=ended,
             signal=signal_name(exit_code),
-            candidate=child.candidate,
         )
+        if isinstance(outcome, RunReport):
+            known = end(report=outcome, candidate=child.candidate)
+            return lambda: known
+        return partial(self._read, outcome, child, end)
 
-    def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport, int]:
+    def _read(self, sent: SentReport, child: Child, end: Callable[..., AttemptEnd]) -> AttemptEnd:
+        """Reads a report that was sent as one of a finished run, in the thread that wants it."""
+        try:
+            report, candidate = sent.read()
+        except ProtocolError as error:
+            child.retire()
+            report = report_breach(sent.spec.run_id, str(error), NO_PROGRESS, child.log.tail())
+            candidate = None
+            self._note_crash("" if report.failure is None else report.failure.message)
+        except Exception as error:
+            child.retire()
+            report, candidate = self._lost(sent.spec.run_id, error), None
+        return end(report=report, candidate=candidate)
+
+    def _lost(self, run_id: str, error: Exception) -> RunReport:
+        """Returns the report of a run that was lost to a fault of this package or the system."""
+        self._log_fault("slot_fault", error)
+        message = f"the worker process was lost: {error!r}"
+        self._note_crash(message)
+        return report_loss(run_id, message, "")
+
+    def _perform(self, child: Child, spec: RunSpec) -> tuple[RunReport | SentReport, int]:
         """Hands a run to the worker; returns its report and exit code, 0 while the worker lives."""
         exit_code = 0
         try:
             child.begin(spec)
-            return self._supervise(child, spec.run_id), 0
+            outcome = self._supervise(child, spec.run_id)
+            if isinstance(outcome, RunReport) or outcome.says_finished:
+                return outcome, 0
+            report, child.candidate = outcome.read()
+            return report, 0
         except WorkerDiedError as death:
             exit_code = death.exit_code
             report = report_death(spec.run_id, exit_code, child.progress(), child.log.tail())
@@ -230,17 +265,19 @@ class Slot:
         child.end()
         return report, exit_code
 
-    def _supervise(self, child: Child, run_id: str) -> RunReport:
+    def _supervise(self, child: Child, run_id: str) -> RunReport | SentReport:
         begun = time.monotonic()
         watch = Watch(self._limits, now=begun)
         while True:
-            report = child.wait(_POLL_S)
-            if report is not None:
+            sent = child.wait(_POLL_S)
+            if sent is not None:
                 if child.progress().phase is RunPhase.IN_AGENT:
+                    # Names what is wrong with the message, if there is more.
+                    sent.read()
                     raise ProtocolError("a report that came while an agent was called")
                 if not child.is_ready_again():
                     child.retire()
-                return report
+                return sent
             if self._closing.is_set() or self._source.is_cancelled(run_id):
                 child.end()
                 return cancelled_report(run_id)

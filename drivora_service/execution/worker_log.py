@@ -63,6 +63,15 @@ class WorkerLog:
         with self._changing:
             self._begin = self._size()
 
+    def begin_run(self) -> None:
+        """Cuts the log if it is too long, and makes :meth:`tail` begin with what follows."""
+        with self._changing:
+            size = self._size()
+            if size > self._longest:
+                self.cut()
+                size = self._size()
+            self._begin = size
+
     def _size(self) -> int:
         return 0 if self._file < 0 else os.fstat(self._file).st_size
 

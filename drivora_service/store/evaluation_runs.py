@@ -18,7 +18,8 @@ from drivora_service.store.campaign_records import Confirmation
 from drivora_service.store.campaign_tables import EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.endings import end_values
-from drivora_service.store.evaluations import evaluation_row, town_of_seed
+from drivora_service.store.evaluation_writing import town_of_seed
+from drivora_service.store.evaluations import evaluation_row
 from drivora_service.store.records import RunRecord
 
 _RUN_ID = re.compile(r"(?P<campaign>[0-9a-f]{24})-(?P<number>\d{1,9})(-again)?")

@@ -3,37 +3,25 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
-from sqlalchemy import insert, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from drivora_service.errors import Conflict, UnknownName
-from drivora_service.feedback.measurement import Measurement
-from drivora_service.oracles.accountability import Accountability, accountability
-from drivora_service.oracles.verdict_json import verdict_from_json, verdict_to_json
-from drivora_service.runs.encoding import report_from_json, report_to_json
+from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdict_json import verdict_from_json
+from drivora_service.runs.encoding import report_from_json
 from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.shapes import combine
 from drivora_service.store.campaign_records import Confirmation, EvaluationRecord, Failure
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.chunks import batched
-from drivora_service.store.documents import store_documents
-from drivora_service.store.failure_kinds import (
-    count_confirmation,
-    count_failures,
-    count_groups,
-)
-from drivora_service.store.found_writing import (
-    confirm_found,
-    found_in_campaign,
-    write_found_in_campaign,
-)
+from drivora_service.store.evaluation_writing import append_evaluations
+from drivora_service.store.failure_kinds import count_confirmation, count_groups
+from drivora_service.store.found_writing import confirm_found
 from drivora_service.store.tables import DocumentRow
 
 
@@ -59,43 +47,9 @@ class EvaluationRepository:
             Conflict: The campaign holds a number already, or not the one before it.
         """
         campaign = campaign_row(self._session, campaign_id)
-        for place, (record, _) in enumerate(entries):
-            if record.number != campaign.evaluations + place:
-                raise Conflict(
-                    f"evaluation {record.number} of campaign {campaign_id} does not follow the "
-                    f"{campaign.evaluations + place} that are stored; is it run twice?"
-                )
-        store_documents(
-            self._session,
-            {record.document_sha256: document for record, document in entries if document},
-        )
-        now = datetime.now(UTC)
-        if entries:
-            rows = [_new_row(campaign.seq, record, now) for record, _ in entries]
-            self._session.execute(insert(EvaluationRow), rows)
-        best: dict[str, list[float]] = json.loads(campaign.best)
-        found: list[dict[str, Any]] = []
-        for record, _ in entries:
-            if record.violations:
-                failures = _failure_rows(campaign.seq, record)
-                self._session.add_all(failures)
-                count_failures(self._session, failures)
-                found += found_in_campaign(
-                    record.violations,
-                    campaign_seq=campaign.seq,
-                    number=record.number,
-                    agent=campaign.agent,
-                    town=town_of_seed(campaign, record.seed_number),
-                    found_at=now,
-                )
-            _count(campaign, record)
-            measurement = record.report.measurement
-            if measurement is not None and record.status is EvaluationStatus.JUDGED:
-                best = _better(best, record.number, measurement)
-        write_found_in_campaign(self._session, found)
-        campaign.best = json.dumps(best)
+        append_evaluations(self._session, campaign, entries)
         campaign.active_s += active_s
-        campaign.updated_at = now
+        campaign.updated_at = datetime.now(UTC)
 
     def page(
         self, campaign_id: str, *, after: int = -1, limit: int = 100, violating: bool = False
@@ -250,94 +204,6 @@ def evaluation_row(session: Session, campaign: CampaignRow, number: int) -> Eval
         known = (f"0 to {campaign.evaluations - 1}",) if campaign.evaluations else ()
         raise UnknownName("evaluation", str(number), known)
     return row
-
-
-def town_of_seed(campaign: CampaignRow, seed_number: int) -> str:
-    """Returns the road network of a seed scenario."""
-    seeds = json.loads(campaign.document).get("scenarios") or ()
-    if seed_number >= len(seeds):
-        return campaign.town
-    town: str = seeds[seed_number]["scenario"]["map_region"]["town"]
-    return town
-
-
-def _failure_rows(campaign_seq: int, record: EvaluationRecord) -> list[FailureRow]:
-    return [
-        FailureRow(
-            campaign_seq=campaign_seq,
-            number=record.number,
-            place=place,
-            oracle=verdict.oracle,
-            kind=kind,
-            at_fault=verdict.at_fault,
-            accountability=accountability(verdict),
-            confirmation=Confirmation.OPEN,
-            verdict=verdict_to_json(verdict),
-        )
-        for place, (verdict, kind) in enumerate(
-            zip(record.violations, record.failure_kinds, strict=True)
-        )
-    ]
-
-
-def _new_row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> dict[str, Any]:
-    return {
-        "campaign_seq": campaign_seq,
-        "number": record.number,
-        "generation": record.proposal.generation,
-        "origin": record.proposal.origin,
-        "parents": json.dumps(record.proposal.parents),
-        "genes": json.dumps(record.proposal.values.tolist()),
-        "status": record.status,
-        "document_sha256": record.document_sha256 or None,
-        "violations": len(record.violations),
-        "at_fault_violations": sum(bool(verdict.at_fault) for verdict in record.violations),
-        "accountability": record.accountability,
-        "sim_time_s": record.report.sim_time_s,
-        "wall_time_s": record.report.wall_time_s,
-        "search_s": record.search_s,
-        "prepare_s": record.prepare_s,
-        "asked_sha256": record.asked_sha256 or None,
-        "seed_number": record.seed_number,
-        "told_at": now,
-        "report": report_to_json(record.report),
-        "violating": bool(record.violations),
-    }
-
-
-def _count(campaign: CampaignRow, record: EvaluationRecord) -> None:
-    campaign.evaluations += 1
-    match record.status:
-        case EvaluationStatus.JUDGED:
-            campaign.judged += 1
-        case EvaluationStatus.INVALID:
-            campaign.invalid += 1
-        case EvaluationStatus.FAILED:
-            campaign.failed += 1
-    campaign.violating += bool(record.violations)
-    campaign.at_fault += record.at_fault
-    match record.accountability:
-        # A campaign from before this was recorded has no such counts, and never gets partial ones.
-        case Accountability.AVOIDABLE if campaign.avoidable is not None:
-            campaign.avoidable += 1
-        case Accountability.UNAVOIDABLE if campaign.unavoidable is not None:
-            campaign.unavoidable += 1
-        case Accountability.UNDETERMINED if campaign.undetermined is not None:
-            campaign.undetermined += 1
-
-
-def _better(
-    best: dict[str, list[float]], number: int, measurement: Measurement
-) -> dict[str, list[float]]:
-    """Returns the least value of each objective, and the number of its evaluation."""
-    found = {
-        name: [value, number]
-        for name, value in measurement.objectives.items()
-        if value is not None
-        and math.isfinite(value)
-        and (name not in best or value < best[name][0])
-    }
-    return best | found
 
 
 def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> EvaluationRecord:

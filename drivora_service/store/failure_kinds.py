@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.shapes import combine
 from drivora_service.store.campaign_records import Confirmation, FailureKind
 from drivora_service.store.campaign_tables import FailureKindRow, FailureRow
@@ -24,16 +26,34 @@ def failure_kinds(session: Session, campaign_seq: int) -> tuple[FailureKind, ...
     )
 
 
-def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
-    """Counts the newly stored failures of one evaluation."""
-    by_kind: dict[str, list[FailureRow]] = {}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewFailure:
+    """A failure that is stored now, with the columns that identify it.
+
+    Attributes:
+        place: Its place among the failures of its evaluation.
+    """
+
+    campaign_seq: int
+    number: int
+    place: int
+    kind: str
+    accountability: Accountability
+    verdict: Verdict
+
+
+def count_failures(session: Session, failures: Iterable[NewFailure]) -> None:
+    """Counts newly stored failures, all those of an evaluation among them."""
+    together: dict[tuple[int, str, int], list[NewFailure]] = {}
     for failure in failures:
-        by_kind.setdefault(failure.kind, []).append(failure)
-    for kind, alike in by_kind.items():
-        row = session.get(FailureKindRow, (alike[0].campaign_seq, kind))
+        key = (failure.campaign_seq, failure.kind, failure.number)
+        together.setdefault(key, []).append(failure)
+    rows: dict[tuple[int, str], FailureKindRow] = {}
+    for (campaign_seq, kind, number), alike in together.items():
+        row = rows.get((campaign_seq, kind)) or session.get(FailureKindRow, (campaign_seq, kind))
         if row is None:
             row = FailureKindRow(
-                campaign_seq=alike[0].campaign_seq,
+                campaign_seq=campaign_seq,
                 kind=kind,
                 failures=0,
                 violations=0,
@@ -41,15 +61,16 @@ def count_failures(session: Session, failures: Sequence[FailureRow]) -> None:
                 avoidable=0,
                 confirmed=0,
                 flaky=0,
-                first=alike[0].number,
+                first=number,
                 groups=0,
             )
             session.add(row)
+        rows[(campaign_seq, kind)] = row
         row.failures += 1
         row.violations += len(alike)
-        row.at_fault += any(failure.at_fault for failure in alike)
+        row.at_fault += any(failure.verdict.at_fault for failure in alike)
         row.avoidable += any(
-            failure.accountability == Accountability.AVOIDABLE for failure in alike
+            failure.accountability is Accountability.AVOIDABLE for failure in alike
         )
 
 

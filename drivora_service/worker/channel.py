@@ -12,7 +12,6 @@ import select
 import socket
 import struct
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -21,7 +20,8 @@ LONGEST_BODY = 16 << 20
 
 _MAGIC = b"drvr"
 _HEADER = struct.Struct("!4sII")
-_CHUNK = 1 << 20
+_CHUNK = 1 << 16
+"""Bytes that are sent or received at once; memory for more would be mapped anew each time."""
 _WHOLE_WITHIN_S = 10.0
 """Seconds within which a message must be complete after its first byte."""
 
@@ -95,6 +95,8 @@ class Channel:
 
     def flush(self) -> None:
         """Sends as much of the pending bytes as fits without blocking."""
+        if not self._going:
+            return
         # The next read finds a closed end.
         with contextlib.suppress(BrokenPipeError, ConnectionResetError, BlockingIOError):
             while self._going:
@@ -145,23 +147,35 @@ class Channel:
         self._socket.close()
 
 
-def wait_for(channels: Sequence[Channel], timeout: float) -> None:
-    """Waits until a channel has bytes to read or room to send; sends pending bytes.
+class Waiting:
+    """Waits for several channels; asks the system once a wait."""
 
-    Args:
-        channels: The channels.
-        timeout: Seconds after which it returns in any case.
-    """
-    if timeout <= 0.0:
+    def __init__(self, *channels: Channel) -> None:
+        """Begins with open channels."""
+        self._channels = channels
+        self._poll = select.poll()
+        self._sending = dict.fromkeys(channels, False)
         for channel in channels:
+            self._poll.register(channel, select.POLLIN)
+
+    def wait(self, timeout: float) -> bool:
+        """Waits until a channel has bytes to read or room to send; sends pending bytes.
+
+        Args:
+            timeout: Seconds after which it returns in any case.
+
+        Returns:
+            Whether there is something to read or to send.
+        """
+        for channel in self._channels:
+            sending = channel.has_more_to_send
+            if sending != self._sending[channel]:
+                self._sending[channel] = sending
+                self._poll.modify(channel, select.POLLIN | (select.POLLOUT if sending else 0))
+        events = self._poll.poll(1000.0 * timeout)
+        for channel in self._channels:
             channel.flush()
-        return
-    poll = select.poll()
-    for channel in channels:
-        poll.register(channel, select.POLLIN | (select.POLLOUT if channel.has_more_to_send else 0))
-    poll.poll(1000.0 * timeout)
-    for channel in channels:
-        channel.flush()
+        return bool(events)
 
 
 def send(end: socket.socket, *frames: Frame) -> None:

@@ -28,6 +28,7 @@ _WORKER_STATUSES = frozenset(
         RunStatus.INFRASTRUCTURE_FAILED,
     }
 )
+_REPORT_BEGIN = b'{"run_id":"%s","status":"%s"'
 _CAUSE = re.compile(r"[a-z][a-z0-9_]{0,39}")
 _SHA256 = re.compile(r"([0-9a-f]{64})?")
 _MOST_STEPS = 2**31 - 1
@@ -184,6 +185,17 @@ def _as_text(failure: RunFailure) -> RunFailure:
 
 
 _LONGEST_LOG = 1 << 20
+
+
+def is_of_finished_run(frame: Frame, run_id: str) -> bool:
+    """Returns whether a message begins as the report of a finished run does.
+
+    Args:
+        frame: The worker's message.
+        run_id: The run that it was given.
+    """
+    begin = _REPORT_BEGIN % (run_id.encode(), RunStatus.FINISHED.encode())
+    return frame.kind is Kind.REPORT and frame.body.startswith(begin)
 
 
 def report_of(frame: Frame, run_id: str) -> RunReport:

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import psutil
@@ -89,6 +90,32 @@ def _read(path: str) -> bytes:
         return found
     finally:
         os.close(file)
+
+
+def started_processes() -> int | None:
+    """Returns a number that changes when any process or thread starts; ``None`` if unknown.
+
+    It takes a microsecond, where a look at the children of two processes takes a hundred.
+    """
+    file = _last_pid_file()
+    if file is None:
+        return None
+    try:
+        return int(os.pread(file, _CHUNK, 0))
+    except (OSError, ValueError):
+        return None
+
+
+@cache
+def _last_pid_file() -> int | None:
+    """Opens the system's last process id, which stays open; ``None`` if it does not tell it.
+
+    ``/proc/loadavg`` has it, too, but containers replace that file by one that is refreshed late.
+    """
+    try:
+        return os.open("/proc/sys/kernel/ns_last_pid", os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return None
 
 
 def children_of(pid: int) -> list[int]:

@@ -29,6 +29,8 @@ from drivora_service.simulation.phase import SETTING_UP, RunPhase
 _CELLS = struct.Struct("=5q")
 _NOTE = struct.Struct("=Q")
 _NOTE_AT = _CELLS.size
+_USUAL_NOTE = 1 << 14
+"""Bytes that are read of a note at first."""
 _LARGEST = 2**31 - 1
 """Largest number that an INTEGER column of the database holds."""
 _PHASES = frozenset(int(phase) for phase in RunPhase)
@@ -126,11 +128,14 @@ class BoardReader:
         with self._lock:
             if self._file < 0:
                 return b""
-            head = os.pread(self._file, _NOTE.size, _NOTE_AT)
-            length = _NOTE.unpack(head)[0] if len(head) == _NOTE.size else 0
+            # Nearly all notes are shorter, and read at once.
+            data = os.pread(self._file, _USUAL_NOTE, _NOTE_AT)
+            length = _NOTE.unpack_from(data)[0] if len(data) >= _NOTE.size else 0
             if not 0 < length <= longest:
                 return b""
-            return os.pread(self._file, length, _NOTE_AT + _NOTE.size)
+            if _NOTE.size + length > len(data):
+                return os.pread(self._file, length, _NOTE_AT + _NOTE.size)
+            return data[_NOTE.size : _NOTE.size + length]
 
     def close(self) -> None:
         """Closes the memory; from now on readings are empty."""

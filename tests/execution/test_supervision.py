@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -165,10 +165,10 @@ def test_a_fault_in_the_sink_does_not_end_the_slot(
     sound = slot._sink
     faults = iter([MemoryError("none left")])
 
-    def sink(end: AttemptEnd) -> None:
+    def sink(run_id: str, read: Callable[[], AttemptEnd]) -> None:
         for fault in faults:
             raise fault
-        sound(end)
+        sound(run_id, read)
 
     monkeypatch.setattr(slot, "_sink", sink)
     assert run(executor, "sleep 0").report.status is RunStatus.FINISHED
@@ -198,7 +198,7 @@ def test_a_cancel_between_queue_and_slot_is_kept(
     (slot,) = executor._slots
     attempt = slot._attempt
 
-    def late(*arguments: object) -> AttemptEnd:
+    def late(*arguments: object) -> Callable[[], AttemptEnd]:
         executor.cancel("run")
         return attempt(*arguments)  # type: ignore[arg-type] # handed on as it came
 

@@ -239,6 +239,14 @@ class Store(RuleBasedStateMachine):
             and wanted.accountability in (None, job.accountability)
             and (not wanted.oracle or (said and wanted.oracle in broken))
             and (
+                wanted.at_fault is None
+                or wanted.oracle != ""
+                or (
+                    job.accountability is not None
+                    and bool(job.at_fault_violations) == wanted.at_fault
+                )
+            )
+            and (
                 wanted.violated is None
                 or (job.violations is not None and (job.violations > 0) == wanted.violated)
             )
