@@ -13,6 +13,7 @@ from drivora_service.execution.sent_report import SentReport
 from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report import RunSpec
+from drivora_service.simulation.phase import RunPhase
 from drivora_service.worker.channel import LONGEST_BODY, Kind, ProtocolError
 from drivora_service.worker.loop import WorkerTask
 from drivora_service.worker.messages import NotReady, candidate_of, message_of
@@ -155,6 +156,12 @@ class Child:
         """Returns the progress that the process shows."""
         worker = self._worker
         return NO_PROGRESS if worker is None else worker.board.read()
+
+    @property
+    def is_in_agent(self) -> bool:
+        """Whether the process shows that it is within a call of an agent."""
+        worker = self._worker
+        return worker is not None and worker.board.phase() is RunPhase.IN_AGENT
 
     def reading(self) -> ProcessReading | None:
         """Returns the system's data on the process, ``None`` while there is no process."""

@@ -11,7 +11,10 @@ from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.fault_log import FaultLog
 
 _LOOK_S = 0.05
-"""Seconds between two looks: a process can write some 600 MB/s."""
+"""Seconds between two looks at logs that grow: a process can write some 600 MB/s."""
+_QUIET_LOOK_S = 0.2
+"""Seconds between two looks while no log has grown by ``_GROWN_BYTES`` since the last one."""
+_GROWN_BYTES = 1 << 20
 
 
 class LogKeeper:
@@ -35,10 +38,16 @@ class LogKeeper:
         self._thread.join()
 
     def _keep(self) -> None:
-        while not self._closing.wait(_LOOK_S):
+        sizes: dict[WorkerLog, int] = {}
+        wait = _QUIET_LOOK_S
+        while not self._closing.wait(wait):
+            before, sizes = sizes, {}
+            wait = _QUIET_LOOK_S
             for log in self._logs():
                 try:
-                    log.cut()
+                    sizes[log] = log.cut()
+                    if sizes[log] - before.get(log, 0) > _GROWN_BYTES:
+                        wait = _LOOK_S
                 except OSError as error:
                     # Such as a full disk, which the log itself may have filled.
                     self._faults.error("log_not_cut", error=str(error))

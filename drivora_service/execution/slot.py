@@ -31,7 +31,6 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
-from drivora_service.simulation.phase import RunPhase
 from drivora_service.worker.channel import ProtocolError
 from drivora_service.worker.loop import WorkerTask
 from drivora_service.worker.progress import NO_PROGRESS
@@ -271,7 +270,7 @@ class Slot:
         while True:
             sent = child.wait(_POLL_S)
             if sent is not None:
-                if child.progress().phase is RunPhase.IN_AGENT:
+                if child.is_in_agent:
                     # Names what is wrong with the message, if there is more.
                     sent.read()
                     raise ProtocolError("a report that came while an agent was called")

@@ -66,11 +66,7 @@ class WorkerLog:
     def begin_run(self) -> None:
         """Cuts the log if it is too long, and makes :meth:`tail` begin with what follows."""
         with self._changing:
-            size = self._size()
-            if size > self._longest:
-                self.cut()
-                size = self._size()
-            self._begin = size
+            self._begin = self.cut()
 
     def _size(self) -> int:
         return 0 if self._file < 0 else os.fstat(self._file).st_size
@@ -83,17 +79,22 @@ class WorkerLog:
             text = os.pread(self._file, end - begin, begin) if end > begin else b""
         return "\n".join(text.decode(errors="replace").splitlines()[-_TAIL_LINES:])
 
-    def cut(self) -> None:
-        """Keeps only the end of a log that is too long, with a line that says so."""
+    def cut(self) -> int:
+        """Keeps only the end of a log that is too long, with a line that says so.
+
+        Returns:
+            The number of bytes of the log.
+        """
         with self._changing:
             size = self._size()
             if size <= self._longest:
-                return
+                return size
             kept = os.pread(self._file, _KEPT_BYTES, size - _KEPT_BYTES)
             os.ftruncate(self._file, 0)
             line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
             os.write(self._file, line + kept)
             self._begin = 0
+            return self._size()
 
     def note(self, text: str) -> None:
         """Adds a line of the slot's own."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
+from typing import Any, cast
 
-from sqlalchemy import insert, select
+from sqlalchemy import Table
 from sqlalchemy.orm import Session
 
-from drivora_service.store.chunks import batched
+from drivora_service.store.dialects import insert_class
 from drivora_service.store.tables import DocumentRow
+
+_DOCUMENTS = cast("Table", DocumentRow.__table__)
 
 
 def store_documents(session: Session, documents: Mapping[str, str]) -> None:
@@ -18,14 +22,14 @@ def store_documents(session: Session, documents: Mapping[str, str]) -> None:
         session: The transaction.
         documents: Canonical JSON texts by their hashes.
     """
-    known: set[str] = set()
-    for chunk in batched(list(documents)):
-        query = select(DocumentRow.sha256).where(DocumentRow.sha256.in_(chunk))
-        known.update(session.scalars(query))
-    new = [
-        {"sha256": sha256, "body": body}
-        for sha256, body in documents.items()
-        if sha256 not in known
-    ]
-    if new:
-        session.execute(insert(DocumentRow), new)
+    if documents:
+        connection = session.connection()
+        connection.execute(
+            _adding(connection.dialect.name),
+            [{"sha256": sha256, "body": body} for sha256, body in documents.items()],
+        )
+
+
+@cache
+def _adding(dialect: str) -> Any:
+    return insert_class(dialect)(_DOCUMENTS).on_conflict_do_nothing(index_elements=["sha256"])

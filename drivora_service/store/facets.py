@@ -22,6 +22,7 @@ from typing import Any
 from sqlalchemy import inspect, update
 from sqlalchemy.orm import Session
 
+from drivora_service.store.dialects import insert_class
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.tables import RunRow
 
@@ -134,16 +135,7 @@ def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> N
 
 @cache
 def _adding(dialect: str, table: Any, keys: tuple[str, ...]) -> Any:
-    # Both databases have the same syntax; SQLAlchemy has a class for each, slow to import.
-    insert: Any
-    if dialect == "postgresql":
-        from sqlalchemy.dialects import postgresql
-
-        insert = postgresql.insert(table)
-    else:
-        from sqlalchemy.dialects import sqlite
-
-        insert = sqlite.insert(table)
+    insert = insert_class(dialect)(table)
     return insert.on_conflict_do_update(
         index_elements=list(keys), set_={"runs": table.c.runs + insert.excluded.runs}
     )

@@ -27,13 +27,14 @@ from numpy.typing import NDArray
 from drivora_service.simulation.phase import SETTING_UP, RunPhase
 
 _CELLS = struct.Struct("=5q")
+_PHASE = struct.Struct("=q")
 _NOTE = struct.Struct("=Q")
 _NOTE_AT = _CELLS.size
 _USUAL_NOTE = 1 << 14
 """Bytes that are read of a note at first."""
 _LARGEST = 2**31 - 1
 """Largest number that an INTEGER column of the database holds."""
-_PHASES = frozenset(int(phase) for phase in RunPhase)
+_PHASES = {int(phase): phase for phase in RunPhase}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,12 +113,18 @@ class BoardReader:
             return NO_PROGRESS
         phase, step, ego, counter, in_process = _CELLS.unpack(data)
         return Progress(
-            phase=RunPhase(phase) if phase in _PHASES else RunPhase.IDLE,
+            phase=_phase(phase),
             step=_bounded(step),
             ego=_bounded(ego),
             run_counter=_bounded(counter),
             in_process=bool(in_process),
         )
+
+    def phase(self) -> RunPhase:
+        """Returns the phase of the current reading."""
+        with self._lock:
+            data = b"" if self._file < 0 else os.pread(self._file, _PHASE.size, 0)
+        return _phase(_PHASE.unpack(data)[0]) if len(data) == _PHASE.size else RunPhase.IDLE
 
     def note(self, longest: int) -> bytes:
         """Returns the note that the worker has left; "" without one, or if it is too long.
@@ -143,6 +150,10 @@ class BoardReader:
             file, self._file = self._file, -1
         if file >= 0:
             os.close(file)
+
+
+def _phase(value: int) -> RunPhase:
+    return _PHASES.get(value, RunPhase.IDLE)
 
 
 def _bounded(value: int) -> int:
