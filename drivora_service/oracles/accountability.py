@@ -70,4 +70,9 @@ def accountable(
 
 def strongest(violations: Iterable[Verdict]) -> Accountability | None:
     """Returns the strongest accountability of several violations; ``None`` without any."""
-    return min(map(accountability, violations), key=_RANK.__getitem__, default=None)
+    return strongest_of(map(accountability, violations))
+
+
+def strongest_of(found: Iterable[Accountability]) -> Accountability | None:
+    """Returns the strongest of several accountabilities; ``None`` without any."""
+    return min(found, key=_RANK.__getitem__, default=None)

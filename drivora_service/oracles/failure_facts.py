@@ -33,8 +33,10 @@ def relation(evidence: Mapping[str, Any]) -> str:
     cycle = evidence.get("cycle")
     if isinstance(cycle, list | tuple):
         return f"cycle of {len(cycle)}"
-    told = (evidence.get("counterpart_role"), evidence.get("face"))
-    return ", ".join(str(part) for part in told if part)
+    role, face = evidence.get("counterpart_role"), evidence.get("face")
+    if role and face:
+        return f"{role}, {face}"
+    return str(role or face or "")
 
 
 def manoeuvre(evidence: Mapping[str, Any]) -> str:
@@ -43,7 +45,10 @@ def manoeuvre(evidence: Mapping[str, Any]) -> str:
     For a collision it is the rule of responsibility that applied, such as ``following`` or
     ``right_of_way``.
     """
-    return next((str(evidence[name]) for name in _WAYS if evidence.get(name)), "")
+    for name in _WAYS:
+        if told := evidence.get(name):
+            return str(told)
+    return ""
 
 
 def failure_group(verdict: Verdict) -> str:
@@ -53,7 +58,7 @@ def failure_group(verdict: Verdict) -> str:
     ``collision|npc_walker, front|pedestrian``.
     """
     parts = (verdict.oracle, relation(verdict.evidence), manoeuvre(verdict.evidence))
-    return _SEPARATOR.join(part for part in parts if part)
+    return _SEPARATOR.join(filter(None, parts))
 
 
 def failure_sentence(verdict: Verdict, *, town: str, kind: str = "") -> str:

@@ -18,6 +18,7 @@ them and acts on the :class:`Transition`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 
@@ -86,7 +87,7 @@ def start(state: RunState) -> RunState:
         ValueError: The run is not queued.
     """
     _expect(state, RunStatus.QUEUED)
-    return replace(state, status=RunStatus.RUNNING)
+    return _with_status(state, RunStatus.RUNNING)
 
 
 def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
@@ -174,7 +175,7 @@ def _again(state: RunState, run_id: str) -> Transition:
     if state.cancel_requested:
         report = cancelled_report(run_id)
         return Transition(state=_final(state, report), report=report)
-    return Transition(state=replace(state, status=RunStatus.QUEUED))
+    return Transition(state=_with_status(state, RunStatus.QUEUED))
 
 
 def _wait_s(interruptions: int, policy: RetryPolicy) -> float:
@@ -185,7 +186,13 @@ def _wait_s(interruptions: int, policy: RetryPolicy) -> float:
 
 
 def _final(state: RunState, report: RunReport) -> RunState:
-    return replace(state, status=report.status)
+    return _with_status(state, report.status)
+
+
+@lru_cache(maxsize=512)
+def _with_status(state: RunState, status: RunStatus) -> RunState:
+    """Returns a state with another status; most runs have one of few states."""
+    return replace(state, status=status)
 
 
 def _expect(state: RunState, status: RunStatus) -> None:

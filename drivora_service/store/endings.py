@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Any
 
 from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
-from drivora_service.oracles.accountability import accountability, strongest
-from drivora_service.oracles.verdict import Outcome, Severity
+from drivora_service.oracles.accountability import strongest_of
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.encoding import report_to_json
 from drivora_service.runs.lifecycle import RunState
@@ -21,6 +21,7 @@ from drivora_service.store.found_writing import (
     found_in_run,
     write_found_in_runs,
 )
+from drivora_service.store.notable_verdicts import NotableVerdict, notable_verdicts
 from drivora_service.store.tables import ReportRow, RunRow, VerdictRow
 
 
@@ -60,15 +61,17 @@ def reset_run(session: Session, row: RunRow) -> None:
 
 def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:
     """Writes the report of one run that has just ended; ``store.run_batches`` writes many."""
-    for name, value in end_values(report, keeps_trace=row.keeps_trace, ended=ended).items():
+    notable = notable_verdicts(report)
+    values = end_values(report, keeps_trace=row.keeps_trace, ended=ended, notable=notable)
+    for name, value in values.items():
         setattr(row, name, value)
     facet = facet_key(facet_of(row))
     session.add(ReportRow(**report_values(row.seq, report)))
     session.add_all(
-        VerdictRow(**values) for values in verdict_values(row.seq, row.batch_seq, facet, report)
+        VerdictRow(**values) for values in verdict_values(row.seq, row.batch_seq, facet, notable)
     )
     found = found_in_run(
-        report,
+        notable,
         run_seq=row.seq,
         batch_seq=row.batch_seq,
         agent=row.agent,
@@ -78,19 +81,37 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
     write_found_in_runs(session, found)
 
 
-def end_values(report: RunReport, *, keeps_trace: bool, ended: datetime) -> dict[str, Any]:
-    """Returns the columns of a run that its report determines, its status left out."""
+def end_values(
+    report: RunReport,
+    *,
+    keeps_trace: bool,
+    ended: datetime,
+    notable: Sequence[NotableVerdict] | None = None,
+) -> dict[str, Any]:
+    """Returns the columns of a run that its report determines, its status left out.
+
+    Args:
+        report: The report.
+        keeps_trace: Whether the run has a trace.
+        ended: Time of its end.
+        notable: The verdicts that did not pass, if the caller needs them, too.
+    """
+    notable = notable_verdicts(report) if notable is None else notable
     finished = report.status is RunStatus.FINISHED
-    broken = [v for v in report.verdicts if finished and v.outcome is Outcome.VIOLATED]
-    violations = [v for v in broken if v.severity is not Severity.OBSERVATION]
+    violations = [one for one in notable if one.is_failure]
+    broken = sum(1 for one in notable if one.accountability is not None)
     return {
         "ended_at": ended,
         "cause": report.failure.cause if report.failure is not None else "",
         "trace_sha256": report.trace_sha256 if keeps_trace else "",
         "violations": len(violations) if finished else None,
-        "at_fault_violations": sum(1 for v in violations if v.at_fault) if finished else None,
-        "observations": len(broken) - len(violations) if finished else None,
-        "accountability": strongest(violations),
+        "at_fault_violations": (
+            sum(1 for one in violations if one.verdict.at_fault) if finished else None
+        ),
+        "observations": broken - len(violations) if finished else None,
+        "accountability": strongest_of(
+            one.accountability for one in violations if one.accountability is not None
+        ),
         "steps": report.steps if finished else None,
         "sim_time_s": report.sim_time_s if finished else None,
         "wall_time_s": report.wall_time_s if finished else None,
@@ -109,7 +130,7 @@ def report_values(
 
 
 def verdict_values(
-    run_seq: int, batch_seq: int, facet: int, report: RunReport
+    run_seq: int, batch_seq: int, facet: int, notable: Iterable[NotableVerdict]
 ) -> list[dict[str, Any]]:
     """Returns the columns of the verdicts that are stored, a mapping each."""
     return [
@@ -120,14 +141,11 @@ def verdict_values(
             "outcome": verdict.outcome,
             "severity": verdict.severity,
             "at_fault": verdict.at_fault,
-            "accountability": (
-                accountability(verdict) if verdict.outcome is Outcome.VIOLATED else None
-            ),
+            "accountability": accountable,
             "time": verdict.time,
             "counterpart": verdict.counterpart,
             "batch_seq": batch_seq,
             "facet": facet,
         }
-        for verdict in report.verdicts
-        if verdict.outcome is not Outcome.PASSED
+        for _, verdict, accountable, _ in notable
     ]

@@ -24,6 +24,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.store.dialects import insert_class
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
+from drivora_service.store.plain_statements import execute_many
 from drivora_service.store.tables import RunRow
 
 _RUN_FIELDS = ("agent", "town", "status", "violations", "accountability")
@@ -54,6 +55,19 @@ def facet_key(facet: Facet) -> int:
     parts = (facet.agent, facet.town, facet.status, facet.violated, facet.accountability)
     digest = hashlib.blake2b(json.dumps(parts).encode(), digest_size=8).digest()
     return int.from_bytes(digest) >> 1
+
+
+@lru_cache(maxsize=4096)
+def counted_facet(
+    agent: str,
+    town: str,
+    status: str,
+    violations: int | None = None,
+    accountability: str | None = None,
+) -> tuple[Facet, int]:
+    """Returns the facet of a run with these values, and its number."""
+    facet = _facet(agent, town, status, violations, accountability)
+    return facet, facet_key(facet)
 
 
 def facet_of(row: RunRow) -> Facet:
@@ -112,7 +126,8 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
         (BatchFacetRow.__table__, ("batch_seq", "facet"), batches),
     ):
         if rows:
-            session.execute(_adding(session.get_bind().dialect.name, table, keys), rows)
+            connection = session.connection()
+            execute_many(connection, _adding(connection.dialect.name, table, keys), rows)
 
 
 def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> None:

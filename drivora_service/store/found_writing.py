@@ -4,27 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
-from typing import Any, cast
+from functools import cache
+from typing import cast
 
-from sqlalchemy import Table, delete, exists, insert, select, update
+from sqlalchemy import (
+    Insert,
+    Select,
+    Table,
+    bindparam,
+    delete,
+    exists,
+    insert,
+    literal_column,
+    select,
+    update,
+)
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.accountability import accountability
 from drivora_service.oracles.failure_facts import failure_group
-from drivora_service.oracles.verdict import Outcome, Severity, Verdict
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.store.campaign_tables import CampaignRow
 from drivora_service.store.found_tables import FoundRow
+from drivora_service.store.notable_verdicts import NotableVerdict
+from drivora_service.store.plain_statements import Row, execute_many
 from drivora_service.store.tables import BatchRow
 
 FOUND = cast("Table", FoundRow.__table__)
-
-Row = dict[str, Any]
-"""Values of a row by column."""
+_BATCHES = cast("Table", BatchRow.__table__)
+_CAMPAIGNS = cast("Table", CampaignRow.__table__)
 
 
 def found_in_run(
-    report: RunReport,
+    notable: Iterable[NotableVerdict],
     *,
     run_seq: int,
     batch_seq: int,
@@ -33,23 +45,24 @@ def found_in_run(
     found_at: datetime,
 ) -> list[Row]:
     """Returns the rows of the violations of a run that count; see :func:`write_found_in_runs`."""
-    if report.status is not RunStatus.FINISHED:
-        return []
     return [
         {
-            **_facts(verdict),
+            "oracle": one.verdict.oracle,
+            "group_name": failure_group(one.verdict),
+            "at_fault": one.verdict.at_fault,
+            "accountability": one.accountability,
             "found_at": found_at,
             "campaign_seq": None,
             "number": None,
             "run_seq": run_seq,
             "batch_seq": batch_seq,
-            "place": place,
+            "place": one.place,
             "agent": agent,
             "town": town,
             "confirmation": "",
         }
-        for place, verdict in enumerate(report.verdicts)
-        if verdict.outcome is Outcome.VIOLATED and verdict.severity is not Severity.OBSERVATION
+        for one in notable
+        if one.is_failure
     ]
 
 
@@ -58,14 +71,8 @@ def write_found_in_runs(session: Session, rows: Sequence[Row]) -> None:
     batches = {row["batch_seq"] for row in rows}
     if not batches:
         return
-    of_campaigns = set(
-        session.scalars(
-            select(BatchRow.seq).where(
-                BatchRow.seq.in_(batches),
-                exists().where(CampaignRow.batch_id == BatchRow.id, CampaignRow.batch_id != ""),
-            )
-        )
-    )
+    found = session.connection().execute(_of_campaigns(), {"batches": list(batches)})
+    of_campaigns = {row[0] for row in found}
     _insert(session, [row for row in rows if row["batch_seq"] not in of_campaigns])
 
 
@@ -81,7 +88,10 @@ def found_in_campaign(
     """Returns the rows of the failures of an evaluation, in the order of their places."""
     return [
         {
-            **_facts(verdict),
+            "oracle": verdict.oracle,
+            "group_name": failure_group(verdict),
+            "at_fault": verdict.at_fault,
+            "accountability": accountability(verdict),
             "found_at": found_at,
             "campaign_seq": campaign_seq,
             "number": number,
@@ -116,14 +126,21 @@ def forget_found(session: Session, run_seq: int) -> None:
 
 
 def _insert(session: Session, rows: Sequence[Row]) -> None:
-    if rows:
-        session.connection().execute(insert(FOUND), list(rows))
+    execute_many(session.connection(), _found(), rows)
 
 
-def _facts(verdict: Verdict) -> Row:
-    return {
-        "oracle": verdict.oracle,
-        "group_name": failure_group(verdict),
-        "at_fault": verdict.at_fault,
-        "accountability": accountability(verdict),
-    }
+@cache
+def _of_campaigns() -> Select[int]:
+    """Returns the query for those of ``batches`` that are of campaigns."""
+    return select(_BATCHES.c.seq).where(
+        _BATCHES.c.seq.in_(bindparam("batches", expanding=True)),
+        exists().where(
+            _CAMPAIGNS.c.batch_id == _BATCHES.c.id,
+            _CAMPAIGNS.c.batch_id != literal_column("''"),
+        ),
+    )
+
+
+@cache
+def _found() -> Insert:
+    return insert(FOUND)

@@ -22,6 +22,7 @@ from drivora_service.store.candidates import source_from_json
 from drivora_service.store.chunks import batched
 from drivora_service.store.documents import store_documents
 from drivora_service.store.held_runs import HeldRuns
+from drivora_service.store.plain_statements import Row
 from drivora_service.store.quarantine import QuarantineRepository, quarantine_key
 from drivora_service.store.queued_runs import (
     QueuedRun,
@@ -32,7 +33,8 @@ from drivora_service.store.queued_runs import (
     queued_run,
 )
 from drivora_service.store.records import BatchState
-from drivora_service.store.run_batches import BATCHES, Row, RunBatch
+from drivora_service.store.run_batches import RunBatch
+from drivora_service.store.run_statements import BATCHES
 from drivora_service.store.tables import BatchRow, RunRow
 
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import datetime
-from functools import cache
-from typing import Any, cast
+from functools import cache, lru_cache
+from typing import Any, NamedTuple, cast
 
 from sqlalchemy import Select, Table, bindparam, select
 
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunStatus
-from drivora_service.store.facets import Facet
 from drivora_service.store.tables import AttemptRow, DocumentRow, RunRow
 
 RUNS = cast("Table", RunRow.__table__)
@@ -20,9 +18,11 @@ ATTEMPTS = cast("Table", AttemptRow.__table__)
 _DOCUMENTS = cast("Table", DocumentRow.__table__)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class QueuedRun:
-    """The columns of a run without a result on which its changes depend."""
+class QueuedRun(NamedTuple):
+    """The columns of a run without a result on which its changes depend.
+
+    A tuple, as every run in the queue is read as one twice, at its start and at its end.
+    """
 
     seq: int
     id: str
@@ -35,16 +35,12 @@ class QueuedRun:
     not_before: datetime | None
     state: RunState
 
-    @property
-    def facet(self) -> Facet:
-        """Its facet."""
-        return facet_after(self, self.state.status)
-
 
 QUEUED_RUN = (
     RUNS.c.seq,
     RUNS.c.id,
     RUNS.c.batch_seq,
+    RUNS.c.document_sha256,
     RUNS.c.agent,
     RUNS.c.town,
     RUNS.c.keeps_trace,
@@ -55,47 +51,24 @@ QUEUED_RUN = (
     RUNS.c.crashes,
     RUNS.c.interruptions,
     RUNS.c.cancel_requested,
-    RUNS.c.document_sha256,
 )
 """The columns that :func:`queued_run` reads."""
 
 
 def queued_run(values: Sequence[Any]) -> QueuedRun:
     """Reads a run from the first columns of a row, which are :data:`QUEUED_RUN`."""
-    return QueuedRun(
-        seq=values[0],
-        id=values[1],
-        batch_seq=values[2],
-        document_sha256=values[13],
-        agent=values[3],
-        town=values[4],
-        keeps_trace=values[5],
-        attempts=values[6],
-        not_before=values[7],
-        state=RunState(
-            status=RunStatus(values[8]),
-            infrastructure_failures=values[9],
-            crashes=values[10],
-            interruptions=values[11],
-            cancel_requested=values[12],
-        ),
-    )
+    return QueuedRun._make((*values[:9], _state(*values[9:14])))
 
 
-def facet_after(
-    run: QueuedRun,
-    status: RunStatus,
-    *,
-    violations: int | None = None,
-    accountability: str | None = None,
-) -> Facet:
-    """Returns the facet of a run with another status and, if it has finished, a result."""
-    return Facet(
-        agent=run.agent,
-        town=run.town,
-        status=status,
-        violated=None if violations is None else violations > 0,
-        accountability=accountability,
+@lru_cache(maxsize=512)
+def _state(status: str, failures: int, crashes: int, interruptions: int, cancel: bool) -> RunState:
+    """Returns a state in the life cycle, of which most runs have one of few."""
+    return RunState(
+        status=RunStatus(status),
+        infrastructure_failures=failures,
+        crashes=crashes,
+        interruptions=interruptions,
+        cancel_requested=cancel,
     )
 
 

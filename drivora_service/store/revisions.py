@@ -29,6 +29,7 @@ from drivora_service.store.campaign_tables import (
     FailureRow,
     StudyRow,
 )
+from drivora_service.store.plain_statements import execute_many
 from drivora_service.store.tables import BatchRow, EpochRow, RunRow
 
 _EPOCHS = cast("Table", EpochRow.__table__)
@@ -125,8 +126,7 @@ def revise_batches(session: Session, batch_seqs: Iterable[int], first: int) -> N
     rows = [
         {"batch": seq, "to": revision} for revision, seq in enumerate(sorted(batch_seqs), first)
     ]
-    if rows:
-        session.connection().execute(_revise_batch(), rows)
+    execute_many(session.connection(), _revise_batch(), rows)
 
 
 def campaign_has_changed(session: Session, campaign_seq: int) -> None:

@@ -8,28 +8,30 @@ from __future__ import annotations
 
 from collections import Counter
 from datetime import datetime, timedelta
-from functools import cache
-from typing import Any, cast
 
-from sqlalchemy import Connection, Table, Update, bindparam, func, insert, update
+from sqlalchemy import Connection
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.lifecycle import RunState, Transition
-from drivora_service.runs.report import RunFailure, RunReport
+from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.store.endings import end_values, report_values, verdict_values
-from drivora_service.store.facets import Facet, FacetChanges, add_counts, facet_key
+from drivora_service.store.facets import Facet, FacetChanges, add_counts, counted_facet
 from drivora_service.store.found_writing import found_in_run, write_found_in_runs
-from drivora_service.store.queued_runs import ATTEMPTS, RUNS, QueuedRun, facet_after
+from drivora_service.store.notable_verdicts import notable_verdicts
+from drivora_service.store.plain_statements import Row, execute_many
+from drivora_service.store.queued_runs import QueuedRun
 from drivora_service.store.revisions import next_revisions, revise_batches
-from drivora_service.store.tables import BatchRow, ReportRow, VerdictRow
-
-BATCHES = cast("Table", BatchRow.__table__)
-_REPORTS = cast("Table", ReportRow.__table__)
-_VERDICTS = cast("Table", VerdictRow.__table__)
-
-Row = dict[str, Any]
-"""Values of a statement by the names of its parameters."""
+from drivora_service.store.run_statements import (
+    close_attempt,
+    count_queued,
+    end_run,
+    insert_report,
+    insert_verdict,
+    open_attempt,
+    queue_run_again,
+    start_run,
+)
 
 
 class RunBatch:
@@ -46,10 +48,10 @@ class RunBatch:
         self._reports: list[Row] = []
         self._verdicts: list[Row] = []
         self._found: list[Row] = []
-        self._counts: FacetChanges = Counter()
+        self._moves: Counter[tuple[int, int, int]] = Counter()
+        self._facets: dict[int, Facet] = {}
         self._queued: Counter[int] = Counter()
         self._served: Counter[int] = Counter()
-        self._batches: set[int] = set()
 
     def start(self, run: QueuedRun, state: RunState, *, owner_id: str, now: datetime) -> None:
         """Opens an attempt at a queued run, whose new state is ``state``."""
@@ -58,7 +60,7 @@ class RunBatch:
                 "run": run.seq,
                 "status": state.status,
                 "now": now,
-                "facet": self._count(run, facet_after(run, state.status)),
+                "facet": self._count(run, state.status),
             }
         )
         self._queued[run.batch_seq] -= 1
@@ -137,19 +139,21 @@ class RunBatch:
             return
         wait = timedelta(seconds=transition.wait_s)
         values["not_before"] = when + wait if wait else run.not_before
-        values["facet"] = self._count(run, facet_after(run, state.status))
+        values["facet"] = self._count(run, state.status)
         self._again.append(values)
         self._queued[run.batch_seq] += 1
 
     def _end(self, run: QueuedRun, report: RunReport, values: Row, ended: datetime) -> None:
-        values |= end_values(report, keeps_trace=run.keeps_trace, ended=ended)
+        notable = notable_verdicts(report)
+        values |= end_values(report, keeps_trace=run.keeps_trace, ended=ended, notable=notable)
         violations, strongest = values["violations"], values["accountability"]
-        after = facet_after(run, report.status, violations=violations, accountability=strongest)
-        values["facet"] = facet = self._count(run, after)
+        values["facet"] = facet = self._count(run, report.status, violations, strongest)
         self._ended.append(values)
-        self._verdicts += verdict_values(run.seq, run.batch_seq, facet, report)
+        if not notable:
+            return
+        self._verdicts += verdict_values(run.seq, run.batch_seq, facet, notable)
         self._found += found_in_run(
-            report,
+            notable,
             run_seq=run.seq,
             batch_seq=run.batch_seq,
             agent=run.agent,
@@ -157,12 +161,28 @@ class RunBatch:
             found_at=ended,
         )
 
-    def _count(self, run: QueuedRun, after: Facet) -> int:
+    def _count(
+        self,
+        run: QueuedRun,
+        status: RunStatus,
+        violations: int | None = None,
+        accountability: str | None = None,
+    ) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
-        self._batches.add(run.batch_seq)
-        self._counts[run.batch_seq, run.facet] -= 1
-        self._counts[run.batch_seq, after] += 1
-        return facet_key(after)
+        before, old = counted_facet(run.agent, run.town, run.state.status)
+        after, new = counted_facet(run.agent, run.town, status, violations, accountability)
+        move = run.batch_seq, old, new
+        if move not in self._moves:
+            self._facets[old], self._facets[new] = before, after
+        self._moves[move] += 1
+        return new
+
+    def _changes_of_facets(self) -> FacetChanges:
+        changes: FacetChanges = Counter()
+        for (batch_seq, old, new), number in self._moves.items():
+            changes[batch_seq, self._facets[old]] -= number
+            changes[batch_seq, self._facets[new]] += number
+        return changes
 
     def write(self) -> None:
         """Writes the changes."""
@@ -172,25 +192,25 @@ class RunBatch:
         changed = [*self._started, *self._again, *self._ended]
         if not changed:
             return
-        first = next_revisions(self._session, len(changed) + len(self._batches))
+        batches = {batch_seq for batch_seq, _, _ in self._moves}
+        first = next_revisions(self._session, len(changed) + len(batches))
         for revision, row in enumerate(changed, first):
             row["revision"] = revision
         for statement, rows in (
-            (_start(), self._started),
-            (insert(ATTEMPTS), self._opened),
-            (_close(), self._closed),
-            (_queue_again(), self._again),
-            (_end(), self._ended),
-            (insert(_REPORTS), self._reports),
-            (insert(_VERDICTS), self._verdicts),
+            (start_run(), self._started),
+            (open_attempt(), self._opened),
+            (close_attempt(), self._closed),
+            (queue_run_again(), self._again),
+            (end_run(), self._ended),
+            (insert_report(), self._reports),
+            (insert_verdict(), self._verdicts),
         ):
-            if rows:
-                connection.execute(statement, rows)
+            execute_many(connection, statement, rows)
         write_found_in_runs(self._session, self._found)
-        add_counts(self._session, self._counts)
-        self._write_batches(connection, first + len(changed))
+        add_counts(self._session, self._changes_of_facets())
+        self._write_batches(connection, batches, first + len(changed))
 
-    def _write_batches(self, connection: Connection, first: int) -> None:
+    def _write_batches(self, connection: Connection, batches: set[int], first: int) -> None:
         """Writes the batches of the runs; ``first`` is the revision of the first one."""
         queued = {seq for seq, number in self._queued.items() if number}
         rows = [
@@ -202,84 +222,5 @@ class RunBatch:
             }
             for revision, seq in enumerate(sorted(queued), first)
         ]
-        if rows:
-            connection.execute(_queue(), rows)
-        revise_batches(self._session, self._batches - queued, first + len(rows))
-
-
-def _update_run(*names: str, **changes: Any) -> Update:
-    """Returns the change of a run: of the columns named like their parameters, and others."""
-    values = {name: bindparam(name) for name in names} | changes
-    return update(RUNS).where(RUNS.c.seq == bindparam("run")).values(values)
-
-
-@cache
-def _start() -> Update:
-    now = bindparam("now", type_=RUNS.c.started_at.type)
-    return _update_run(
-        "revision",
-        "status",
-        "facet",
-        attempts=RUNS.c.attempts + 1,
-        started_at=func.coalesce(RUNS.c.started_at, now),
-    )
-
-
-@cache
-def _queue_again() -> Update:
-    return _update_run(
-        "revision",
-        "status",
-        "facet",
-        "infrastructure_failures",
-        "crashes",
-        "interruptions",
-        "not_before",
-    )
-
-
-@cache
-def _end() -> Update:
-    return _update_run(
-        "revision",
-        "status",
-        "facet",
-        "infrastructure_failures",
-        "crashes",
-        "interruptions",
-        "document_sha256",
-        "ended_at",
-        "cause",
-        "trace_sha256",
-        "violations",
-        "at_fault_violations",
-        "observations",
-        "accountability",
-        "steps",
-        "sim_time_s",
-        "wall_time_s",
-        not_before=None,
-    )
-
-
-@cache
-def _close() -> Update:
-    names = ("outcome", "ended_at", "cause", "log", "worker", "started_at", "signal")
-    return (
-        update(ATTEMPTS)
-        .where(ATTEMPTS.c.run_seq == bindparam("run"), ATTEMPTS.c.number == bindparam("attempt"))
-        .values({name: bindparam(name) for name in names})
-    )
-
-
-@cache
-def _queue() -> Update:
-    return (
-        update(BATCHES)
-        .where(BATCHES.c.seq == bindparam("batch"))
-        .values(
-            queued=BATCHES.c.queued + bindparam("more"),
-            served=BATCHES.c.served + bindparam("served_more"),
-            revision=bindparam("to"),
-        )
-    )
+        execute_many(connection, count_queued(), rows)
+        revise_batches(self._session, batches - queued, first + len(rows))

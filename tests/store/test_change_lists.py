@@ -281,7 +281,7 @@ def test_statements_that_no_flush_sees_are_only_where_the_changes_are_counted() 
         "pruning.py",
         "retention.py",
         "revisions.py",
-        "run_batches.py",
+        "run_statements.py",
         "submitting.py",
     }
 
