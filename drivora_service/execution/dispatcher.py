@@ -209,9 +209,10 @@ class Dispatcher:
     def _commit(self, ends: Sequence[AttemptEnd], *, room: int = 0) -> None:
         done = {end.report.run_id for end in ends}
         with self._database.write() as transaction:
-            transaction.queue.finish(self._ownership.owner_id, ends, self._policy)
-            specs = transaction.queue.claim(
+            specs = transaction.queue.finish_and_claim(
                 self._ownership.owner_id,
+                ends,
+                self._policy,
                 room,
                 trace_path=lambda run_id: str(self._traces.path(run_id)),
                 reserved_to=self._ownership.reserved_to,

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from datetime import datetime, timedelta
+from functools import cache
 
-from sqlalchemy import ColumnElement, or_, select, true
+from sqlalchemy import ColumnElement, Select, or_, select, true
 from sqlalchemy.orm import Session
 
 from drivora_service.runs.lifecycle import LONGEST_WAIT_S
 from drivora_service.runs.report import RunStatus
+from drivora_service.store.queued_runs import QUEUED, RUNS
 from drivora_service.store.records import BatchState
 from drivora_service.store.tables import BatchRow, RunRow
 
@@ -24,13 +26,7 @@ class HeldRuns:
     def numbers(self) -> Mapping[int, int]:
         """Returns their numbers by the ``seq`` of their batch."""
         # Counted here: for a GROUP BY, SQLite would scan all queued runs in the order of batches.
-        return Counter(
-            self._session.scalars(
-                select(RunRow.batch_seq).where(
-                    RunRow.not_before.is_not(None), RunRow.status == RunStatus.QUEUED
-                )
-            )
-        )
+        return Counter(batch_seq for (batch_seq,) in self._session.connection().execute(_held()))
 
     def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
         """Returns the condition that a batch has queued runs that are not held."""
@@ -69,3 +65,9 @@ class HeldRuns:
             .order_by(RunRow.not_before)
             .limit(1)
         )
+
+
+@cache
+def _held() -> Select[int]:
+    # The status is a constant in the text, so that the query is not planned for its value.
+    return select(RUNS.c.batch_seq).where(RUNS.c.not_before.is_not(None), RUNS.c.status == QUEUED)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import heapq
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from functools import lru_cache
 from typing import Any
@@ -17,7 +16,7 @@ from drivora_service.runs import lifecycle
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.encoding import choice_from_json
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.store.candidates import source_from_json
 from drivora_service.store.chunks import batched
 from drivora_service.store.documents import store_documents
@@ -25,17 +24,18 @@ from drivora_service.store.held_runs import HeldRuns
 from drivora_service.store.plain_statements import Row
 from drivora_service.store.quarantine import QuarantineRepository, quarantine_key
 from drivora_service.store.queued_runs import (
+    QUEUED_RUN,
     QueuedRun,
     first_runs,
     leases_of_owner,
     leases_of_runs,
     one_run,
     queued_run,
+    runs_to_cancel,
 )
-from drivora_service.store.records import BatchState
 from drivora_service.store.run_batches import RunBatch
-from drivora_service.store.run_statements import BATCHES
-from drivora_service.store.tables import BatchRow, RunRow
+from drivora_service.store.shares import has_claimable, shares_of_batches
+from drivora_service.store.tables import RunRow
 
 
 class QueueRepository:
@@ -68,43 +68,84 @@ class QueueRepository:
             trace_path: Returns the trace file of a run id.
             reserved_to: Process for which the runs are reserved; "": runs of any server.
         """
-        specs: list[RunSpec] = []
-        if limit <= 0:
-            return ()
-        self._session.flush()
-        now = datetime.now(UTC)
         changes = RunBatch(self._session)
-        connection = self._session.connection()
-        for query, values in self._queries(limit, reserved_to, now):
-            for row in connection.execute(query, values):
-                run, feedback = queued_run(row), row.feedback
-                changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
-                specs.append(
-                    RunSpec(
-                        run_id=run.id,
-                        document="" if row.candidate else row.body,
-                        trace_path=trace_path(run.id) if run.keeps_trace else "",
-                        agent=row.agent_override,
-                        seed=row.seed_override,
-                        feedback=_feedback(feedback) if feedback else None,
-                        candidate=(
-                            source_from_json(row.candidate, row.body) if row.candidate else None
-                        ),
-                    )
-                )
+        specs = self._claim(changes, owner_id, limit, trace_path, reserved_to)
         changes.write()
-        return tuple(specs)
+        return specs
 
     def finish(
         self, owner_id: str, ends: Sequence[AttemptEnd], policy: RetryPolicy
     ) -> tuple[RunReport, ...]:
         """Writes the ends of attempts; returns the reports of the runs that ended with them."""
-        final: list[RunReport] = []
+        changes = RunBatch(self._session)
+        final = self._finish(changes, owner_id, ends, policy)
+        changes.write()
+        return final
+
+    def finish_and_claim(
+        self,
+        owner_id: str,
+        ends: Sequence[AttemptEnd],
+        policy: RetryPolicy,
+        limit: int,
+        *,
+        trace_path: Callable[[str], str],
+        reserved_to: str = "",
+    ) -> tuple[RunSpec, ...]:
+        """Writes ends as :meth:`finish` does, and leases as :meth:`claim` does.
+
+        Both are written with one statement a table, unless a run goes back to the queue: the claim
+        must find it there.
+        """
+        changes = RunBatch(self._session)
+        self._finish(changes, owner_id, ends, policy)
+        if changes.queues_again:
+            changes.write()
+            changes = RunBatch(self._session)
+        specs = self._claim(changes, owner_id, limit, trace_path, reserved_to)
+        changes.write()
+        return specs
+
+    def _claim(
+        self,
+        changes: RunBatch,
+        owner_id: str,
+        limit: int,
+        trace_path: Callable[[str], str],
+        reserved_to: str,
+    ) -> tuple[RunSpec, ...]:
+        if limit <= 0:
+            return ()
+        specs: list[RunSpec] = []
+        self._session.flush()
+        now = datetime.now(UTC)
+        connection = self._session.connection()
+        for query, values in self._queries(limit, reserved_to, now):
+            for row in connection.execute(query, values):
+                run = queued_run(row)
+                agent, seed, feedback, genes, body = row[len(QUEUED_RUN) :]
+                changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
+                specs.append(
+                    RunSpec(
+                        run_id=run.id,
+                        document="" if genes else body,
+                        trace_path=trace_path(run.id) if run.keeps_trace else "",
+                        agent=agent,
+                        seed=seed,
+                        feedback=_feedback(feedback) if feedback else None,
+                        candidate=source_from_json(genes, body) if genes else None,
+                    )
+                )
+        return tuple(specs)
+
+    def _finish(
+        self, changes: RunBatch, owner_id: str, ends: Sequence[AttemptEnd], policy: RetryPolicy
+    ) -> tuple[RunReport, ...]:
         if not ends:
             return ()
+        final: list[RunReport] = []
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
         decoded = self._store_decoded([end for end in ends if end.report.run_id in leases])
-        changes = RunBatch(self._session)
         for end in ends:
             lease = leases.pop(end.report.run_id, None)
             if lease is None:
@@ -134,7 +175,6 @@ class QueueRepository:
                 self._quarantine(run, end, document_sha256)
             if transition.report is not None:
                 final.append(transition.report)
-        changes.write()
         return tuple(final)
 
     def _quarantine(self, run: QueuedRun, end: AttemptEnd, document_sha256: str) -> None:
@@ -189,20 +229,13 @@ class QueueRepository:
         """Returns whether a claim would find a run."""
         held = HeldRuns(self._session)
         numbers = held.numbers()
-        query = select(BatchRow.seq).where(
-            BatchRow.queued > 0,
-            BatchRow.state == BatchState.OPEN,
-            BatchRow.owner_id == reserved_to,
-            held.others(numbers),
-        )
-        if self._session.scalar(query.limit(1)) is not None:
+        if has_claimable(self._session, numbers, reserved_to):
             return True
         return bool(numbers) and held.due(datetime.now(UTC), reserved_to) is not None
 
     def to_cancel(self) -> tuple[str, ...]:
         """Returns the running runs that have a request to cancel."""
-        query = select(RunRow.id).where(RunRow.status == RunStatus.RUNNING, RunRow.cancel_requested)
-        return tuple(self._session.scalars(query))
+        return tuple(run_id for (run_id,) in self._session.connection().execute(runs_to_cancel()))
 
     def _queries(
         self, limit: int, reserved_to: str, now: datetime
@@ -213,7 +246,7 @@ class QueueRepository:
         """
         held = HeldRuns(self._session)
         numbers = held.numbers()
-        shares = self._shares(limit, held, numbers, reserved_to)
+        shares = shares_of_batches(self._session, limit, numbers, reserved_to)
         queries: list[tuple[Select[Any], Row]] = [
             (first_runs(), {"batch": seq, "share": share}) for seq, share in shares.items()
         ]
@@ -222,42 +255,6 @@ class QueueRepository:
             if due is not None:
                 queries.append((one_run(), {"run": due}))
         return queries
-
-    def _shares(
-        self, limit: int, held: HeldRuns, numbers: Mapping[int, int], reserved_to: str
-    ) -> dict[int, int]:
-        """Divides ``limit`` runs among the batches: one each in turn, least served first.
-
-        Returns:
-            Numbers of runs by the ``seq`` of their batch; held runs are left out.
-        """
-        candidates = self._session.connection().execute(
-            select(BATCHES.c.seq, BATCHES.c.priority, BATCHES.c.served, BATCHES.c.queued)
-            .where(
-                BATCHES.c.queued > 0,
-                BATCHES.c.state == BatchState.OPEN,
-                BATCHES.c.owner_id == reserved_to,
-                held.others(numbers),
-            )
-            .order_by(BATCHES.c.priority, BATCHES.c.served, BATCHES.c.seq)
-            .limit(limit)
-            .with_for_update()
-        )
-        heap = [
-            (row.priority, row.served, row.seq, row.queued - numbers.get(row.seq, 0))
-            for row in candidates
-        ]
-        taken = {seq: 0 for _, _, seq, _ in heap}
-        for _ in range(limit):
-            if not heap:
-                break
-            priority, served, seq, left = heap[0]
-            taken[seq] += 1
-            if left > 1:
-                heapq.heapreplace(heap, (priority, served + 1, seq, left - 1))
-            else:
-                heapq.heappop(heap)
-        return {seq: share for seq, share in taken.items() if share}
 
     def _leases(
         self, owner_id: str, run_ids: Sequence[str] | None
@@ -280,7 +277,8 @@ class QueueRepository:
                     leases_of_runs(), {"owner": owner_id, "run_ids": list(chunk)}
                 )
             ]
-        return {row.id: (queued_run(row), row.number) for row in rows}
+        leases = [(queued_run(row), row[-1]) for row in rows]
+        return {run.id: (run, number) for run, number in leases}
 
 
 @lru_cache(maxsize=64)

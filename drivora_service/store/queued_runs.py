@@ -7,7 +7,7 @@ from datetime import datetime
 from functools import cache, lru_cache
 from typing import Any, NamedTuple, cast
 
-from sqlalchemy import Select, Table, bindparam, select
+from sqlalchemy import ColumnElement, Select, Table, bindparam, literal_column, select
 
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report import RunStatus
@@ -16,6 +16,11 @@ from drivora_service.store.tables import AttemptRow, DocumentRow, RunRow
 RUNS = cast("Table", RunRow.__table__)
 ATTEMPTS = cast("Table", AttemptRow.__table__)
 _DOCUMENTS = cast("Table", DocumentRow.__table__)
+
+QUEUED: ColumnElement[str] = literal_column(f"'{RunStatus.QUEUED}'")
+RUNNING: ColumnElement[str] = literal_column(f"'{RunStatus.RUNNING}'")
+"""Statuses as constants in the text of statements, as in the conditions of indexes: for a value,
+SQLite would plan the statement anew at each execution."""
 
 
 class QueuedRun(NamedTuple):
@@ -84,7 +89,7 @@ def _queued_runs() -> Select[Any]:
             _DOCUMENTS.c.body,
         )
         .join(_DOCUMENTS, _DOCUMENTS.c.sha256 == RUNS.c.document_sha256)
-        .where(RUNS.c.status == RunStatus.QUEUED)
+        .where(RUNS.c.status == QUEUED)
         .with_for_update(skip_locked=True, of=RUNS)
     )
 
@@ -115,7 +120,7 @@ def leases_of_owner() -> Select[Any]:
         .where(
             ATTEMPTS.c.owner_id == bindparam("owner"),
             ATTEMPTS.c.ended_at.is_(None),
-            RUNS.c.status == RunStatus.RUNNING,
+            RUNS.c.status == RUNNING,
         )
     )
 
@@ -124,3 +129,9 @@ def leases_of_owner() -> Select[Any]:
 def leases_of_runs() -> Select[Any]:
     """Returns the query for those of ``run_ids`` that ``owner`` has leased."""
     return leases_of_owner().where(RUNS.c.id.in_(bindparam("run_ids", expanding=True)))
+
+
+@cache
+def runs_to_cancel() -> Select[str]:
+    """Returns the query for the ids of the running runs that have a request to cancel."""
+    return select(RUNS.c.id).where(RUNS.c.status == RUNNING, RUNS.c.cancel_requested)

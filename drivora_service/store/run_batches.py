@@ -53,6 +53,11 @@ class RunBatch:
         self._queued: Counter[int] = Counter()
         self._served: Counter[int] = Counter()
 
+    @property
+    def queues_again(self) -> bool:
+        """Whether a run goes back to the queue."""
+        return bool(self._again)
+
     def start(self, run: QueuedRun, state: RunState, *, owner_id: str, now: datetime) -> None:
         """Opens an attempt at a queued run, whose new state is ``state``."""
         self._started.append(
