@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import gc
 import json
 import os
 import signal
@@ -22,6 +21,7 @@ from anyio import to_thread
 from drivora_service.api.connections import BoundedConnection, raise_descriptor_limit
 from drivora_service.app import Service, create_service
 from drivora_service.errors import ServiceBroken
+from drivora_service.execution.collection import settle_garbage_collector
 from drivora_service.fault_log import FaultLog
 from drivora_service.logs import configure_logs
 from drivora_service.settings import Settings
@@ -161,10 +161,7 @@ class _Server(uvicorn.Server):
         asyncio.get_running_loop().set_exception_handler(self._note_fault)
         await super().startup(sockets)
         to_thread.current_default_thread_limiter().total_tokens = _THREADS
-        # The garbage collector need not traverse permanent objects, for which every request would
-        # wait a tenth of a second.
-        gc.collect()
-        gc.freeze()
+        settle_garbage_collector()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Ends the streams of events, then all connections once their requests are answered."""

@@ -9,15 +9,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 from benchmarks.slots.simulated_executor import SimulatedExecutor
+from drivora_service.execution.collection import settle_garbage_collector
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.ownership import Ownership
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database, open_database
@@ -61,13 +63,31 @@ class Point:
         return self.rate * self.own_ms / 1000.0
 
 
+class Seen(NamedTuple):
+    """What is measured of the end of an attempt; the report is not kept, as a service keeps none.
+
+    Attributes:
+        worker: Name of the slot.
+        ended: When it ended, UTC.
+        took_s: Seconds from its start to its end.
+        worked_s: Seconds of the run and, if it has genes, of making its scenario.
+        bad: The report of a run that did not finish.
+    """
+
+    worker: str
+    ended: datetime
+    took_s: float
+    worked_s: float
+    bad: RunReport | None
+
+
 class Recording:
-    """An executor that keeps the ends of another; see ``execution.executor.Executor``."""
+    """An executor that notes the ends of another; see ``execution.executor.Executor``."""
 
     def __init__(self, executor: Executor) -> None:
         """Begins with none."""
         self._executor = executor
-        self.ends: list[AttemptEnd] = []
+        self.ends: list[Seen] = []
 
     @property
     def capacity(self) -> int:
@@ -99,7 +119,7 @@ class Recording:
     def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
         """Returns the attempts that have ended since the last call."""
         ends = self._executor.wait(timeout, count=count)
-        self.ends += ends
+        self.ends += map(_seen, ends)
         return ends
 
     def wake(self) -> None:
@@ -140,6 +160,7 @@ def measure(
     database = open_database(f"sqlite:///{folder / 'drivora.sqlite3'}")
     count = round(1.5 * (seconds + warm_s + 1.0) * executor.capacity / run_s)
     _queue(database, documents, count, keeps_trace=kind == "real")
+    settle_garbage_collector()
     with _dispatching(database, recording, folder):
         _wait_until(lambda: recording.is_warm)
         time.sleep(warm_s)
@@ -155,7 +176,7 @@ def measure(
 
 
 def point_of(
-    ends: Sequence[AttemptEnd],
+    ends: Sequence[Seen],
     executor: Executor,
     *,
     kind: str,
@@ -174,13 +195,10 @@ def point_of(
     first, last = between
     passed = (last - first).total_seconds()
     ends = [end for end in ends if first <= end.ended < last]
-    bad = [end.report for end in ends if end.report.status is not RunStatus.FINISHED]
+    bad = [end.bad for end in ends if end.bad is not None]
     assert not bad, bad[0]
     # A simulated run has the duration of its attempt: nothing else is done in it.
-    durations = [
-        (end.ended - end.started).total_seconds() if kind == "simulated" else _worked_s(end)
-        for end in ends
-    ]
+    durations = [end.took_s if kind == "simulated" else end.worked_s for end in ends]
     return Point(
         slots=executor.capacity,
         kind=kind,
@@ -199,9 +217,15 @@ def _wait_until(holds: Callable[[], bool]) -> None:
         time.sleep(0.1)
 
 
-def _worked_s(end: AttemptEnd) -> float:
-    """Returns the seconds of the run and, if it has genes, of making its scenario."""
-    return end.report.wall_time_s + (0.0 if end.candidate is None else end.candidate.prepare_s)
+def _seen(end: AttemptEnd) -> Seen:
+    report = end.report
+    return Seen(
+        worker=end.worker,
+        ended=end.ended,
+        took_s=(end.ended - end.started).total_seconds(),
+        worked_s=report.wall_time_s + (0.0 if end.candidate is None else end.candidate.prepare_s),
+        bad=None if report.status is RunStatus.FINISHED else report,
+    )
 
 
 def own_s(executor: Executor) -> float:
