@@ -12,6 +12,7 @@ import structlog
 from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure
+from drivora_service.execution.interval import Interval
 from drivora_service.execution.ownership import Ownership
 from drivora_service.execution.pace import Pace
 from drivora_service.execution.storage_failures import (
@@ -31,9 +32,9 @@ from drivora_service.store.traces import TraceFolder
 _POLL_S = 0.5
 _HEARTBEAT_S = 2.0
 
-_WRITE_S = 0.25
-"""Seconds between two transactions while the slots have work; a transaction costs as much as ten
-steps of a simulation, so that ends of short runs are written together."""
+_WRITE_S = 0.4
+"""Seconds between two transactions while the slots have work; one costs as much as ten runs in it,
+so that ends of short runs are written together."""
 
 _log = structlog.get_logger(__name__)
 
@@ -78,9 +79,9 @@ class Dispatcher:
         self._withdrawn: set[str] = set()
         self._faults = FaultLog(_log)
         self._pace = Pace(executor.capacity)
-        self._next_beat = 0.0
         self._next_write = 0.0
-        self._next_look = 0.0
+        self._beats, self._looks = Interval(_HEARTBEAT_S), Interval(_POLL_S)
+        self._to_cancel: set[str] = set()
         # Reentrant, as a signal may interrupt the thread that holds it.
         self._ending = threading.RLock()
         self._stopping = threading.Event()
@@ -118,7 +119,7 @@ class Dispatcher:
 
     def wake(self) -> None:
         """Signals that a run was queued or cancelled; without it, the loop sees it within 1 s."""
-        self._next_look = 0.0
+        self._looks.end()
         self._executor.wake()
 
     def stop(self, *, drain_s: float = 0.0) -> None:
@@ -196,18 +197,21 @@ class Dispatcher:
             return transaction.queue.has_work(self._ownership.reserved_to)
 
     def _write_and_claim(self) -> None:
-        """Writes the collected ends and claims runs for the free room, in one transaction."""
+        """Writes the collected ends and claims runs, in one transaction."""
         try:
             self._commit(self._unwritten, room=self._room(ended=len(self._unwritten)))
         except Exception as error:
             if not self._unwritten or isinstance(error, StoreUnavailable):
                 raise
-            # One of the reports cannot be written as it is; it must not hold up the others.
+            # One of the reports cannot be written; it must not hold up the others.
             self._faults.error("unwritable_report", error=repr(error))
             write_in_parts(self._unwritten, self._commit)
 
     def _commit(self, ends: Sequence[AttemptEnd], *, room: int = 0) -> None:
         done = {end.report.run_id for end in ends}
+        # What is due costs least in a transaction that is made anyway; both intervals begin before.
+        looks, beats = self._looks.is_over(), self._beats.is_over()
+        slots = self._slots() if beats else ()
         with self._database.write() as transaction:
             specs = transaction.queue.finish_and_claim(
                 self._ownership.owner_id,
@@ -217,10 +221,16 @@ class Dispatcher:
                 trace_path=lambda run_id: str(self._traces.path(run_id)),
                 reserved_to=self._ownership.reserved_to,
             )
+            cancelled = transaction.queue.to_cancel() if looks else ()
+            if beats:
+                transaction.workers.beat(self._ownership.owner_id, slots)
         self._unwritten = [end for end in self._unwritten if end.report.run_id not in done]
         self._in_flight -= done
         self._in_flight.update(spec.run_id for spec in specs)
         self._claimed += specs
+        self._to_cancel.update(cancelled)
+        if beats:
+            self._ownership.take_over()
 
     def _submit_claimed(self) -> None:
         """Submits the claimed runs to the executor; those that it refuses are tried again."""
@@ -259,21 +269,17 @@ class Dispatcher:
 
     def _cancel(self) -> None:
         """Cancels runs, repeatedly, since a run may be on its way from one queue to another."""
-        now = time.monotonic()
-        if not self._in_flight or now < self._next_look:
-            return
-        self._next_look = now + _POLL_S
-        with self._database.read() as transaction:
-            wanted = self._in_flight.intersection(transaction.queue.to_cancel())
+        if self._in_flight and self._looks.is_over():
+            with self._database.read() as transaction:
+                self._to_cancel.update(transaction.queue.to_cancel())
+        wanted = self._in_flight.intersection(self._to_cancel)
+        self._to_cancel.clear()
         for run_id in wanted.difference(end.report.run_id for end in self._unwritten):
             self._executor.cancel(run_id)
 
     def _beat(self) -> None:
-        now = time.monotonic()
-        if now < self._next_beat:
-            return
-        self._next_beat = now + _HEARTBEAT_S
-        self._ownership.beat(self._slots())
+        if self._beats.is_over():
+            self._ownership.beat(self._slots())
 
     def _slots(self) -> tuple[SlotState, ...]:
         try:

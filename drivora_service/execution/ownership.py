@@ -81,7 +81,7 @@ class Ownership:
         with self._database.write() as transaction:
             transaction.workers.register(self.owner_id)
             transaction.idempotency.clean(unfinished=self._exclusive)
-        self._take_over()
+        self.take_over()
 
     def beat(self, slots: Sequence[SlotState]) -> None:
         """Writes the heartbeat and the state of the slots; takes over runs of dead owners.
@@ -91,7 +91,7 @@ class Ownership:
         """
         with self._database.write() as transaction:
             transaction.workers.beat(self.owner_id, slots)
-        self._take_over()
+        self.take_over()
 
     def leave(self, in_flight: Sequence[str]) -> None:
         """Ends this process as an owner: its leases are released, runs of a command cancelled.
@@ -107,7 +107,12 @@ class Ownership:
             self._lock.release()
             self._commands.forget(self.owner_id)
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
+        """Takes over the runs of dead owners.
+
+        Raises:
+            StoreError: The database cannot be used.
+        """
         with self._database.read() as transaction:
             heartbeats = transaction.workers.heartbeats(me=self.owner_id)
         for owner_id in self._dead(heartbeats):

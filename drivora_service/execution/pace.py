@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-_AHEAD_S = 0.6
+_AHEAD_S = 0.8
 _MOST_A_SLOT = 16
 _WEIGHT = 0.1
 

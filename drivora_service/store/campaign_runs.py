@@ -53,20 +53,28 @@ class CampaignRunRepository:
             batch.state = BatchState.OPEN
         return campaign.batch_id
 
-    def put(self, batch_id: str, run: NewRun) -> None:
-        """Queues a run under its own ``run_id``, unless it is queued, running or ended already.
+    def put(self, batch_id: str, *runs: NewRun) -> None:
+        """Queues runs under their own ``run_id``s, unless they are queued, running or ended.
 
         A run that ended without a result, or that had another scenario when it was queued, is
-        queued again.
+        queued again. All runs are looked for, and all new ones written, together.
 
         Raises:
             UnknownName: There is no such batch.
-            Conflict: It is running with another scenario.
+            Conflict: A run is running with another scenario.
         """
-        row = self._session.scalar(select(RunRow).where(RunRow.id == run.run_id))
-        if row is None:
-            submit_runs(self._session, [run], batch_id=batch_id, owner_id="", queue_limit=None)
-            return
+        known: dict[str, RunRow] = {}
+        for chunk in batched([run.run_id for run in runs]):
+            rows = self._session.scalars(select(RunRow).where(RunRow.id.in_(chunk)))
+            known.update((row.id, row) for row in rows)
+        new = [run for run in runs if run.run_id not in known]
+        if new:
+            submit_runs(self._session, new, batch_id=batch_id, owner_id="", queue_limit=None)
+        for run in runs:
+            if run.run_id in known:
+                self._put_again(known[run.run_id], run)
+
+    def _put_again(self, row: RunRow, run: NewRun) -> None:
         feedback = None if run.feedback is None else choice_to_json(run.feedback)
         candidate = None if run.candidate is None else source_to_json(run.candidate)
         same = (row.candidate, row.feedback) == (candidate, feedback) and (

@@ -21,5 +21,5 @@ def test_short_runs_are_held_ready_in_number_and_long_ones_are_not() -> None:
     for _ in range(50):
         short.note(0.1)
         long.note(20.0)
-    assert short.wanted_in_flight() == 14
+    assert short.wanted_in_flight() == 18
     assert long.wanted_in_flight() == 4

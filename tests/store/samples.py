@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
+
+from sqlalchemy import event
 
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.attempt import AttemptEnd
@@ -112,3 +116,18 @@ def crashed(run_id: str) -> AttemptEnd:
 def lost(run_id: str) -> AttemptEnd:
     failure = RunFailure(cause="worker_lost", message="gone")
     return ended(RunReport(run_id=run_id, status=RunStatus.INFRASTRUCTURE_FAILED, failure=failure))
+
+
+@contextmanager
+def statements(database: Database) -> Iterator[list[str]]:
+    """Collects the statements that are sent to the database."""
+    sent: list[str] = []
+
+    def note(_: object, __: object, statement: str, *___: object) -> None:
+        sent.append(statement)
+
+    event.listen(database.engine, "before_cursor_execute", note)
+    try:
+        yield sent
+    finally:
+        event.remove(database.engine, "before_cursor_execute", note)

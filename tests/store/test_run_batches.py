@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from sqlalchemy import event
 
 from drivora_service.errors import StoreUnavailable
 from drivora_service.execution.storage_failures import write_in_parts
@@ -19,32 +18,19 @@ from drivora_service.store.records import Priority
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
 from tests.store.samples import (
+    POLICY,
     claim,
     crashed,
     finish,
     finished,
     lost,
     register,
+    statements,
     submit,
 )
 
 MOST_STEPS = 2**63
 """One more than a column of the database holds."""
-
-
-@contextmanager
-def statements(database: Database) -> Iterator[list[str]]:
-    """Collects the statements that are sent to the database."""
-    sent: list[str] = []
-
-    def note(_: object, __: object, statement: str, *___: object) -> None:
-        sent.append(statement)
-
-    event.listen(database.engine, "before_cursor_execute", note)
-    try:
-        yield sent
-    finally:
-        event.remove(database.engine, "before_cursor_execute", note)
 
 
 def too_long(run_id: str) -> AttemptEnd:
@@ -151,3 +137,32 @@ def test_parts_are_not_tried_while_nothing_can_be_written() -> None:
     with pytest.raises(StoreUnavailable):
         write_in_parts([finished("a"), finished("b"), finished("c")], write)
     assert tried == [1]
+
+
+def test_ends_and_claims_together_take_one_statement_a_table(database: Database) -> None:
+    submit(database, 60, priority=Priority.CI)
+    owner = register(database)
+    runs = claim(database, owner, 4)
+    with statements(database) as sent, database.write() as transaction:
+        specs = transaction.queue.finish_and_claim(
+            owner, [finished(run_id) for run_id in runs], POLICY, 30, trace_path=str
+        )
+    assert len(specs) == 30
+    for table in ("change_epochs", "facets", "batch_facets", "batches"):
+        written = [one for one in sent if re.match(rf'(UPDATE|INSERT INTO) "?{table}\b', one)]
+        assert len(written) == 1, table
+    assert statuses(database, runs) == [RunStatus.FINISHED] * 4
+
+
+def test_a_run_that_goes_back_to_the_queue_is_found_by_the_claim_beside(
+    database: Database, tmp_path: Path
+) -> None:
+    submit(database, 3, priority=Priority.CI)
+    owner = register(database)
+    first, second = claim(database, owner, 2)
+    with database.write() as transaction:
+        specs = transaction.queue.finish_and_claim(
+            owner, [lost(first), finished(second)], POLICY, 1, trace_path=str
+        )
+    assert [spec.run_id for spec in specs] == [first]
+    assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
