@@ -22,12 +22,14 @@ from drivora_service.store.records import NewRun
 from drivora_service.store.traces import TraceFolder
 
 _FIRST_POLL_S = 0.01
-_LONGEST_POLL_S = 0.1
+_LONGEST_POLL_S = 0.05
 _SLOWER = 1.5
 
 
 class QueueEvaluator:
     """Queues each evaluation as a run of the campaign's batch, and polls for its report.
+
+    Nothing is read while the database does not change.
 
     The runs have the ids of their specs. So a campaign that is resumed after a kill may submit runs
     that exist already: those that are queued, running or ended are not queued again.
@@ -56,6 +58,7 @@ class QueueEvaluator:
         self._has_several_seeds = bool(campaign.document.get("scenarios"))
         self._held: deque[tuple[int, RunSpec]] = deque()
         self._open: dict[str, tuple[int, RunSpec]] = {}
+        self._changes: int | None = None
         with database.write() as transaction:
             self._batch_id = transaction.campaign_runs.open(campaign.id)
 
@@ -91,9 +94,12 @@ class QueueEvaluator:
         if not coming:
             return
         with self._database.write() as transaction:
-            for number, spec in coming:
-                transaction.campaign_runs.put(self._batch_id, self._run(number, spec))
+            transaction.campaign_runs.put(
+                self._batch_id, *(self._run(number, spec) for number, spec in coming)
+            )
         self._open.update((spec.run_id, (number, spec)) for number, spec in coming)
+        # Some may have ended already.
+        self._changes = None
         self._on_queued()
 
     def _run(self, number: int, spec: RunSpec) -> NewRun:
@@ -114,8 +120,12 @@ class QueueEvaluator:
         )
 
     def _answers(self) -> tuple[Answer, ...]:
+        changes = self._database.changes.value()
+        if changes is not None and changes == self._changes:
+            return ()
         with self._database.read() as transaction:
             ended = transaction.campaign_runs.ended(list(self._open))
+        self._changes = changes
         return tuple(self._answer(report, candidate) for report, candidate in ended)
 
     def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:

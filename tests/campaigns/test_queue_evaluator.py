@@ -28,7 +28,7 @@ from drivora_service.store.records import BatchState, Priority, RunSummary
 from drivora_service.store.traces import TraceFolder
 from drivora_service.testing.evaluator_contract import EvaluatorContract
 from tests.execution.owners import server
-from tests.store.samples import claim, finish, finished, lost, register, submit
+from tests.store.samples import claim, finish, finished, lost, register, statements, submit
 
 
 def campaign(database: Database, name: str = "crossing") -> CampaignRecord:
@@ -294,3 +294,29 @@ def test_a_missing_trace_does_not_stop_the_report(
     answers: tuple[Answer, ...] = evaluate.wait(60.0)
     assert [answer.number for answer in answers] == [0]
     assert not wanted.exists()
+
+
+def test_runs_that_are_queued_together_take_as_many_statements_as_one(
+    database: Database, evaluate: QueueEvaluator
+) -> None:
+    numbers = []
+    for specs in ([(0, spec(0))], [(number, spec(number)) for number in range(1, 40)]):
+        with statements(database) as sent:
+            evaluate.submit(specs)
+        numbers.append(len(sent))
+    assert numbers[0] == numbers[1] > 0
+    assert len(jobs(database)) == 40
+
+
+def test_a_wait_reads_nothing_while_the_database_does_not_change(
+    database: Database, evaluate: QueueEvaluator
+) -> None:
+    evaluate.submit([(0, spec(0)), (1, spec(1))])
+    assert evaluate.wait(0.0) == ()
+    with statements(database) as sent:
+        assert evaluate.wait(0.1) == ()
+    assert sent == []
+    owner = register(database)
+    (run,) = claim(database, owner, 1)
+    finish(database, owner, finished(run))
+    assert [answer.number for answer in evaluate.wait(1.0)] == [0]
