@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from sqlalchemy import Select, bindparam, literal_column, select
+from sqlalchemy import Row, Select, bindparam, literal_column, select
 from sqlalchemy.orm import Session
 
 from drivora_service.store.held_runs import HeldRuns
-from drivora_service.store.plain_statements import Row
 from drivora_service.store.records import BatchState
 from drivora_service.store.run_statements import BATCHES
 
@@ -30,11 +29,7 @@ def shares_of_batches(
     Returns:
         Numbers of runs by the ``seq`` of their batch.
     """
-    query, values = _claimable(session, numbers, reserved_to)
-    candidates = session.connection().execute(
-        query.limit(bindparam("most")).with_for_update() if numbers else _first_claimable(),
-        values | {"most": limit},
-    )
+    candidates = _claimable(session, limit, numbers, reserved_to, locks=True)
     heap = [
         (priority, served, seq, queued - numbers.get(seq, 0))
         for seq, priority, served, queued in candidates
@@ -54,32 +49,25 @@ def shares_of_batches(
 
 def has_claimable(session: Session, numbers: Mapping[int, int], reserved_to: str) -> bool:
     """Returns whether a batch has queued runs that may be claimed, held ones left out."""
-    query, values = _claimable(session, numbers, reserved_to)
-    first = query.limit(bindparam("most")) if numbers else _first_claimable()
-    return session.connection().execute(first, values | {"most": 1}).first() is not None
+    return bool(_claimable(session, 1, numbers, reserved_to, locks=False))
 
 
 def _claimable(
-    session: Session, numbers: Mapping[int, int], reserved_to: str
-) -> tuple[Select[Any], Row]:
-    """Returns the query for the batches with runs that are not held, and its values."""
-    values: Row = {"owner": reserved_to}
-    query = _open_batches()
+    session: Session, most: int, numbers: Mapping[int, int], reserved_to: str, *, locks: bool
+) -> Sequence[Row[Any]]:
+    """Returns the first batches with runs that are not held; see :func:`_open_batches`."""
+    query = _open_batches(locks=locks)
     if numbers:
         # Seldom, so that this query need not be kept.
         query = query.where(HeldRuns(session).others(numbers))
-    return query, values
+    return session.connection().execute(query, {"owner": reserved_to, "most": most}).all()
 
 
 @cache
-def _first_claimable() -> Select[Any]:
-    return _open_batches().limit(bindparam("most")).with_for_update()
-
-
-@cache
-def _open_batches() -> Select[Any]:
+def _open_batches(*, locks: bool) -> Select[Any]:
+    """Returns the query for the first ``most`` batches with queued runs, reserved to ``owner``."""
     # Constants in the text, as in the index of these batches.
-    return (
+    query = (
         select(BATCHES.c.seq, BATCHES.c.priority, BATCHES.c.served, BATCHES.c.queued)
         .where(
             BATCHES.c.queued > literal_column("0"),
@@ -87,4 +75,6 @@ def _open_batches() -> Select[Any]:
             BATCHES.c.owner_id == bindparam("owner"),
         )
         .order_by(BATCHES.c.priority, BATCHES.c.served, BATCHES.c.seq)
+        .limit(bindparam("most"))
     )
+    return query.with_for_update() if locks else query
