@@ -8,6 +8,7 @@ own vehicles, and then detects contacts and ended parts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
+from drivora_service.simulation.holding import Holding
 from drivora_service.simulation.look import Look, look_at
 from drivora_service.simulation.plan import (
     EpisodePlan,
@@ -73,6 +75,7 @@ class Episode:
         privileged: Sequence[bool] = (),
         cells: NDArray[np.int64] | None = None,
         mirrored: bool = False,
+        holding: bool = False,
     ) -> None:
         """Sets up the agents and creates row 0.
 
@@ -84,6 +87,9 @@ class Episode:
             mirrored: Whether SUMO has every actor at its place after every step, for agents and
                 callers that read it. Otherwise it has only while it drives vehicles, and after
                 ``catch_up_sumo``. Traces do not depend on it.
+            holding: Whether SUMO need not be told of actors far from what it drives
+                (``simulation.holding``), for runs that are only stepped: nothing reads SUMO, and no
+                actor is added. Traces do not depend on it.
 
         Raises:
             AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different
@@ -131,6 +137,11 @@ class Episode:
             lane_change_model=lane_change_model,
             open_sumo=self._open_sumo,
             mirrored=mirrored,
+            holding=(
+                partial(Holding, plan.network)
+                if holding and not (mirrored or sublanes)
+                else None
+            ),
         )
         for m, agent in enumerate(agents):
             if isinstance(agent, SumoDriver):

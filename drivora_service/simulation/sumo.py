@@ -73,6 +73,7 @@ class MovedActor:
         follows_route: Whether it is expected on its route, where placing it is cheapest.
         retry_in: Steps until the route is tried again.
         stands: Whether SUMO holds it at its pose without a placement in each step.
+        held: Whether SUMO holds it far behind its pose, where that makes no difference.
         off_lanes: Whether it is on no lane in SUMO for any pose: its stand-ins are instead.
         watched: Whether it is checked while it moves, too.
     """
@@ -87,6 +88,16 @@ class MovedActor:
     stands: bool = False
     off_lanes: bool = False
     watched: bool = False
+    held: bool = False
+
+    @property
+    def keeps_to_route(self) -> bool:
+        """Whether it has been placed on its route, and drives."""
+        return (
+            self.follows_route
+            and self.retry_in <= 0
+            and not (self.stands or self.off_lanes or self.watched)
+        )
 
 
 @dataclass(slots=True, eq=False)
@@ -319,11 +330,23 @@ class SumoWorld:
         Args:
             actors: Actors to be placed.
             placements: For every row of the world: x and y of the front bumper in metres, SUMO's
-                angle in degrees, and 1.0 if the pose differs from the one before, else 0.0.
+                angle in degrees, and 1.0 if the pose differs from the one before, else 0.0;
+                negative if it need not be placed there now.
         """
         move = libsumo.vehicle.moveToXY
         for actor in actors:
             x, y, angle, moved = placements[actor.row]
+            if moved < 0.0:
+                if actor.held:
+                    continue
+                if actor.keeps_to_route:
+                    libsumo.vehicle.setSpeed(actor.id, 0.0)
+                    actor.held = True
+                    continue
+            elif actor.held:
+                libsumo.vehicle.setSpeed(actor.id, -1.0)
+                actor.held = False
+                moved = 1.0
             if actor.off_lanes:
                 actor.stands = False
                 actor.retry_in = _FREE_STEPS

@@ -18,6 +18,7 @@ import numpy as np
 from drivora_service.agents.sumo_driver import LaneChangeModel
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.simulation.background_vehicles import BackgroundVehicles
+from drivora_service.simulation.holding import Holding
 from drivora_service.simulation.plan import DrivenPlan
 from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.step_kernels import write_placements
@@ -67,6 +68,7 @@ class Traffic:
         lane_change_model: LaneChangeModel = "LC2013",
         open_sumo: Callable[[], None],
         mirrored: bool,
+        holding: Callable[[], Holding] | None = None,
     ) -> None:
         """Takes the bodies of a world.
 
@@ -78,12 +80,15 @@ class Traffic:
             lane_change_model: SUMO's lane-change model.
             open_sumo: Opens ``sumo`` and sets it up.
             mirrored: Whether SUMO never lags.
+            holding: Makes what holds rows far from what SUMO drives; ``None``: all are placed.
         """
         self._sumo = sumo
         self._stand_ins = stand_ins
         self._world = world
         self._open_sumo = open_sumo
         self._mirrored = mirrored
+        self._make_holding = holding
+        self._holding: Holding | None = None
         self.driver = f"{_DRIVER}-{lane_change_model}"
         self._bodies: dict[int, Body] = {}
         for body in bodies:
@@ -98,6 +103,7 @@ class Traffic:
         self._npcs: set[int] = set()
         self._entering: list[tuple[int, str, float]] = []
         self._background: BackgroundVehicles | None = None
+        self._reserved: list[int] = []
         self.known: BoolArray = np.zeros(0, dtype=np.bool_)
         self.make_room()
 
@@ -110,6 +116,8 @@ class Traffic:
     def reserve(self, row: int) -> None:
         """Announces that a row will be handed over."""
         self._stand_ins.reserved.add(row)
+        self._reserved.append(row)
+        self._settle_roles()
 
     def fix(self, row: int) -> None:
         """Announces that a moved row is a wreck from the next frame on."""
@@ -129,6 +137,15 @@ class Traffic:
         for actor in self.driven:
             self.is_moved[actor.row] = False
         self.placements: FloatArray = np.zeros((count, 4))
+        self._settle_roles()
+
+    def _settle_roles(self) -> None:
+        """Notes which rows SUMO drives, or will, and which may be held far from those."""
+        self._drives: BoolArray = ~self.is_moved
+        self._drives[self._reserved] = True
+        keep_to_lanes = np.zeros(len(self.is_moved), dtype=np.bool_)
+        keep_to_lanes[[body.row for body in self._bodies.values() if body.on_lanes]] = True
+        self._may_hold: BoolArray = keep_to_lanes & ~self._drives
 
     def add_driven(self, row: int, plan: DrivenPlan) -> None:
         """Announces an NPC that SUMO will drive from its start time on."""
@@ -146,6 +163,7 @@ class Traffic:
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
         self.is_moved[row] = False
+        self._settle_roles()
         self.driven.append(self._sumo.hand_over(actor, speed, driver))
 
     def take_back(self, row: int, *, on_road: bool) -> None:
@@ -157,6 +175,7 @@ class Traffic:
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
         self.is_moved[row] = True
+        self._settle_roles()
         if not on_road:
             self.known[row] = False
             return
@@ -184,9 +203,11 @@ class Traffic:
         if self._reached < step - 1:
             self._replay(step - 1)
         elif self._reached < 0:
-            self._open_sumo()
+            self._open()
         if changes < 0:
             changes = self._write_placements(step)
+        if self._holding is not None and self.driven and step:
+            self._hold(self._holding, step)
         frame, present = self._world.states[step], self._world.present[step]
         self._tell(changes, frame, present)
         if time + 1e-9 >= self._next_start:
@@ -220,7 +241,7 @@ class Traffic:
         have been made at the time.
         """
         if self._reached < 0:
-            self._open_sumo()
+            self._open()
         world = self._world
         for k in range(self._reached + 1, last + 1):
             self._tell(self._write_placements(k), world.states[k], world.present[k])
@@ -228,6 +249,26 @@ class Traffic:
             self._reached = k
             while self._wrecks and self._wrecks[0][0] <= k:
                 self._stand_ins.fix(self._wrecks.pop(0)[1])
+
+    def _open(self) -> None:
+        self._open_sumo()
+        # Background traffic enters anywhere, at any time.
+        if self._make_holding is not None and self._background is None:
+            self._holding = self._make_holding()
+            for row, plan in self._waiting:
+                self._holding.expect(row, plan)
+
+    def _hold(self, holding: Holding, step: int) -> None:
+        """Chooses the rows that are held in a frame; rows enter far from no vehicle of SUMO."""
+        world = self._world
+        count = holding.choose(
+            step, world.states[step - 1], world.present[step - 1], world.sizes, self._drives,
+            self._may_hold, self.placements,
+        )  # fmt: skip
+        for row in holding.asked[:count].tolist():
+            actor = self._moved.get(row)
+            if actor is not None and actor.keeps_to_route:
+                holding.answer(row, self._sumo.lane_of(actor.id))
 
     def _write_placements(self, k: int) -> int:
         """Writes the placements of a frame; returns how many moved rows enter or leave with it."""

@@ -149,6 +149,7 @@ def _perform(
         privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
         cells=cells,
         mirrored=has_guests,
+        holding=True,
     )
     cells[0] = RunPhase.SIMULATING
     begun = time.perf_counter()

@@ -1,0 +1,245 @@
+"""Which actors SUMO can do without being told of for a while.
+
+What SUMO drives depends on a vehicle that the service moves by its place, where that is near; and,
+however far, by the lane that the vehicle is on: vehicles on a lane draw from a stream of random
+numbers that every 64th lane shares, count as occupying it, and keep it among the lanes that SUMO
+goes through in a certain order. So a vehicle that is far from all that SUMO drives is held where it
+is, standing, for as long as it would stay on the same lane; it is placed again before it leaves
+the lane, or comes near.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivora_service.compilation import compiled, settled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.simulation.lane_cores import LATERAL, lane_cores
+from drivora_service.simulation.plan import DrivenPlan
+
+HELD = -1.0
+"""What stands in the placement of a held row, in place of whether it moved."""
+_SPEEDING = 1.2
+"""How much faster than the limit SUMO's drivers go, at most."""
+_DECELERATION = 4.5
+"""m/s² with which SUMO's drivers brake."""
+_LOOKS = 3.0
+"""How many times as far as a driver looks ahead an actor must be: the one near it may react to
+another one, which that driver does not see."""
+_AGAIN = 1.15
+"""The share of that distance from which on an actor is held that was not."""
+_BEHIND = 2.0
+"""Metres of a lane behind a vehicle that is held."""
+_ASKED_AGAIN = 5
+"""Steps after which it is asked again which lane a far actor is on."""
+
+
+def reach_of(network: RoadNetwork) -> float:
+    """Returns the distance in metres beyond which a vehicle counts as far from another.
+
+    A driver looks ahead by the way of a second and of braking at the highest speed there.
+    """
+    fastest = _SPEEDING * max((lane.speed_limit for lane in network.lanes), default=0.0)
+    return _LOOKS * (fastest + fastest**2 / (2.0 * _DECELERATION))
+
+
+class Holding:
+    """The moved rows of a run that SUMO is told nothing of.
+
+    Attributes:
+        asked: (N,) rows whose lanes are to be told next.
+    """
+
+    def __init__(self, network: RoadNetwork) -> None:
+        """Prepares the network's lanes."""
+        self._network = network
+        self._reach = reach_of(network)
+        cores = lane_cores(network)
+        self._lanes = (cores.points, cores.first, cores.begin, cores.end)
+        self._entries: dict[int, tuple[float, float]] = {}
+        self._step = -1
+        self._resize(0)
+        self._kernel = hold
+
+    def _resize(self, count: int) -> None:
+        self._lane: IntArray = np.full(count, -1, dtype=np.int64)
+        self._cursor: IntArray = np.zeros(count, dtype=np.int64)
+        self._is_held: BoolArray = np.zeros(count, dtype=np.bool_)
+        self._spots: FloatArray = np.zeros((count, 2))
+        self._next_ask: IntArray = np.zeros(count, dtype=np.int64)
+        self._entry: FloatArray = np.full((count, 2), np.nan)
+        for row, place in self._entries.items():
+            self._entry[row] = place
+        self.asked: IntArray = np.zeros(count, dtype=np.int64)
+
+    def expect(self, row: int, plan: DrivenPlan) -> None:
+        """Announces an NPC that SUMO will drive: where it enters is kept clear until then."""
+        lane = self._network.lane(f"{plan.edges[0]}_{plan.lane_number}")
+        x, y, _ = lane.position_at(plan.position * float(lane.arc[-1]) / lane.length)
+        self._entries[row] = (x, y)
+
+    def choose(
+        self,
+        step: int,
+        frame: FloatArray,
+        present: BoolArray,
+        sizes: FloatArray,
+        drives: BoolArray,
+        may: BoolArray,
+        placements: FloatArray,
+    ) -> int:
+        """Marks the placements of the rows that are held in a frame.
+
+        Args:
+            step: The frame's number.
+            frame: (N, 9) the frame before.
+            present: (N,) of the frame before.
+            sizes: (N, 2) metres.
+            drives: (N,) rows that SUMO drives, or will.
+            may: (N,) rows that may be held.
+            placements: (N, 4) of the frame, as of ``step_kernels.write_placements``; the last
+                column becomes ``HELD`` where a row is held.
+
+        Returns:
+            The number of filled rows of ``asked``: their lanes are needed.
+        """
+        if len(self._lane) != len(drives):
+            self._resize(len(drives))
+        count = self._kernel(
+            step, self._reach, frame, present, sizes, drives, may, placements, *self._lanes,
+            self._entry, self._lane, self._cursor, self._is_held, self._spots,
+            self._next_ask, self.asked,
+        )  # fmt: skip
+        if self._kernel is hold:
+            # Later calls have arguments of the same types.
+            self._kernel = settled(hold)
+        return int(count)
+
+    def answer(self, row: int, lane: str) -> None:
+        """Tells the lane on which SUMO has a row; "" if it is on none, or not to be held."""
+        self._lane[row] = self._network.lane_by_id.get(lane, -1)
+        self._cursor[row] = 0
+
+
+@compiled
+def hold(
+    step: int,
+    reach: float,
+    frame: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    drives: BoolArray,
+    may: BoolArray,
+    placements: FloatArray,
+    points: FloatArray,
+    first: IntArray,
+    begin: FloatArray,
+    end: FloatArray,
+    entries: FloatArray,
+    lane: IntArray,
+    cursor: IntArray,
+    is_held: BoolArray,
+    spots: FloatArray,
+    next_ask: IntArray,
+    asked: IntArray,
+) -> int:
+    """Marks the placements of the rows that are held in a frame.
+
+    Args:
+        step, frame, present, sizes, drives, may, placements: As of ``Holding.choose``.
+        reach: Metres from what SUMO drives up to which rows are placed.
+        points, first, begin, end: As of ``LaneCores``.
+        entries: (N, 2) places at which rows will enter that SUMO drives; NaN where none will.
+        lane: (N,) lane of each row; -1 where not known. Forgotten where it is not held.
+        cursor: (N,) segment of that lane on which it was found last.
+        is_held: (N,) rows that were held in the frame before; updated.
+        spots: (N, 2) where held rows are in SUMO, metres; updated.
+        next_ask: (N,) first step in which the lane may be asked for.
+        asked: (N,) filled: rows whose lane is needed.
+
+    Returns:
+        The number of filled rows of ``asked``.
+    """
+    count = 0
+    rows = may.shape[0]
+    for i in range(rows):
+        if drives[i] and present[i]:
+            entries[i, 0] = np.nan
+    for j in range(rows):
+        was_held, known = is_held[j], lane[j]
+        is_held[j], lane[j] = False, -1
+        if not may[j] or placements[j, 3] == 0.0 or (known < 0 and step < next_ask[j]):
+            continue
+        x, y = placements[j, 0], placements[j, 1]
+        near = reach if was_held else reach * _AGAIN
+        if _is_near(x, y, near, frame, present, drives, entries):
+            continue
+        if was_held and _is_near(spots[j, 0], spots[j, 1], near, frame, present, drives, entries):
+            continue
+        if known < 0:
+            asked[count] = j
+            count += 1
+            next_ask[j] = step + _ASKED_AGAIN
+            continue
+        s = _along(x, y, known, points, first, cursor, j)
+        # With a part of it on the lane before, it would be on that, too.
+        if max(begin[known], sizes[j, 0] + _BEHIND) <= s <= end[known]:
+            is_held[j], lane[j] = True, known
+            if not was_held:
+                spots[j, 0], spots[j, 1] = frame[j, 0], frame[j, 1]
+            placements[j, 3] = HELD
+    return count
+
+
+@compiled
+def _is_near(
+    x: float,
+    y: float,
+    near: float,
+    frame: FloatArray,
+    present: BoolArray,
+    drives: BoolArray,
+    entries: FloatArray,
+) -> bool:
+    """Returns whether a place is within ``near`` metres of what SUMO drives, or will."""
+    for i in range(drives.shape[0]):
+        if not drives[i]:
+            continue
+        if present[i]:
+            dx, dy = frame[i, 0] - x, frame[i, 1] - y
+            if dx * dx + dy * dy <= near * near:
+                return True
+        if not math.isnan(entries[i, 0]):
+            dx, dy = entries[i, 0] - x, entries[i, 1] - y
+            if dx * dx + dy * dy <= near * near:
+                return True
+    return False
+
+
+@compiled
+def _along(
+    x: float,
+    y: float,
+    lane: int,
+    points: FloatArray,
+    first: IntArray,
+    cursor: IntArray,
+    j: int,
+) -> float:
+    """Returns the arc length of a place on a lane; NaN if it is not ``LATERAL`` near to it."""
+    last = first[lane + 1] - 1
+    for i in range(first[lane] + cursor[j], last):
+        dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        squared = dx * dx + dy * dy
+        t = 0.0
+        if squared > 0.0:
+            t = ((x - points[i, 0]) * dx + (y - points[i, 1]) * dy) / squared
+        t = min(max(t, 0.0), 1.0)
+        across = math.hypot(points[i, 0] + t * dx - x, points[i, 1] + t * dy - y)
+        if across <= LATERAL:
+            cursor[j] = i - first[lane]
+            return float(points[i, 2] + t * (points[i + 1, 2] - points[i, 2]))
+    return math.nan
