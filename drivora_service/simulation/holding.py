@@ -33,6 +33,10 @@ _AGAIN = 1.15
 """The share of that distance from which on an actor is held that was not."""
 _BEHIND = 2.0
 """Metres of a lane behind a vehicle that is held."""
+_BESIDE = 8.0
+"""Metres from the centre line of a lane within which a vehicle may be on it or on one beside it."""
+_AGAINST = -0.5
+"""Cosine of the angle to a lane below which a vehicle drives on one of the other direction."""
 _ASKED_AGAIN = 5
 """Steps after which it is asked again which lane a far actor is on."""
 
@@ -58,28 +62,35 @@ class Holding:
         self._network = network
         self._reach = reach_of(network)
         cores = lane_cores(network)
-        self._lanes = (cores.points, cores.first, cores.begin, cores.end)
-        self._entries: dict[int, tuple[float, float]] = {}
-        self._step = -1
-        self._resize(0)
+        self._lanes = (cores.points, cores.first, cores.begin, cores.end, cores.boxes)
+        self._entries: dict[int, tuple[float, float, float]] = {}
+        self._ways: dict[int, tuple[int, ...]] = {}
         self._kernel = hold
+        self._lane: IntArray = np.zeros(0, dtype=np.int64)
 
     def _resize(self, count: int) -> None:
-        self._lane: IntArray = np.full(count, -1, dtype=np.int64)
+        self._lane = np.full(count, -1, dtype=np.int64)
         self._cursor: IntArray = np.zeros(count, dtype=np.int64)
         self._is_held: BoolArray = np.zeros(count, dtype=np.bool_)
         self._spots: FloatArray = np.zeros((count, 2))
         self._next_ask: IntArray = np.zeros(count, dtype=np.int64)
-        self._entry: FloatArray = np.full((count, 2), np.nan)
+        self._entry: FloatArray = np.full((count, 3), np.nan)
         for row, place in self._entries.items():
             self._entry[row] = place
+        # Egos that SUMO drives may leave their routes.
+        self._on_way: BoolArray = np.ones((count, len(self._network.lanes)), dtype=np.bool_)
+        for row, lanes in self._ways.items():
+            self._on_way[row] = False
+            self._on_way[row, list(lanes)] = True
         self.asked: IntArray = np.zeros(count, dtype=np.int64)
 
     def expect(self, row: int, plan: DrivenPlan) -> None:
         """Announces an NPC that SUMO will drive: where it enters is kept clear until then."""
         lane = self._network.lane(f"{plan.edges[0]}_{plan.lane_number}")
-        x, y, _ = lane.position_at(plan.position * float(lane.arc[-1]) / lane.length)
-        self._entries[row] = (x, y)
+        along = plan.position * float(lane.arc[-1]) / lane.length
+        self._entries[row] = lane.position_at(along)
+        edges = self._network.edge_lanes
+        self._ways[row] = tuple(lane for edge in plan.edges for lane in edges[edge])
 
     def choose(
         self,
@@ -110,7 +121,7 @@ class Holding:
             self._resize(len(drives))
         count = self._kernel(
             step, self._reach, frame, present, sizes, drives, may, placements, *self._lanes,
-            self._entry, self._lane, self._cursor, self._is_held, self._spots,
+            self._entry, self._on_way, self._lane, self._cursor, self._is_held, self._spots,
             self._next_ask, self.asked,
         )  # fmt: skip
         if self._kernel is hold:
@@ -138,7 +149,9 @@ def hold(
     first: IntArray,
     begin: FloatArray,
     end: FloatArray,
+    boxes: FloatArray,
     entries: FloatArray,
+    on_way: BoolArray,
     lane: IntArray,
     cursor: IntArray,
     is_held: BoolArray,
@@ -151,8 +164,10 @@ def hold(
     Args:
         step, frame, present, sizes, drives, may, placements: As of ``Holding.choose``.
         reach: Metres from what SUMO drives up to which rows are placed.
-        points, first, begin, end: As of ``LaneCores``.
-        entries: (N, 2) places at which rows will enter that SUMO drives; NaN where none will.
+        points, first, begin, end, boxes: As of ``LaneCores``.
+        entries: (N, 3) x, y and heading with which rows will enter that SUMO drives; NaN where
+            none will.
+        on_way: (N, L) lanes of the way of each row that SUMO drives.
         lane: (N,) lane of each row; -1 where not known. Forgotten where it is not held.
         cursor: (N,) segment of that lane on which it was found last.
         is_held: (N,) rows that were held in the frame before; updated.
@@ -178,6 +193,10 @@ def hold(
         if _is_near(x, y, near, frame, present, drives, entries):
             continue
         if was_held and _is_near(spots[j, 0], spots[j, 1], near, frame, present, drives, entries):
+            continue
+        if known >= 0 and _is_watched(
+            known, near, frame, present, drives, entries, on_way, points, first, boxes
+        ):
             continue
         if known < 0:
             asked[count] = j
@@ -216,6 +235,68 @@ def _is_near(
             dx, dy = entries[i, 0] - x, entries[i, 1] - y
             if dx * dx + dy * dy <= near * near:
                 return True
+    return False
+
+
+@compiled
+def _is_watched(
+    lane: int,
+    near: float,
+    frame: FloatArray,
+    present: BoolArray,
+    drives: BoolArray,
+    entries: FloatArray,
+    on_way: BoolArray,
+    points: FloatArray,
+    first: IntArray,
+    boxes: FloatArray,
+) -> bool:
+    """Returns whether what SUMO drives may see a vehicle anywhere on a lane.
+
+    A driver sees the next vehicle on its lane and on those that it looks into, wherever it is on
+    them; some car-following models react to it at any distance.
+    """
+    for i in range(drives.shape[0]):
+        if not drives[i] or not on_way[i, lane]:
+            continue
+        if present[i] and _sees(frame[i, :3], lane, near, points, first, boxes):
+            return True
+        if not math.isnan(entries[i, 0]) and _sees(entries[i], lane, near, points, first, boxes):
+            return True
+    return False
+
+
+@compiled
+def _sees(
+    pose: FloatArray,
+    lane: int,
+    near: float,
+    points: FloatArray,
+    first: IntArray,
+    boxes: FloatArray,
+) -> bool:
+    """Returns whether a pose is ``near`` metres from the begin of a lane, or on it or beside it."""
+    x, y = pose[0], pose[1]
+    begin = first[lane]
+    if math.hypot(points[begin, 0] - x, points[begin, 1] - y) <= near:
+        return True
+    if not (
+        boxes[lane, 0] - _BESIDE <= x <= boxes[lane, 1] + _BESIDE
+        and boxes[lane, 2] - _BESIDE <= y <= boxes[lane, 3] + _BESIDE
+    ):
+        return False
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    for i in range(begin, first[lane + 1] - 1):
+        dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        length = math.hypot(dx, dy)
+        if dx * cos + dy * sin < _AGAINST * length:
+            continue
+        t = 0.0
+        if length > 0.0:
+            t = ((x - points[i, 0]) * dx + (y - points[i, 1]) * dy) / (length * length)
+        t = min(max(t, 0.0), 1.0)
+        if math.hypot(points[i, 0] + t * dx - x, points[i, 1] + t * dy - y) <= _BESIDE:
+            return True
     return False
 
 

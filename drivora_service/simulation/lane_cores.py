@@ -32,12 +32,14 @@ class LaneCores:
         first: (L + 1,) the first row of each lane in ``points``.
         begin: (L,) arc length at which a lane's core begins, metres; infinite without a core.
         end: (L,) arc length at which it ends, metres.
+        boxes: (L, 4) least and greatest x, then y, of each lane, metres.
     """
 
     points: FloatArray
     first: IntArray
     begin: FloatArray
     end: FloatArray
+    boxes: FloatArray
 
 
 @lru_cache(maxsize=4)
@@ -71,7 +73,9 @@ def lane_cores(network: RoadNetwork) -> LaneCores:
                     begin[lane.index] = places[at + core[0], 2]
                     last = float(places[at + core[1] - 1, 2])
                     end[lane.index] = min(last, float(lane.arc[-1]) - _MARGIN)
-    return LaneCores(points, first, begin, end)
+    spans = [(lane.shape.min(axis=0), lane.shape.max(axis=0)) for lane in lanes]
+    boxes = np.array([(low[0], high[0], low[1], high[1]) for low, high in spans])
+    return LaneCores(points, first, begin, end, boxes)
 
 
 def _places(lane: Lane) -> FloatArray:
