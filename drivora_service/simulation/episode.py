@@ -31,7 +31,7 @@ from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
-from drivora_service.simulation.holding import Holding
+from drivora_service.simulation.holding import Holding, look_ahead_is_bounded
 from drivora_service.simulation.look import Look, look_at
 from drivora_service.simulation.plan import (
     EpisodePlan,
@@ -139,7 +139,7 @@ class Episode:
             mirrored=mirrored,
             holding=(
                 partial(Holding, plan.network)
-                if holding and not (mirrored or sublanes)
+                if holding and not (mirrored or sublanes) and look_ahead_is_bounded(agents)
                 else None
             ),
         )

@@ -11,9 +11,11 @@ the lane, or comes near.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
+from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.compilation import compiled, settled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
@@ -26,9 +28,13 @@ _SPEEDING = 1.2
 """How much faster than the limit SUMO's drivers go, at most."""
 _DECELERATION = 4.5
 """m/s² with which SUMO's drivers brake."""
-_LOOKS = 3.0
-"""How many times as far as a driver looks ahead an actor must be: the one near it may react to
-another one, which that driver does not see."""
+_LOOKS = 3.5
+"""How many times the way of braking an actor must be away: one near a driver may react to another,
+and who wants to change lanes looks ten seconds ahead."""
+_WAITING = 0.6
+"""The share of that distance up to which a driver at a junction may heed who arrives there."""
+_NEAR_SIGHTED = frozenset({"krauss"})
+"""Car-following models whose drivers react to nothing beyond the way of braking."""
 _AGAIN = 1.15
 """The share of that distance from which on an actor is held that was not."""
 _BEHIND = 2.0
@@ -48,6 +54,15 @@ def reach_of(network: RoadNetwork) -> float:
     """
     fastest = _SPEEDING * max((lane.speed_limit for lane in network.lanes), default=0.0)
     return _LOOKS * (fastest + fastest**2 / (2.0 * _DECELERATION))
+
+
+def look_ahead_is_bounded(agents: Iterable[object]) -> bool:
+    """Returns whether all of SUMO's drivers of a run's egos see only what is near.
+
+    IDM, EIDM and ACC react in the last digits to a vehicle on their way at any distance: to one 480
+    metres ahead on the next lane, in an experiment. SUMO's other vehicles are driven by Krauss.
+    """
+    return all(a.car_following in _NEAR_SIGHTED for a in agents if isinstance(a, SumoDriver))
 
 
 class Holding:
@@ -253,16 +268,20 @@ def _is_watched(
 ) -> bool:
     """Returns whether what SUMO drives may see a vehicle anywhere on a lane.
 
-    A driver sees the next vehicle on its lane and on those that it looks into, wherever it is on
-    them; some car-following models react to it at any distance.
+    A driver is told of the next vehicle on its lane and on those that it looks into, wherever it is
+    on them; and at a junction of when vehicles arrive there, wherever they are on the lane before.
     """
+    end = first[lane + 1] - 1
     for i in range(drives.shape[0]):
-        if not drives[i] or not on_way[i, lane]:
+        if not drives[i]:
             continue
-        if present[i] and _sees(frame[i, :3], lane, near, points, first, boxes):
-            return True
-        if not math.isnan(entries[i, 0]) and _sees(entries[i], lane, near, points, first, boxes):
-            return True
+        for pose, counts in ((frame[i], present[i]), (entries[i], not math.isnan(entries[i, 0]))):
+            if not counts:
+                continue
+            if math.hypot(points[end, 0] - pose[0], points[end, 1] - pose[1]) <= _WAITING * near:
+                return True
+            if on_way[i, lane] and _sees(pose, lane, near, points, first, boxes):
+                return True
     return False
 
 
