@@ -15,7 +15,11 @@ _EDGES_LEFT = 4
 
 
 class BackgroundVehicles:
-    """The background traffic of a run."""
+    """The background traffic of a run.
+
+    Attributes:
+        start_time: Seconds.
+    """
 
     def __init__(
         self,
@@ -38,13 +42,13 @@ class BackgroundVehicles:
         self._wanderers = wanderers
         self._rows = tuple(rows)
         self._clear = clear
-        self._start_time = start_time
+        self.start_time = start_time
         self._driver = driver
         self._tended = False
 
     def is_due(self, time: float) -> bool:
         """Returns whether the traffic has started at ``time`` seconds."""
-        return time >= self._start_time - 1e-9
+        return time >= self.start_time - 1e-9
 
     def tend(
         self,

@@ -39,9 +39,9 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
         AgentError: If the answer is not a control, or contains a number that is not finite.
     """
     if isinstance(control, AccelerationControl):
-        command[0], command[1] = control.acceleration, control.steer
+        command[0], command[1] = acceleration, steer = control
         # The usual answer, on the hot path: one check, without enum lookup.
-        if math.isfinite(control.acceleration + control.steer):
+        if math.isfinite(acceleration + steer):
             return _DRIVE
         mode = CommandMode.DRIVE
     elif isinstance(control, PedalControl):

@@ -112,7 +112,16 @@ class EgoTeam:
                 self._set_up(m, agent, int(seeds[count + m].generate_state(1)[0]))
         names = dict.fromkeys(name for log in self.logs for name in log.names)
         self.log_names = tuple(names)
-        self._log_columns = [self._columns_of(log) for log in self.logs]
+        # Rows as views, which take time to make.
+        self._rows = tuple(
+            zip(self.bodies, self.progress[:, _ROUTE_S : _SPEED_LIMIT + 1], strict=True)
+        )
+        self._asked = tuple(
+            (m, agent, plan.egos[m], self.logs[m], self._columns_of(self.logs[m]), command)
+            for m, (agent, command) in enumerate(zip(self.agents, self.commands, strict=True))
+            if not isinstance(agent, SumoDriver)
+        )
+        self._step_length = plan.scenario.step_length
         self._last_start = max(ego.ego.start_time for ego in plan.egos)
         self._observations: list[Observation] = []
         self._buffers: list[tuple[FloatArray, FloatArray, IntArray]] = []
@@ -194,15 +203,13 @@ class EgoTeam:
         """Asks every active ego's agent, or takes its control from ``controls`` by ego id."""
         if len(self._draws) != len(world.actors):
             self._make_room(len(world.actors))
-        cells = self._cells
-        for m, agent in enumerate(self.agents):
-            if not self.active[m] or isinstance(agent, SumoDriver):
+        cells, active = self._cells, self.active
+        for m, agent, ego, log, columns, command in self._asked:
+            if not active[m]:
                 continue
-            ego = self._plan.egos[m]
             control = None if controls is None else controls.get(ego.ego.id)
             if control is None:
                 observation = self._observe(m, step, time, world)
-                log = self.logs[m]
                 log.step = step
                 cells[1], cells[2], cells[0] = step, m, _IN_AGENT
                 try:
@@ -210,19 +217,17 @@ class EgoTeam:
                     control = agent.run_step(observation)
                     self.agent_ns[m] += perf_counter_ns() - begun
                     if log.names:
-                        world.logs[step, m, self._log_columns[m]] = log.row
+                        world.logs[step, m, columns] = log.row
                 except (Exception, SystemExit) as error:
                     where = f"run_step at {time:.2f} s"
                     raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
                 cells[0] = _SIMULATING
-            command = self.commands[m]
             try:
-                mode = write_command(control, ego.model, self._plan.scenario.step_length, command)
+                self.modes[m] = write_command(control, ego.model, self._step_length, command)
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
                 raise _control_refused(ego.ego.id, ego.ego.agent.name, time, error) from error
-            self.modes[m] = mode
             if isinstance(control, TrajectoryControl):
-                self.logs[m].plan(np.asarray(control.points)[:, 1:3])
+                log.plan(np.asarray(control.points)[:, 1:3])
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         if self._is_noisy:
@@ -250,9 +255,10 @@ class EgoTeam:
         observation.step = step
         # A copy: the frames are the evidence, and a view would let an agent write into them.
         observation.ego = world.states[step, m].copy()
-        body = self.bodies[m].tolist()
-        observation.speed = body[_SPEED]
-        observation.steer, observation.acceleration = body[_STEER : _STEER + 2]
+        body, progress = self._rows[m]
+        observation.speed, _, _, observation.steer, observation.acceleration = body[
+            _SPEED : _STEER + 2
+        ].tolist()
         (
             observation.route_s,
             observation.route_lateral,
@@ -260,7 +266,7 @@ class EgoTeam:
             protected,
             observation.light_distance,
             observation.speed_limit,
-        ) = self.progress[m, _ROUTE_S : _SPEED_LIMIT + 1].tolist()
+        ) = progress.tolist()
         observation.light = _LIGHTS[int(light)]
         observation.light_protected = protected > 0.0
         return observation

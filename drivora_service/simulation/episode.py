@@ -269,9 +269,10 @@ class Episode:
         # Before the frame is completed, since an ego is tracked from the first frame of its part
         # on.
         started = self._team.start_due(next_time)
-        for m in started:
-            write_velocity(self._team.bodies[m], world.states[k + 1, m])
-        self._hand_over_started(started)
+        if started:
+            for m in started:
+                write_velocity(self._team.bodies[m], world.states[k + 1, m])
+            self._hand_over_started(started)
         self._finish_frame(k, k + 1, next_time)
         for m in started:
             # Its standstill before is not part of its drive: its rates are 0 as on first

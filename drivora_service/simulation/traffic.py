@@ -99,7 +99,7 @@ class Traffic:
         self._now = self._reached = -1
         self._wrecks: list[tuple[int, int]] = []
         self._waiting: list[tuple[int, DrivenPlan]] = []
-        self._next_start = math.inf
+        self._next_start = self._next_due = math.inf
         self._npcs: set[int] = set()
         self._entering: list[tuple[int, str, float]] = []
         self._background: BackgroundVehicles | None = None
@@ -151,11 +151,12 @@ class Traffic:
         """Announces an NPC that SUMO will drive from its start time on."""
         self._waiting.append((row, plan))
         self._npcs.add(row)
-        self._next_start = min(self._next_start, plan.start_time)
+        self._note_due()
 
     def add_background(self, background: BackgroundVehicles) -> None:
         """Announces the background traffic."""
         self._background = background
+        self._note_due()
 
     def hand_over(self, row: int, speed: float, driver: str) -> None:
         """Hands a moved row over to one of SUMO's drivers."""
@@ -198,7 +199,7 @@ class Traffic:
                 have not been written, as SUMO did not keep up.
         """
         self._now = step
-        if not (self.driven or self._mirrored or self._is_due(time)):
+        if not (self.driven or self._mirrored) and time + 1e-9 < self._next_due:
             return
         if self._reached < step - 1:
             self._replay(step - 1)
@@ -227,12 +228,6 @@ class Traffic:
         """Brings SUMO up to the present frame."""
         if self._reached < self._now:
             self._replay(self._now)
-
-    def _is_due(self, time: float) -> bool:
-        """Returns whether a vehicle that SUMO drives enters now."""
-        if time + 1e-9 >= self._next_start:
-            return True
-        return self._background is not None and self._background.is_due(time)
 
     def _replay(self, last: int) -> None:
         """Simulates the frames that SUMO has not seen in it, up to ``last``; it drives no vehicle.
@@ -339,7 +334,13 @@ class Traffic:
                 )
             )
             self._entering.append((row, plan.id, plan.speed))
+        self._note_due()
+
+    def _note_due(self) -> None:
+        """Notes when the next vehicle enters that SUMO drives."""
         self._next_start = min((plan.start_time for _, plan in self._waiting), default=math.inf)
+        start = math.inf if self._background is None else self._background.start_time
+        self._next_due = min(self._next_start, start)
 
     def _forget_gone(self, present: BoolArray) -> None:
         """Forgets NPCs that have left SUMO at their destinations."""

@@ -100,8 +100,10 @@ class RunFollower:
 
     def change_when_possible(self, observation: Observation) -> bool:
         """Changes to the next lane run if the route allows it and there is room."""
-        run, onward = self.way.run, self.onward
-        if onward is None or float(run.arc[self.cursor]) < run.change_from:
+        if self.current + 1 == len(self.ways):
+            return False
+        run, onward = self.ways[self.current].run, self.ways[self.current + 1].run
+        if float(run.arc[self.cursor]) < run.change_from:
             return False
         x, y = observation.ego[:2].tolist()
         near = np.hypot(onward.line[:, 0] - x, onward.line[:, 1] - y)
