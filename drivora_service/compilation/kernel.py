@@ -72,7 +72,9 @@ def settled(kernel: Function) -> Function:
     itself does not check them. A kernel that has been called with several combinations of types is
     returned as it is.
     """
-    versions = list(cast("Any", kernel).dispatcher.overloads.values())
+    # An ordered mapping hashes its keys to go through its values: the types of all arguments, which
+    # takes as long as some steps.
+    versions = list(dict.values(cast("Kernel", kernel).dispatcher.overloads))
     return cast("Function", versions[0].entry_point) if len(versions) == 1 else kernel
 
 

@@ -106,6 +106,7 @@ class Episode:
         self._privileged = tuple(privileged) or (False,) * len(agents)
         self._cells = np.zeros(4, dtype=np.int64) if cells is None else cells
         self._team = EgoTeam(plan, agents, self._privileged, self._cells)
+        self._holding = holding
         self._contacts: list[Contact] = []
         self._found = np.zeros((_ROOM_FOR_CONTACTS, 2), dtype=np.int64)
         cast = cast_actors(plan)
@@ -138,7 +139,7 @@ class Episode:
             open_sumo=self._open_sumo,
             mirrored=mirrored,
             holding=(
-                partial(Holding, plan.network)
+                partial(Holding, plan.network, plan.weather.friction)
                 if holding and not (mirrored or sublanes) and look_ahead_is_bounded(agents)
                 else None
             ),
@@ -324,8 +325,13 @@ class Episode:
         """Has SUMO hold every actor at its present place, for callers that read it.
 
         Raises:
-            SimulatorError: If SUMO refuses the network or an actor.
+            SimulatorError: If SUMO refuses the network or an actor, or the episode was created with
+                ``holding``.
         """
+        if self._holding:
+            raise SimulatorError(
+                "SUMO is not told of all actors: create the episode without `holding`"
+            )
         self._traffic.catch_up()
 
     def add_vehicle(self, npc: NpcVehicle) -> None:
@@ -364,6 +370,10 @@ class Episode:
     def _check_new(self, actor_id: str) -> None:
         if self.done:
             raise SimulatorError("the episode has ended: actors cannot be added")
+        if self._holding:
+            raise SimulatorError(
+                "actors cannot be added with `holding`: create the episode without it"
+            )
         if any(actor.id == actor_id for actor in self._world.actors):
             raise SimulatorError(f"the actor id {actor_id!r} is taken: choose another id")
 

@@ -149,7 +149,9 @@ class Watching:
         return AccelerationControl(-8.0, 0.0)
 
 
-def start(what: Scenario, *agents: Agent, mirrored: bool = False) -> Episode:
+def start(
+    what: Scenario, *agents: Agent, mirrored: bool = False, holding: bool = False
+) -> Episode:
     """Makes an episode; egos without an agent here get the one that they name."""
     plan = plan_episode(what, network(what.map_region.town))
     named = [e.agent for e in what.ego_vehicles[len(agents) :]]
@@ -158,7 +160,7 @@ def start(what: Scenario, *agents: Agent, mirrored: bool = False) -> Episode:
         *agents,
         *(catalogue.create(choice.name, choice.parameters) for choice in named),
     ]
-    return Episode(plan, team, mirrored=mirrored)
+    return Episode(plan, team, mirrored=mirrored, holding=holding)
 
 
 def run(what: Scenario, *agents: Agent) -> Trace:
