@@ -145,7 +145,7 @@ def take_apart(document: str, network: RoadNetwork, parts: Parts, trace_path: Pa
         plan = plan_episode(scenario, network)
     with parts.of("agents and set-up"):
         named = [agents.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-        episode = Episode(plan, named)
+        episode = Episode(plan, named, holding=True)
     traffic = episode._traffic
     in_sumo = [0.0]
     original = traffic.step

@@ -28,7 +28,7 @@ _SPEEDING = 1.2
 _DECELERATION = 4.5
 """m/s² with which SUMO's drivers brake."""
 _LEAST_DECELERATION = 0.1
-_LOOKS = 3.5
+_LOOKS = 3.0
 """How many times the way of braking an actor must be away: one near a driver may react to another,
 and who wants to change lanes looks ten seconds ahead."""
 _NEAR_SIGHTED = frozenset({"krauss"})
