@@ -14,8 +14,9 @@ def exchange_block(
     first: FloatArray, second: FloatArray, space: GeneSpace, random: np.random.Generator
 ) -> Children:
     """Exchanges one actor among those in which the parents differ; does not change the parents."""
-    differ = [b for b in space.blocks if not np.array_equal(first[b.slice], second[b.slice])]
-    which = np.zeros(len(space), dtype=np.bool_)
-    if differ:
-        which[differ[random.integers(len(differ))].slice] = True
-    return np.where(which, second, first), np.where(which, first, second)
+    blocks = np.logical_or.reduceat(first != second, space.starts).nonzero()[0]
+    one, other = first.copy(), second.copy()
+    if len(blocks):
+        which = space.blocks[blocks[random.integers(len(blocks))]].slice
+        one[which], other[which] = second[which], first[which]
+    return one, other

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 
 
 class GeneKind(StrEnum):
@@ -120,6 +120,28 @@ class Block:
         )
 
 
+Slices = tuple[tuple[int, ...], ...]
+"""Indices of genes, one group a time slice."""
+
+
+def slices_of(block: Block, which: BoolArray) -> Slices:
+    """Groups the indices of a block's genes by time slice.
+
+    Args:
+        block: An actor.
+        which: (d,) genes that count.
+
+    Returns:
+        Indices in the vector; first those without a slice, then slice by slice. No group is empty.
+    """
+    groups: dict[int, list[int]] = {}
+    for index, gene in enumerate(block.genes, start=block.start):
+        if which[index]:
+            number = gene.name.rpartition("_")[2]
+            groups.setdefault(int(number) if number.isdecimal() else -1, []).append(index)
+    return tuple(tuple(groups[number]) for number in sorted(groups))
+
+
 class GeneSpace:
     """All genes of a campaign, with their bounds.
 
@@ -174,6 +196,54 @@ class GeneSpace:
         varies: BoolArray = self.lows < self.highs
         return varies
 
+    @cached_property
+    def ranges(self) -> FloatArray:
+        """(d,) greatest minus least values."""
+        ranges: FloatArray = self.highs - self.lows
+        return ranges
+
+    @cached_property
+    def cells(self) -> FloatArray:
+        """(d,) numbers of values of the genes that are whole."""
+        cells: FloatArray = self.ranges + 1.0
+        return cells
+
+    @cached_property
+    def starts(self) -> IntArray:
+        """Indices of the first gene of each block."""
+        return np.array([block.start for block in self.blocks])
+
+    @cached_property
+    def optional_blocks(self) -> tuple[Block, ...]:
+        """The blocks of actors that may be absent."""
+        return tuple(block for block in self.blocks if block.is_optional)
+
+    @cached_property
+    def varying_blocks(self) -> tuple[Block, ...]:
+        """The blocks with a gene that can vary."""
+        return tuple(block for block in self.blocks if self.varies[block.slice].any())
+
+    @cached_property
+    def varying_slices(self) -> tuple[tuple[Block, Slices], ...]:
+        """The blocks with a gene that can vary, and their genes that can, by time slice."""
+        return tuple((block, slices_of(block, self.varies)) for block in self.varying_blocks)
+
+    @cached_property
+    def at_least_one(self) -> FloatArray:
+        """(d,) ranges, or 1 if they are less."""
+        return np.maximum(self.ranges, 1.0)
+
+    @cached_property
+    def both_ways(self) -> FloatArray:
+        """(d,) twice the ranges, and 2 for genes that do not vary."""
+        both_ways: FloatArray = 2.0 * np.where(self.varies, self.ranges, 1.0)
+        return both_ways
+
+    @cached_property
+    def _widths(self) -> FloatArray:
+        """(d,) lengths to which 0..1 is scaled."""
+        return np.where(self.is_whole, self.cells, self.ranges)
+
     def of(self, part: Part) -> tuple[Block, ...]:
         """Returns the blocks of one part."""
         return tuple(block for block in self.blocks if block.part is part)
@@ -181,33 +251,34 @@ class GeneSpace:
     def sample(self, random: np.random.Generator, count: int | None = None) -> FloatArray:
         """Draws uniformly: (d,), or (count, d). Whole genes are drawn with both bounds included."""
         shape = (len(self),) if count is None else (count, len(self))
-        return self.from_unit(random.random(shape))
+        return self.scaled(random.random(shape))
 
     def clip(self, values: FloatArray) -> FloatArray:
         """Rounds whole genes and clips every value to its bounds; (..., d)."""
-        rounded = np.where(self.is_whole, np.round(values), values)
-        clipped: FloatArray = np.clip(rounded, self.lows, self.highs)
-        return clipped
+        clipped: FloatArray = np.array(values, dtype=np.float64)
+        np.rint(clipped, out=clipped, where=self.is_whole)
+        return clipped.clip(self.lows, self.highs, out=clipped)
 
     def to_unit(self, values: FloatArray) -> FloatArray:
         """Maps values (..., d) to 0..1; genes that do not vary to 0. Whole genes get cell centres.
 
         ``from_unit`` is the inverse.
         """
-        cells = np.where(self.is_whole, self.highs - self.lows + 1.0, self.highs - self.lows)
         shift = np.where(self.is_whole, 0.5, 0.0)
-        width = np.where(self.varies, cells, 1.0)
+        width = np.where(self.varies, self._widths, 1.0)
         unit: FloatArray = np.where(self.varies, (values - self.lows + shift) / width, 0.0)
         return unit
 
     def from_unit(self, unit: FloatArray) -> FloatArray:
         """Maps 0..1 (..., d) to values; whole genes have cells of equal width."""
-        unit = np.clip(unit, 0.0, 1.0)
-        cells = self.highs - self.lows + 1.0
-        whole = np.minimum(np.floor(self.lows + unit * cells), self.highs)
-        spread = self.lows + unit * (self.highs - self.lows)
-        values: FloatArray = np.where(self.is_whole, whole, np.minimum(spread, self.highs))
-        return values
+        return self.scaled(np.clip(unit, 0.0, 1.0))
+
+    def scaled(self, unit: FloatArray) -> FloatArray:
+        """Maps 0..1 (..., d), which it overwrites, to values: ``from_unit`` without a check."""
+        unit *= self._widths
+        unit += self.lows
+        np.floor(unit, out=unit, where=self.is_whole)
+        return np.minimum(unit, self.highs, out=unit)
 
     def within(self, values: FloatArray) -> bool:
         """Returns whether values (d,) are finite, within the bounds, and whole for whole genes."""

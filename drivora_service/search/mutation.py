@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
-from drivora_service.search.genes import Block, GeneSpace
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import MutationPlugin
 
 
@@ -24,11 +24,11 @@ def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
         values: (..., d) genes.
         space: Their bounds.
     """
-    effective = np.broadcast_to(space.varies, values.shape).copy()
-    for block in space.blocks:
-        if block.is_optional:
-            is_there = values[..., block.start] != 0.0
-            effective[..., block.start + 1 : block.stop] &= is_there[..., None]
+    effective = np.empty(values.shape, dtype=np.bool_)
+    effective[...] = space.varies
+    for block in space.optional_blocks:
+        is_there = values[..., block.start] != 0.0
+        effective[..., block.start + 1 : block.stop] &= is_there[..., None]
     return effective
 
 
@@ -43,11 +43,10 @@ def redrawn(
         random: Generator for every draw.
         which: (d,) genes to redraw; those that cannot vary are not changed.
     """
-    cells = space.highs - space.lows + 1.0
     drawn = random.random(len(space))
-    steps = 1.0 + np.floor(drawn * np.maximum(cells - 1.0, 1.0))
-    other = space.lows + (values - space.lows + steps) % cells
-    fresh = np.where(space.is_whole, other, space.from_unit(drawn))
+    steps = 1.0 + np.floor(drawn * space.at_least_one)
+    other = space.lows + (values - space.lows + steps) % space.cells
+    fresh = np.where(space.is_whole, other, space.scaled(drawn))
     return np.where(which & space.varies, fresh, values)
 
 
@@ -72,9 +71,8 @@ def shifted(
     draws = random.standard_normal(len(space)) * sigma
     at_least_one = np.copysign(np.maximum(np.round(np.abs(draws)), 1.0), draws)
     moves = np.where(space.is_whole, at_least_one, draws)
-    width = np.where(space.varies, space.highs - space.lows, 1.0)
-    way = (values + moves - space.lows) % (2.0 * width)
-    reflected = space.lows + np.minimum(way, 2.0 * width - way)
+    way = (values + moves - space.lows) % space.both_ways
+    reflected = space.lows + np.minimum(way, space.both_ways - way)
     return np.where(which & space.varies, space.clip(reflected), values)
 
 
@@ -106,7 +104,7 @@ class GaussianMutation:
         which = effective & (random.random(len(space)) < rates)
         if effective.any() and not which.any():
             which[random.choice(np.flatnonzero(effective))] = True
-        sigma = self.sigma * strength * (space.highs - space.lows)
+        sigma = self.sigma * strength * space.ranges
         moved = shifted(values, space, random, which & ~space.is_category, sigma)
         return redrawn(moved, space, random, which & space.is_category)
 
@@ -145,7 +143,7 @@ class RedrawBlock:
         strength: float = 1.0,
     ) -> FloatArray:
         """Returns a changed copy."""
-        blocks = varying_blocks(space)
+        blocks = space.varying_blocks
         fresh = space.sample(random)
         changed = values.copy()
         for index in random.permutation(len(blocks))[: _number(strength, random)]:
@@ -177,39 +175,17 @@ class RedrawSlice:
         strength: float = 1.0,
     ) -> FloatArray:
         """Returns a changed copy."""
-        changed = values
-        for _ in range(_number(strength, random)):
-            effective = effective_genes(changed, space)
-            blocks = [b for b in space.blocks if effective[b.slice].any()]
-            if not blocks:
-                break
-            slices = slices_of(blocks[random.integers(len(blocks))], effective)
-            chosen = int(random.choice(slices[random.integers(len(slices))]))
+        changed = values.copy()
+        blocks = space.varying_slices
+        for _ in range(_number(strength, random) if blocks else 0):
+            block, slices = blocks[random.integers(len(blocks))]
+            if block.is_optional and changed[block.start] == 0.0:
+                # Of an absent actor, only its presence has an effect.
+                slices = ((block.start,),)
+            genes = slices[random.integers(len(slices))]
+            chosen = genes[random.integers(len(genes))]
             changed = redrawn(changed, space, random, _mask([chosen], space))
-        return changed.copy()
-
-
-def varying_blocks(space: GeneSpace) -> tuple[Block, ...]:
-    """Returns the blocks with a gene that can vary."""
-    return tuple(block for block in space.blocks if space.varies[block.slice].any())
-
-
-def slices_of(block: Block, which: BoolArray) -> tuple[IntArray, ...]:
-    """Groups the indices of a block's genes by time slice.
-
-    Args:
-        block: An actor.
-        which: (d,) genes that count.
-
-    Returns:
-        Indices in the vector; first those without a slice, then slice by slice. No group is empty.
-    """
-    groups: dict[int, list[int]] = {}
-    for index, gene in enumerate(block.genes, start=block.start):
-        if which[index]:
-            number = gene.name.rpartition("_")[2]
-            groups.setdefault(int(number) if number.isdecimal() else -1, []).append(index)
-    return tuple(np.array(groups[number], dtype=np.int64) for number in sorted(groups))
+        return changed
 
 
 def _number(strength: float, random: np.random.Generator) -> int:

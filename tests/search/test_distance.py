@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.search import distance
-from drivora_service.search.distance import candidate_distances, mean_distances
+from drivora_service.search.distance import candidate_distances, farthest
 from drivora_service.search.genes import GeneKind
 from drivora_service.testing.gene_spaces import small_space
 
@@ -73,15 +74,44 @@ def test_every_actor_is_compared_gene_by_gene(seed: int) -> None:
     assert found[0, 0] == pytest.approx(np.mean(distances))
 
 
-@pytest.mark.parametrize("others", [1, 70])
-def test_mean_distances_count_the_others_as_often_as_they_occur(
-    others: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(distance, "_TILE", 210)
-    random = np.random.default_rng(1)
+def farthest_of_all(values: FloatArray, past: FloatArray, counts: IntArray) -> IntArray:
+    """Returns the rows from the farthest to the nearest, by all distances."""
+    repeated = np.repeat(past, counts, axis=0)
+    return np.argsort(-candidate_distances(values, repeated, SPACE).mean(axis=1), kind="stable")
+
+
+@pytest.mark.parametrize("others", [1, 7, 70])
+@pytest.mark.parametrize("wanted", [1, 4, 50])
+def test_the_farthest_are_those_of_all_mean_distances(others: int, wanted: int) -> None:
+    random = np.random.default_rng(others)
     values, past = SPACE.sample(random, 50), SPACE.sample(random, others)
     counts = random.integers(1, 5, size=others)
-    repeated = np.repeat(past, counts, axis=0)
-    expected = candidate_distances(values, repeated, SPACE).mean(axis=1)
-    found = mean_distances(values, past, counts.astype(np.float64), SPACE)
-    assert found == pytest.approx(expected)
+    found = farthest(values, past, counts.astype(np.float64), SPACE, wanted)
+    assert np.array_equal(found, farthest_of_all(values, past, counts)[:wanted])
+
+
+def test_few_candidates_are_compared_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(3)
+    values, past = SPACE.sample(random, 1000), SPACE.sample(random, 200)
+    compared: list[int] = []
+    original = distance._distances
+
+    def counting(left: FloatArray, right: FloatArray) -> FloatArray:
+        compared.append(len(left))
+        return original(left, right)
+
+    monkeypatch.setattr(distance, "_distances", counting)
+    farthest(values, past, np.ones(200), SPACE, 4)
+    assert sum(compared) <= 100 * len(SPACE.blocks)
+
+
+def test_of_equal_candidates_the_first_are_the_farthest(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(distance, "_TILE", 210)
+    random = np.random.default_rng(2)
+    past = SPACE.sample(random, 70)
+    values = np.repeat(SPACE.sample(random, 3), 40, axis=0)
+    counts = np.ones(70)
+    order = farthest_of_all(values[::40], past, counts.astype(np.int64))
+    found = farthest(values, past, counts, SPACE, 41)
+    assert set(found // 40) == {order[0], order[1]}
+    assert np.count_nonzero(found // 40 == order[1]) == 1

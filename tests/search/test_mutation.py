@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.geometry.arrays import BoolArray, FloatArray
-from drivora_service.search.genes import GeneKind
+from drivora_service.search.genes import GeneKind, slices_of
 from drivora_service.search.mutation import (
     GAUSSIAN,
     REDRAW_BLOCK,
@@ -21,7 +21,6 @@ from drivora_service.search.mutation import (
     effective_genes,
     redrawn,
     shifted,
-    slices_of,
 )
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.mutation_contract import MutationContract

@@ -51,7 +51,7 @@ class Offspring:
     def known(self) -> Individual | None:
         """Its parent if the scenario is the same and need not be run again."""
         for parent in self.parents:
-            if np.array_equal(parent.values, self.values):
+            if parent.values is self.values or bool((parent.values == self.values).all()):
                 return parent
         return None
 

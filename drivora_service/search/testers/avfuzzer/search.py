@@ -17,7 +17,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.search.components import Components
-from drivora_service.search.distance import mean_distances
+from drivora_service.search.distance import farthest
 from drivora_service.search.mutation import RedrawSlice
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette
@@ -136,8 +136,8 @@ class AvfuzzerSearch:
         count = max(settings.restart_candidates, settings.population)
         drawn = self._space.sample(self._random, count)
         counts = np.array([self._members[number] for number in self._past], dtype=np.float64)
-        means = mean_distances(drawn, np.array([*self._past.values()]), counts, self._space)
-        return drawn[np.argsort(-means, kind="stable")[: settings.population]]
+        past = np.array([*self._past.values()])
+        return drawn[farthest(drawn, past, counts, self._space, settings.population)]
 
 
 def _replaced(population: Population, old: Individual, new: Individual) -> Population:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.search.selection import drawn_by
 
 INITIAL_GAIN = INITIAL_NOVELTY = 0.5
 """Assumed gain and novelty of the first seeds, which have no parent."""
@@ -82,5 +83,6 @@ class EnergySelection:
         """Chooses seeds; uniformly if none has energy left."""
         energies = -objectives[:, 0]
         total = float(energies.sum())
-        chances = energies / total if total > 0.0 else None
-        return random.choice(len(energies), size=count, p=chances)
+        if total > 0.0:
+            return drawn_by(energies / total, count, random)
+        return random.integers(len(energies), size=count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -49,6 +50,7 @@ class WaypointNoise:
             moves = unit == unit[random.choice(np.flatnonzero(movable))]
         return shifted(values, space, random, moves & movable, sigma * strength)
 
+    @lru_cache(maxsize=4)  # noqa: B019 # of a frozen value, and for as many spaces only
     def plan(self, space: GeneSpace) -> tuple[FloatArray, IntArray]:
         """Returns how far each gene moves, and with which others.
 
