@@ -132,9 +132,14 @@ def drawn_by(chances: FloatArray, count: int, random: np.random.Generator) -> In
     The draws are those of ``Generator.choice``, without its checks, which take several times as
     long.
     """
-    cumulated = chances.cumsum()
-    cumulated /= cumulated[-1]
-    return cumulated.searchsorted(random.random(count), side="right")
+    return cumulated(chances).searchsorted(random.random(count), side="right")
+
+
+def cumulated(chances: FloatArray) -> FloatArray:
+    """Returns the sums (n,) of the probabilities up to each candidate, the last of which is 1."""
+    sums = chances.cumsum()
+    sums /= sums[-1]
+    return sums
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,7 +201,7 @@ class Roulette:
         """Returns the probability (n,) of each candidate to be drawn."""
         if objectives.shape[1] == 1 and np.isfinite(objectives).all():
             return self._shares(objectives[:, 0])
-        known: BoolArray = np.isfinite(objectives).any(axis=1)
+        known: BoolArray = np.asarray(np.isfinite(objectives).any(axis=1))
         if not known.any():
             return np.full(len(objectives), 1.0 / len(objectives))
         if objectives.shape[1] == 1:

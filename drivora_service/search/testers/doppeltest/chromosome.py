@@ -56,22 +56,22 @@ class Chromosome:
     def paths(self, values: FloatArray) -> list[float]:
         """Returns the paths of the egos."""
         egos = self.egos
-        return [egos.gene(values, slot, PATH) for slot in egos.taken(values)]
+        return egos.genes(values, egos.taken(values), PATH)
 
     def draw_ego(self, random: np.random.Generator, others: list[float]) -> FloatArray:
         """Draws an ego with a path that conflicts with one of ``others``, if there is one."""
         ego = self.egos.draw(self.space, random)
         paths = self.conflicts.with_any(others)
         if len(paths):
-            block = self.egos.blocks[0]
-            ego[block.index(PATH) - block.start] = random.choice(paths)
+            ego[self.egos.index(0, PATH) - self.egos.blocks[0].start] = random.choice(paths)
         return ego
 
     def start_early(self, values: FloatArray) -> None:
         """Shifts the start times of the egos, in place, so that the first one is 0."""
-        blocks = [self.egos.blocks[slot] for slot in self.egos.taken(values)]
-        places = [block.index(START_TIME) for block in blocks]
-        values[places] -= min(values[places] - self.space.lows[places])
+        places = [self.egos.index(slot, START_TIME) for slot in self.egos.taken(values)]
+        wait = min(values.item(place) - self.space.lows.item(place) for place in places)
+        if wait:
+            values[places] -= wait
 
 
 def _conflicts(path: Gene, known: BoolArray | None) -> RouteConflicts:

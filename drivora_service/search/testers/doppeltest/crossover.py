@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.search.selection import cumulated
 from drivora_service.search.testers.doppeltest.chromosome import PATH, START_TIME, Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
 
@@ -16,33 +16,39 @@ _ALL_WALKERS = 0.1
 _ALL_LIGHTS = 0.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DoppelTestCrossover:
-    """Makes one child of two parents.
+    """Makes one child of two parents."""
 
-    Attributes:
-        chromosome: The sections.
-        parameters: Shares of the sections; the share of one that the space lacks goes to the
-            others.
-    """
+    def __init__(self, *, chromosome: Chromosome, parameters: DoppelTestParameters) -> None:
+        """Takes the shares of the sections.
 
-    chromosome: Chromosome
-    parameters: DoppelTestParameters
+        Args:
+            chromosome: The sections.
+            parameters: Shares; that of a section that the space lacks goes to the others.
+        """
+        self.chromosome = chromosome
+        egos, walkers = parameters.cross_egos, parameters.cross_walkers
+        self._sections: list[Callable[..., None]] = [self._egos]
+        shares = [egos]
+        if chromosome.walkers.most:
+            self._sections.append(self._walkers)
+            shares.append(walkers)
+        if len(chromosome.lights):
+            self._sections.append(self._lights)
+            shares.append(max(1.0 - egos - walkers, 0.0))
+        # If all shares are 0, all sections are equally likely.
+        self._cumulated = cumulated(np.array(shares) / np.sum(shares)) if any(shares) else None
 
     def cross(
         self, first: FloatArray, second: FloatArray, random: np.random.Generator
     ) -> FloatArray:
         """Returns a copy of the first parent with one section changed by the second's."""
         child = first.copy()
-        cross_egos, cross_walkers = self.parameters.cross_egos, self.parameters.cross_walkers
-        sections: list[tuple[Callable[..., None], float]] = [(self._egos, cross_egos)]
-        if self.chromosome.walkers.most:
-            sections.append((self._walkers, cross_walkers))
-        if len(self.chromosome.lights):
-            sections.append((self._lights, max(1.0 - cross_egos - cross_walkers, 0.0)))
-        shares = np.array([share for _, share in sections])
-        chances = shares / shares.sum() if shares.any() else None
-        sections[random.choice(len(sections), p=chances)][0](child, second, random)
+        if self._cumulated is None:
+            number = random.integers(len(self._sections))
+        else:
+            number = self._cumulated.searchsorted(random.random(), side="right")
+        self._sections[number](child, second, random)
         return child
 
     def _egos(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
@@ -70,14 +76,16 @@ class DoppelTestCrossover:
         The place and the time have probability 1/2 each.
         """
         egos = self.chromosome.egos
+        slots, places = egos.taken(child), egos.taken(other)
+        paths = list(zip(places, egos.genes(other, places, PATH), strict=True))
         found = False
-        for slot in egos.taken(child):
-            for place in egos.taken(other):
-                if egos.gene(child, slot, PATH) != egos.gene(other, place, PATH):
+        for slot, path in zip(slots, egos.genes(child, slots, PATH), strict=True):
+            for place, its_path in paths:
+                if path != its_path:
                     continue
                 found = True
                 gene = "start" if random.random() < 0.5 else START_TIME
-                child[egos.blocks[slot].index(gene)] = egos.gene(other, place, gene)
+                child[egos.index(slot, gene)] = other[egos.index(place, gene)]
         return found
 
     def _one_more(self, child: FloatArray, other: FloatArray) -> bool:

@@ -29,14 +29,26 @@ class ActorSection:
         self.most = len(blocks)
         self._optional = [slot for slot, block in enumerate(blocks) if block.is_optional]
         self.least = self.most - len(self._optional)
+        self._filled = sorted(range(self.most), key=lambda slot: slot in self._optional)
+        self._presence = [block.start for block in blocks]
+        self._slices = [block.slice for block in blocks]
+        names = [gene.name for gene in blocks[0].genes] if blocks else []
+        # Slots have equal genes.
+        self._offsets = {name: offset for offset, name in enumerate(names)}
+        self._empty = [np.array([gene.low for gene in block.genes]) for block in blocks]
 
     def taken(self, values: FloatArray) -> list[int]:
         """Returns the slots that hold an actor."""
-        return [slot for slot, block in enumerate(self.blocks) if values[block.start] > 0.0]
+        # A few genes of a vector are read faster one by one.
+        return [slot for slot, gene in enumerate(self._presence) if values.item(gene) > 0.0]
+
+    def index(self, slot: int, name: str) -> int:
+        """Returns the index in the vector of a gene of an actor."""
+        return self._presence[slot] + self._offsets[name]
 
     def actor(self, values: FloatArray, slot: int) -> FloatArray:
         """Returns a copy of an actor's genes."""
-        return values[self.blocks[slot].slice].copy()
+        return values[self._slices[slot]].copy()
 
     def actors(self, values: FloatArray) -> list[FloatArray]:
         """Returns copies of the genes of all actors."""
@@ -44,13 +56,17 @@ class ActorSection:
 
     def gene(self, values: FloatArray, slot: int, name: str) -> float:
         """Returns one gene of an actor."""
-        return float(values[self.blocks[slot].index(name)])
+        return float(values.item(self.index(slot, name)))
+
+    def genes(self, values: FloatArray, slots: Sequence[int], name: str) -> list[float]:
+        """Returns one gene of each of some actors."""
+        offset = self._offsets[name]
+        return [values.item(self._presence[slot] + offset) for slot in slots]
 
     def put(self, values: FloatArray, slot: int, actor: FloatArray) -> None:
         """Puts an actor into a slot."""
-        block = self.blocks[slot]
-        values[block.slice] = actor
-        values[block.start] = 1.0
+        values[self._slices[slot]] = actor
+        values[self._presence[slot]] = 1.0
 
     def add(self, values: FloatArray, actor: FloatArray) -> None:
         """Puts an actor into the first empty slot."""
@@ -67,8 +83,7 @@ class ActorSection:
 
     def fill(self, values: FloatArray, actors: Sequence[FloatArray]) -> None:
         """Replaces the actors by others, up to the number of slots."""
-        slots = sorted(range(self.most), key=lambda slot: slot in self._optional)
-        for place, slot in enumerate(slots):
+        for place, slot in enumerate(self._filled):
             if place < len(actors):
                 self.put(values, slot, actors[place])
             else:
@@ -87,12 +102,10 @@ class ActorSection:
         keep: Sequence[str],
     ) -> None:
         """Redraws an actor, except for the genes of the given names."""
-        block = self.blocks[slot]
-        kept = {name: values[block.index(name)] for name in keep}
+        kept = {name: values[self.index(slot, name)] for name in keep}
         self.put(values, slot, self.draw(space, random))
         for name, value in kept.items():
-            values[block.index(name)] = value
+            values[self.index(slot, name)] = value
 
     def _clear(self, values: FloatArray, slot: int) -> None:
-        block = self.blocks[slot]
-        values[block.slice] = [gene.low for gene in block.genes]
+        values[self._slices[slot]] = self._empty[slot]

@@ -35,4 +35,4 @@ def _draw_egos(chromosome: Chromosome, values: FloatArray, random: np.random.Gen
     pairs = chromosome.conflicts.pairs()
     pair = pairs[random.choice(len(pairs))]
     for slot, path in zip(egos.taken(values), pair, strict=False):
-        values[egos.blocks[slot].index(PATH)] = path
+        values[egos.index(slot, PATH)] = path
