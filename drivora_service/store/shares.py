@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from sqlalchemy import Row, Select, bindparam, literal_column, select
+from sqlalchemy import Select, bindparam, literal_column, select
 from sqlalchemy.orm import Session
 
 from drivora_service.store.held_runs import HeldRuns
@@ -54,7 +54,7 @@ def has_claimable(session: Session, numbers: Mapping[int, int], reserved_to: str
 
 def _claimable(
     session: Session, most: int, numbers: Mapping[int, int], reserved_to: str, *, locks: bool
-) -> Sequence[Row[Any]]:
+) -> Sequence[Any]:
     """Returns the first batches with runs that are not held; see :func:`_open_batches`."""
     query = _open_batches(locks=locks)
     if numbers:
