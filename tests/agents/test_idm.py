@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drivora_service.agents.idm.agent import IdmAgent
+from drivora_service.agents.interface import AccelerationControl, Observation
 from drivora_service.observations.trace import EgoCol, Light, TerminalEvent, Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.lane_keeping import LaneKeeping
@@ -272,3 +273,33 @@ def test_it_stops_behind_its_destination_and_beside_its_route(elsewhere: Waypoin
     assert trace.ego_ends != (TerminalEvent.ARRIVED,)
     assert speeds(trace, "ego")[-1] < 0.1
     assert travelled(trace, "ego") < 5.0
+
+
+class Rearranged(IdmAgent):
+    """Gets arrays of another memory layout in two of three steps, as a wrapper may pass."""
+
+    def __init__(self, every: int) -> None:
+        super().__init__()
+        self.every = every
+        self.controls: list[AccelerationControl] = []
+
+    def run_step(self, observation: Observation) -> AccelerationControl:
+        if self.every and observation.step % self.every:
+            observation.objects = np.asfortranarray(observation.objects)
+            observation.ego = np.repeat(observation.ego, 2)[::2]
+        control = super().run_step(observation)
+        self.controls.append(control)
+        return control
+
+
+def test_it_decides_the_same_from_arrays_of_another_layout() -> None:
+    what = scenario(
+        ego(place(ROAD, 10), place(ROAD, 110)),
+        npc_vehicles=(car(place(ROAD, 40, speed=3.0), place(ROAD, 100, speed=3.0)),),
+        seconds=5.0,
+    )
+    usual, rearranged = Rearranged(0), Rearranged(3)
+    run(what, usual)
+    run(what, rearranged)
+    assert len(usual.controls) == 100
+    assert rearranged.controls == usual.controls
