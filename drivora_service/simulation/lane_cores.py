@@ -42,7 +42,7 @@ class LaneCores:
     boxes: FloatArray
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def lane_cores(network: RoadNetwork) -> LaneCores:
     """Returns the cores of a network's lanes: of each the longest; none inside junctions."""
     # Imported here, as only runs with vehicles of SUMO need it.
