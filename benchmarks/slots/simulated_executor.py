@@ -16,7 +16,7 @@ from datetime import UTC, datetime, timedelta
 
 from benchmarks.slots.sleeping_worker import unchanged
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.encoding import report_to_json
+from drivora_service.runs.encoding import report_to_message
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.runs.slot_state import SlotState
@@ -56,7 +56,7 @@ class SimulatedExecutor:
         """
         self._changed = threading.Condition()
         self._run_s, self._random = run_s, random.Random(seed)
-        self._report, self._placeholder = report_to_json(report).encode(), report.run_id.encode()
+        self._report, self._placeholder = report_to_message(report), report.run_id.encode()
         self._waiting: deque[RunSpec] = deque()
         self._idle = list(range(slots))
         self._running: list[_Running] = []

@@ -169,8 +169,9 @@ class Slot:
             spec = self._source.take()
             if spec is None:
                 return
-            if not child.is_idle:
-                # It died while it was idle, which is not attributed to a run.
+            if child.needs_replacement or not child.is_idle:
+                # It died while it was idle, which is not attributed to a run, or what it sent
+                # before turned out to be no report.
                 self._source.put_back(spec)
                 child.end()
                 continue

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticSerializationError
 
 from drivora_service.runs.candidate import Candidate, CandidateSource
-from drivora_service.runs.encoding import report_from_json, report_to_json
+from drivora_service.runs.encoding import report_from_json, report_to_message
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.shapes import adapter, to_json
 from drivora_service.worker.channel import LONGEST_BODY, Frame, Kind, ProtocolError
@@ -151,7 +151,7 @@ def candidate_of(note: bytes, source: CandidateSource, run_id: str) -> Candidate
 def frame_of_report(report: RunReport) -> Frame:
     """Writes a report; one that cannot be sent becomes a failure with the reason."""
     try:
-        body = report_to_json(report).encode()
+        body = report_to_message(report)
         problem = f"it takes {len(body)} bytes; allowed: {LONGEST_BODY}"
         if len(body) <= LONGEST_BODY:
             return Frame(Kind.REPORT, body)
@@ -159,7 +159,7 @@ def frame_of_report(report: RunReport) -> Frame:
         if report.failure is not None:
             # Such as an undecodable file name in the message of an agent's error.
             plain = _failure_report(report.run_id, report.status, _as_text(report.failure))
-            return Frame(Kind.REPORT, report_to_json(plain).encode())
+            return Frame(Kind.REPORT, report_to_message(plain))
         problem = f"{type(error).__name__}: {error}"
     failure = _as_text(
         RunFailure(
@@ -168,7 +168,7 @@ def frame_of_report(report: RunReport) -> Frame:
         )
     )
     plain = _failure_report(report.run_id, RunStatus.INFRASTRUCTURE_FAILED, failure)
-    return Frame(Kind.REPORT, report_to_json(plain).encode())
+    return Frame(Kind.REPORT, report_to_message(plain))
 
 
 def _failure_report(run_id: str, status: RunStatus, failure: RunFailure) -> RunReport:

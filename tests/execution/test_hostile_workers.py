@@ -136,6 +136,26 @@ def test_a_breach_outside_of_an_agent_is_not_attributed_to_it(start: Start) -> N
     assert outcome(end) == (RunStatus.INFRASTRUCTURE_FAILED, "worker_protocol")
 
 
+def test_what_begins_as_a_report_is_refused_when_it_is_read(start: Start) -> None:
+    executor = start()
+    first = worker_of(executor)
+    end = run(executor, "sends-like-finished")
+    assert outcome(end) == (RunStatus.INFRASTRUCTURE_FAILED, "worker_protocol")
+    assert "an invalid report: steps" in failure_of(end.report).message
+    # The worker waits for runs by now, and gets none.
+    assert worker_of(executor) != first
+    assert "an invalid report" in executor.slots()[0].last_crash
+
+
+def test_a_process_is_found_after_many_runs_that_started_none(start: Start, tmp_path: Path) -> None:
+    executor = start()
+    first = worker_of(executor)
+    assert {worker_of(executor) for _ in range(5)} == {first}
+    run(executor, f"daemonizes {tmp_path / 'pid'}")
+    assert is_gone(int((tmp_path / "pid").read_text()))
+    assert worker_of(executor) != first
+
+
 def test_an_agent_cannot_report_for_its_worker(start: Start) -> None:
     end = run(start(), "agent-sends own-report")
     assert outcome(end) == (RunStatus.AGENT_FAILED, "worker_protocol")

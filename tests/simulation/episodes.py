@@ -149,9 +149,7 @@ class Watching:
         return AccelerationControl(-8.0, 0.0)
 
 
-def start(
-    what: Scenario, *agents: Agent, mirrored: bool = False, holding: bool = False
-) -> Episode:
+def start(what: Scenario, *agents: Agent, mirrored: bool = False, holding: bool = False) -> Episode:
     """Makes an episode; egos without an agent here get the one that they name."""
     plan = plan_episode(what, network(what.map_region.town))
     named = [e.agent for e in what.ego_vehicles[len(agents) :]]

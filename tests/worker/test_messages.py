@@ -33,6 +33,7 @@ from drivora_service.worker.messages import (
     candidate_of,
     frame_of,
     frame_of_report,
+    is_of_finished_run,
     message_of,
     note_of_candidate,
     report_of,
@@ -270,3 +271,19 @@ def test_a_candidate_that_no_worker_leaves_is_refused(
 def test_a_candidate_that_is_no_json_is_refused() -> None:
     with pytest.raises(ProtocolError, match="an invalid candidate"):
         candidate_of(b"run\n{", SOURCE, "run")
+
+
+def test_the_report_of_a_finished_run_is_recognised_by_its_begin() -> None:
+    failure = RunFailure(cause="agent_raised", message="no")
+    failed = RunReport(run_id="run", status=RunStatus.AGENT_FAILED, failure=failure)
+    assert is_of_finished_run(frame_of_report(REPORT), "run")
+    assert not is_of_finished_run(frame_of_report(REPORT), "ru")
+    assert not is_of_finished_run(frame_of_report(failed), "run")
+    assert not is_of_finished_run(Frame(Kind.READY), "run")
+
+
+def test_reports_leave_out_defaults_on_their_way() -> None:
+    frame = frame_of_report(REPORT)
+    assert b"counterpart" in frame.body
+    assert b"physically_avoidable" not in frame.body
+    assert report_of(frame, "run") == REPORT

@@ -5,10 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 
 import pytest
 
-from drivora_service.worker.processes import children_of, listed_children, read_process
+from drivora_service.worker.processes import (
+    children_of,
+    listed_children,
+    read_process,
+    started_processes,
+)
 
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="/proc is Linux's")
 
@@ -33,3 +39,16 @@ def test_nothing_is_listed_of_a_process_that_has_ended() -> None:
         assert listed_children(child.pid) is None
         assert children_of(child.pid) == []
         assert read_process(child.pid) is None
+
+
+@LINUX
+def test_every_process_and_thread_that_starts_is_counted() -> None:
+    before = started_processes()
+    if before is None:
+        pytest.skip("the system does not tell its last process id")
+    subprocess.run(["true"], check=True)
+    after_process = started_processes()
+    thread = threading.Thread(target=int)
+    thread.start()
+    thread.join()
+    assert len({before, after_process, started_processes()}) == 3
