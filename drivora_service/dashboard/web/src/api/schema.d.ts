@@ -7485,9 +7485,9 @@ export interface operations {
     get_observations_api_v1_campaigns__campaign_id__evaluations__number__observations_get: {
         parameters: {
             query?: {
-                /** @description Whose rows; `egos` with Arrow only. */
+                /** @description Whose rows; with `egos`, the answer is Arrow. */
                 rows?: components["schemas"]["TraceRows"];
-                /** @description A column besides `step` and `actor`; with Arrow only. May be repeated; without it, all columns come. */
+                /** @description A column besides `step` and `actor`; the answer is then Arrow. May be repeated; without it, all columns come. */
                 column?: string[] | null;
                 /** @description First step, from 0. */
                 first?: number;
@@ -9471,9 +9471,9 @@ export interface operations {
     get_observations_api_v1_runs__run_id__observations_get: {
         parameters: {
             query?: {
-                /** @description Whose rows; `egos` with Arrow only. */
+                /** @description Whose rows; with `egos`, the answer is Arrow. */
                 rows?: components["schemas"]["TraceRows"];
-                /** @description A column besides `step` and `actor`; with Arrow only. May be repeated; without it, all columns come. */
+                /** @description A column besides `step` and `actor`; the answer is then Arrow. May be repeated; without it, all columns come. */
                 column?: string[] | null;
                 /** @description First step, from 0. */
                 first?: number;
