@@ -79,9 +79,19 @@ class Child:
         """Whether the process must be replaced before the next run."""
         return self._retired or self._runs >= self._limits.runs_per_worker
 
-    def retire(self) -> None:
-        """Marks the process for replacement before the next run."""
-        self._retired = True
+    @property
+    def worker(self) -> object:
+        """The identity of the process; another one after a replacement."""
+        return self._worker
+
+    def retire(self, worker: object = None) -> None:
+        """Marks the process for replacement before the next run.
+
+        Args:
+            worker: The process that is meant, if it may have been replaced already.
+        """
+        if worker is None or worker is self._worker:
+            self._retired = True
 
     def wait_until_ready(self, timeout: float) -> bool:
         """Waits until the process is ready; ``False`` after ``timeout`` seconds.
@@ -105,9 +115,9 @@ class Child:
 
     def begin(self, spec: RunSpec) -> None:
         """Hands a run to the process, which is idle."""
+        self._spec, self.candidate = spec, None
         self.log.begin_run()
         self._runs += 1
-        self._spec, self.candidate = spec, None
         self._descendant_memory, self._next_descendants_look = 0, 0.0
         self._current().begin(spec)
 

@@ -167,10 +167,13 @@ class Dispatcher:
         while True:
             ended = self._executor.wait(timeout, count=count)
             self._take_ends(ended)
+            if len(ended) < count:
+                # The time is over, or it was woken.
+                return
             timeout = self._next_write - time.monotonic()
             # Woken once for all ends up to the next transaction, and not for each.
             count = len(self._in_flight) - len(self._unwritten) - self._executor.capacity
-            if not ended or timeout <= 0 or count <= 0 or self._stopping.is_set():
+            if timeout <= 0 or count <= 0 or self._stopping.is_set():
                 return
 
     def _take_ends(self, ends: Sequence[AttemptEnd]) -> None:
@@ -201,6 +204,9 @@ class Dispatcher:
         try:
             self._commit(self._unwritten, room=self._room(ended=len(self._unwritten)))
         except Exception as error:
+            # What was to be done beside it is due still.
+            self._beats.end()
+            self._looks.end()
             if not self._unwritten or isinstance(error, StoreUnavailable):
                 raise
             # One of the reports cannot be written; it must not hold up the others.

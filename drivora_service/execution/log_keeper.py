@@ -28,6 +28,7 @@ class LogKeeper:
         """
         self._logs = logs
         self._faults = FaultLog(structlog.get_logger(__name__))
+        self._sizes: dict[WorkerLog, int] = {}
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._keep, name="log-keeper", daemon=True)
         self._thread.start()
@@ -37,17 +38,22 @@ class LogKeeper:
         self._closing.set()
         self._thread.join()
 
-    def _keep(self) -> None:
-        sizes: dict[WorkerLog, int] = {}
+    def look(self) -> float:
+        """Cuts the logs that are too long; returns the seconds until the next look."""
+        before, self._sizes = self._sizes, {}
         wait = _QUIET_LOOK_S
+        for log in self._logs():
+            try:
+                # Compared before it is cut: one that is written fast has the same size after it.
+                if log.size() - before.get(log, 0) > _GROWN_BYTES:
+                    wait = _LOOK_S
+                self._sizes[log] = log.cut()
+            except OSError as error:
+                # Such as a full disk, which the log itself may have filled.
+                self._faults.error("log_not_cut", error=str(error))
+        return wait
+
+    def _keep(self) -> None:
+        wait = _LOOK_S
         while not self._closing.wait(wait):
-            before, sizes = sizes, {}
-            wait = _QUIET_LOOK_S
-            for log in self._logs():
-                try:
-                    sizes[log] = log.cut()
-                    if sizes[log] - before.get(log, 0) > _GROWN_BYTES:
-                        wait = _LOOK_S
-                except OSError as error:
-                    # Such as a full disk, which the log itself may have filled.
-                    self._faults.error("log_not_cut", error=str(error))
+            wait = self.look()

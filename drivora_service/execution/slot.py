@@ -221,21 +221,22 @@ class Slot:
         if isinstance(outcome, RunReport):
             known = end(report=outcome, candidate=child.candidate)
             return lambda: known
-        return partial(self._read, outcome, child, end)
+        return partial(self._read, outcome, child.worker, child, end)
 
-    def _read(self, sent: SentReport, child: Child, end: Callable[..., AttemptEnd]) -> AttemptEnd:
+    def _read(
+        self, sent: SentReport, worker: object, child: Child, end: Callable[..., AttemptEnd]
+    ) -> AttemptEnd:
         """Reads a report that was sent as one of a finished run, in the thread that wants it."""
         try:
             report, candidate = sent.read()
+            return end(report=report, candidate=candidate)
         except ProtocolError as error:
-            child.retire()
-            report = report_breach(sent.spec.run_id, str(error), NO_PROGRESS, child.log.tail())
-            candidate = None
-            self._note_crash("" if report.failure is None else report.failure.message)
+            report = report_breach(sent.spec.run_id, str(error), NO_PROGRESS, "")
         except Exception as error:
-            child.retire()
-            report, candidate = self._lost(sent.spec.run_id, error), None
-        return end(report=report, candidate=candidate)
+            report = report_loss(sent.spec.run_id, f"the report cannot be read: {error!r}", "")
+        child.retire(worker)
+        self._note_crash("" if report.failure is None else report.failure.message)
+        return end(report=report, candidate=None)
 
     def _lost(self, run_id: str, error: Exception) -> RunReport:
         """Returns the report of a run that was lost to a fault of this package or the system."""

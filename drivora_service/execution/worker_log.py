@@ -68,6 +68,11 @@ class WorkerLog:
         with self._changing:
             self._begin = self.cut()
 
+    def size(self) -> int:
+        """Returns the number of bytes of the log."""
+        with self._changing:
+            return self._size()
+
     def _size(self) -> int:
         return 0 if self._file < 0 else os.fstat(self._file).st_size
 

@@ -40,3 +40,18 @@ def test_logs_are_cut_while_they_are_written(tmp_path: Path) -> None:
     logs[1].close()
     begun = set(threading.enumerate()) - before
     assert not any(thread.name == "log-keeper" for thread in begun)
+
+
+def test_logs_that_grow_are_looked_at_more_often(tmp_path: Path) -> None:
+    log = WorkerLog(tmp_path / "one.log", longest=LONGEST)
+    file = log.open()
+    keeper = LogKeeper(lambda: [log])
+    keeper.close()
+    quiet = keeper.look()
+    for _ in range(3):
+        # Each time it is cut to the same size.
+        os.write(file, b"x" * (3 * LONGEST))
+        assert keeper.look() < quiet
+    os.write(file, b"a line")
+    assert keeper.look() == quiet
+    log.close()
