@@ -29,8 +29,8 @@ _DECELERATION = 4.5
 """m/s² with which SUMO's drivers brake."""
 _LEAST_DECELERATION = 0.1
 _LOOKS = 3.0
-"""How many times the way of braking an actor must be away: one near a driver may react to another,
-and who wants to change lanes looks ten seconds ahead."""
+"""Number of times the way of braking by which an actor must be away: an actor near a driver may
+react to another one, and a driver that changes lanes looks ten seconds ahead."""
 _NEAR_SIGHTED = frozenset({"krauss"})
 """Car-following models whose drivers react to nothing beyond the way of braking."""
 
