@@ -12,8 +12,8 @@ from drivora_service.execution.running import Runs
 from drivora_service.runs.report import RunSpec
 
 _TOGETHER_S = 0.2
-"""Seconds for which ended runs wait for others while workers have runs to take. What comes of them
-in the process that searches costs a third if it is done together."""
+"""Seconds for which ended runs wait for others while workers have runs to take: what comes of them
+in the process that searches costs less if it is done together."""
 
 
 class LocalEvaluator:

@@ -1,7 +1,7 @@
 """The report of a run as its worker sent it, which is read when it is wanted.
 
-A report is some kilobytes of JSON. Read one at a time between simulations that fill the caches of
-the processor, it takes four times as long as among others.
+A report is some kilobytes of JSON. Read alone, between simulations that fill the caches of the
+processor, it took four times as long as in a loop (0.19 ms and 0.05 ms).
 """
 
 from __future__ import annotations
