@@ -10,10 +10,13 @@ import structlog
 from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.fault_log import FaultLog
 
-_LOOK_S = 0.05
+_LOOK_S = 0.01
 """Seconds between two looks at logs that grow: a process can write some 600 MB/s."""
-_QUIET_LOOK_S = 0.2
-"""Seconds between two looks while no log has grown by ``_GROWN_BYTES`` since the last one."""
+_QUIET_LOOK_S = 0.05
+"""Seconds between two looks while no log has grown by ``_GROWN_BYTES`` since the last one.
+
+What all workers write within it before the first look at a flood is what the disk must hold.
+"""
 _GROWN_BYTES = 1 << 20
 
 
