@@ -22,7 +22,8 @@ import httpx
 from drivora_service.cli.service_process import running_service
 from drivora_service.dashboard.build import node_program
 
-_WEB = Path(__file__).parents[1] / "drivora_service" / "dashboard" / "web"
+WEB = Path(__file__).parents[1] / "drivora_service" / "dashboard" / "web"
+"""Folder of the page's sources, with the scripts that the browser's measurements are."""
 _AIMS_MS = {"first": 1000.0, "filter": 300.0}
 _TITLES = {
     "first": "first rows painted, from the begin of the navigation",
@@ -34,7 +35,7 @@ def measure(url: str, rounds: int) -> dict[str, list[float]]:
     """Returns the milliseconds of each round, by what was measured."""
     done = subprocess.run(
         [str(node_program()), "browser/measure.ts", url, str(rounds)],
-        cwd=_WEB,
+        cwd=WEB,
         stdout=subprocess.PIPE,
         check=True,
         text=True,

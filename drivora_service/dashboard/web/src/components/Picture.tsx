@@ -1,6 +1,9 @@
 import { useState } from "react";
 
-/** A drawing that the service makes; where it cannot, the place says so. */
+/**
+ * The moments of a run that the service draws, without the title and the captions of the drawing:
+ * at the size of a card they could not be read. Where there is no drawing, the place says so.
+ */
 export function Picture({
   src,
   alt,
@@ -16,7 +19,15 @@ export function Picture({
     return <span className="picture none">{src ? "no picture" : none}</span>;
   return (
     <span className="picture">
-      <img src={src} alt={alt} loading="lazy" onError={() => setFailed(src)} />
+      <img
+        src={`${src}?moments=${MOMENTS}`}
+        alt={alt}
+        loading="lazy"
+        onError={() => setFailed(src)}
+      />
     </span>
   );
 }
+
+/** As many as are told apart in a card; the stylesheet has the size of a drawing of so many. */
+const MOMENTS = 4;

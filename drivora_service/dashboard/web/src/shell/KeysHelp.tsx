@@ -11,7 +11,7 @@ export function KeysHelp({ onClose }: { readonly onClose: () => void }) {
       <h2 id="keys-title">Keys of this screen</h2>
       <dl>
         {rows.map(({ keys, does }) => (
-          <div key={keys} style={{ display: "contents" }}>
+          <div key={keys}>
             <dt>
               {keys.split(" ").map((key, place) => (
                 // biome-ignore lint/suspicious/noArrayIndexKey: the keys of one row never move

@@ -2,6 +2,7 @@ import { Link } from "@tanstack/react-router";
 import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { count } from "../../components/numbers";
+import { Prose } from "../../components/Prose";
 import { type Agent, perceptionOf, valuesInWords } from "./agent";
 
 /** An ADS: what it is, what it sees, its parameters, and whether it can be used here. */
@@ -27,7 +28,9 @@ export function AgentCard({
         </label>
       </header>
       <div className="inside stack">
-        <p>{agent.description}</p>
+        <p>
+          <Prose text={agent.description} />
+        </p>
         {!agent.installed && <NotUsable reason={agent.reason} />}
         <dl className="agent-facts">
           <dt>Perception</dt>
@@ -89,7 +92,9 @@ function Parameters({ agent }: { readonly agent: Agent }) {
             <td className="number">{JSON.stringify(parameter.default)}</td>
             <td>
               {valuesInWords(parameter.values)}
-              <div className="quiet">{parameter.description}</div>
+              <div className="quiet">
+                <Prose text={parameter.description} />
+              </div>
             </td>
           </tr>
         ))}

@@ -2,6 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { api, body, type Schemas } from "../../api/client";
 import { Copy } from "../../components/Copy";
 import { moment } from "../../components/numbers";
+import { Prose } from "../../components/Prose";
 
 /** The document of a campaign, and the software that determines its search. */
 export function Settings({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
@@ -34,7 +35,11 @@ export function Settings({ campaign }: { readonly campaign: Schemas["Campaign"] 
           <dt>Method</dt>
           <dd>
             {tester.data?.title ?? campaign.tester}
-            {tester.data && <p className="quiet">{tester.data.description}</p>}
+            {tester.data && (
+              <p className="quiet">
+                <Prose text={tester.data.description} />
+              </p>
+            )}
           </dd>
           <dt>Queued</dt>
           <dd>{moment(campaign.created_at)}</dd>

@@ -44,7 +44,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "name",
     title: "Campaign",
-    width: "minmax(170px, 1.6fr)",
+    width: "minmax(170px, 1.2fr)",
     cell: ({ id, name, cell }) => (
       <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
         {shortName(name, cell) || id}
@@ -66,7 +66,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "scene",
     title: "Scene",
-    width: "minmax(96px, 0.7fr)",
+    width: "minmax(120px, 0.9fr)",
     cell: ({ cell, town }) => cell?.scenario ?? town,
   },
   {
@@ -129,7 +129,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   },
   {
     id: "rate",
-    title: "Rate",
+    title: "Per s",
     hint: "Simulations a second of work",
     width: "54px",
     numeric: true,
@@ -138,7 +138,8 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "left",
     title: "Left",
-    width: "92px",
+    hint: "Time left at this rate",
+    width: "72px",
     numeric: true,
     cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
   },

@@ -20,13 +20,13 @@ const COLUMNS: readonly Column<Failure>[] = [
   {
     id: "sentence",
     title: "What happened",
-    width: "minmax(200px, 1fr)",
+    width: "minmax(300px, 1fr)",
     cell: ({ sentence }) => <span title={sentence}>{sentence}</span>,
   },
   {
     id: "accountability",
     title: "Accountability",
-    width: "194px",
+    width: "154px",
     cell: ({ accountability }) =>
       accountability ? (
         <Mark {...ACCOUNTABILITY[accountability]} />
@@ -34,8 +34,8 @@ const COLUMNS: readonly Column<Failure>[] = [
         <span className="quiet">not recorded</span>
       ),
   },
-  { id: "agent", title: "ADS", width: "90px", cell: ({ agent }) => agent },
-  { id: "town", title: "Town", width: "84px", cell: ({ town }) => town },
+  { id: "agent", title: "ADS", width: "78px", cell: ({ agent }) => agent },
+  { id: "town", title: "Town", width: "98px", cell: ({ town }) => town },
   {
     id: "time",
     title: "Time (s)",
@@ -46,7 +46,7 @@ const COLUMNS: readonly Column<Failure>[] = [
   {
     id: "found",
     title: "Found at",
-    width: "168px",
+    width: "146px",
     cell: ({ found_at }) => moment(found_at),
   },
 ];

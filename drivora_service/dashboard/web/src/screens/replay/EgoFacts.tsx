@@ -67,12 +67,6 @@ export function EgoFacts({
       </dd>
       {series && !absent && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}
-      {told?.valuesAt(ego, step).map(([name, value]) => (
-        <Fragment key={name}>
-          <dt title="Logged by the agent">{name}</dt>
-          <dd>{Number.isFinite(value) ? Number(value.toPrecision(5)) : "∞"}</dd>
-        </Fragment>
-      ))}
       {end && step >= end.step && (
         <>
           <dt>Ended</dt>
@@ -81,7 +75,24 @@ export function EgoFacts({
           </dd>
         </>
       )}
+      {told && <Told values={told.valuesAt(ego, step)} />}
     </dl>
+  );
+}
+
+/** The numbers that the agent logged by itself. */
+function Told({ values }: { readonly values: ReturnType<AgentTold["valuesAt"]> }) {
+  if (values.length === 0) return null;
+  return (
+    <>
+      <dt className="part">Logged by the agent</dt>
+      {values.map(([name, value]) => (
+        <Fragment key={name}>
+          <dt>{name}</dt>
+          <dd>{Number.isFinite(value) ? Number(value.toPrecision(5)) : "∞"}</dd>
+        </Fragment>
+      ))}
+    </>
   );
 }
 

@@ -40,7 +40,7 @@ function groupsOf(ego: number): readonly Group[] {
         {
           name: "asked",
           column: "commanded_acceleration",
-          colour: "accent",
+          colour: "ink",
           dash: [2, 2],
           digits: 2,
         },

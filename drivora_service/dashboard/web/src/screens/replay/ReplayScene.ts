@@ -13,7 +13,7 @@ import type { Recording } from "./recording";
 import { TrailLayer } from "./trailLayer";
 
 const ROUTE_M = 0.28;
-const LABEL_ABOVE_PX = 14;
+const LABEL_AWAY_PX = 14;
 const MARK_PX = 9;
 const MARK_NEAR_S = 2;
 const LEAST_SIDE_M = 60;
@@ -144,7 +144,9 @@ export class ReplayScene {
       const [left, top] = toScreen(camera, size, place[0], place[1]);
       const actor = recording.actors[row];
       const half = 0.5 * Math.max(actor?.width ?? 0, 1) * camera.scale;
-      text.position.set(left, top - Math.max(half, 4) - LABEL_ABOVE_PX);
+      const away = Math.max(half, 4) + LABEL_AWAY_PX;
+      // Below the outline of a second run, above those of the first: they may be at one place.
+      text.position.set(left, this.look === "outline" ? top + away : top - away);
     }
     for (const { node, x, y, time: moment } of this.marks) {
       // Marks of other moments stay in the background.

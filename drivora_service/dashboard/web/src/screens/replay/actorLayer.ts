@@ -4,6 +4,7 @@ import type { Actor, Recording } from "./recording";
 
 /** Actors smaller than this on the screen are drawn larger, in pixels across. */
 const SMALLEST_PX = 5;
+const SMALLEST_WALKER_PX = 9;
 const BRAKING = -0.5;
 const MISSED_ALPHA = 0.3;
 const ARROW_M_PER_MPS2 = 0.7;
@@ -92,7 +93,8 @@ export class ActorLayer extends Container {
         node.position.set(x, y);
         node.rotation = yaw;
       }
-      node.scale.set(Math.max(1, SMALLEST_PX / (Math.max(actor.width, 0.4) * scale)));
+      const least = actor.role === "npc_walker" ? SMALLEST_WALKER_PX : SMALLEST_PX;
+      node.scale.set(Math.max(1, least / (Math.max(actor.width, 0.4) * scale)));
       if (brake) brake.visible = (recording.acceleration[here] as number) < BRAKING;
       if (push && wheels) {
         const ego = step * recording.egos + actor.row;
