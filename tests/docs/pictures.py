@@ -14,6 +14,7 @@ from pathlib import Path
 
 from drivora_service.cli.campaign_files import shipped_campaigns
 from tests.campaigns.test_example_campaigns import DISCOVERIES
+from tests.docs.page_pictures import draw_page_pictures
 from tests.docs.rewrite import rewrite
 from tests.docs.study_page import write_study_page
 from tests.oracles.responsibility import writing
@@ -65,12 +66,18 @@ def _of_study(folder: Path) -> None:
     write_study_page(folder / "study")
 
 
+def _of_the_page(folder: Path) -> None:
+    """Screens of the web page, and a replay as an animation."""
+    draw_page_pictures(folder / "page", _IMAGES)
+
+
 PARTS = {
     "pages": _of_pages,
     "campaigns": _of_campaigns,
     "responsibility": _of_responsibility,
     "avoidability": _of_avoidability,
     "study": _of_study,
+    "page": _of_the_page,
 }
 
 

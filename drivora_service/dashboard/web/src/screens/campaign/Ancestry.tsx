@@ -9,6 +9,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { MeasureHelp } from "../../help/MeasureHelp";
 import { OracleHelp } from "../../help/OracleHelp";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
+import { replayUpTo } from "../replay/address";
 import { type Change, changesBetween } from "./changes";
 import { type Evaluation, evaluationQuery, useEvaluation } from "./evaluation";
 import { Measured } from "./Measured";
@@ -101,7 +102,7 @@ function Verdicts({
               className="button"
               to="/runs/$runId"
               params={{ runId: run_id }}
-              search={failures[0]?.time == null ? {} : { t: failures[0].time.toFixed(2) }}
+              search={replayUpTo(failures[0]?.time)}
             >
               Replay
             </Link>

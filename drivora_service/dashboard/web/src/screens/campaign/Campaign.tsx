@@ -69,7 +69,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
             <Found campaign={campaign} />
           </div>
         </section>
-        <section className="panel">
+        <section className="panel newest-panel">
           <header>
             <h2>Newest failures</h2>
           </header>

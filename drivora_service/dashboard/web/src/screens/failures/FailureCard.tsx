@@ -5,6 +5,7 @@ import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
+import { replayUpTo } from "../replay/address";
 import { ACCOUNTABILITY } from "./words";
 
 /** Why a failure has no picture. */
@@ -83,7 +84,7 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
               className="button"
               to="/runs/$runId"
               params={{ runId: failure.run_id }}
-              search={verdict.time == null ? {} : { t: verdict.time.toFixed(2) }}
+              search={replayUpTo(verdict.time)}
             >
               Replay
             </Link>

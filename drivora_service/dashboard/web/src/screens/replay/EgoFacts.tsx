@@ -63,7 +63,7 @@ export function EgoFacts({
       <dt>Route</dt>
       <dd>
         {number(recording.routeS[own], 1, "m")}
-        <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
+        {!absent && <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>}
       </dd>
       {series && !absent && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}

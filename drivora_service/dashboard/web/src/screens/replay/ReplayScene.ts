@@ -16,6 +16,8 @@ const ROUTE_M = 0.28;
 const LABEL_AWAY_PX = 14;
 const MARK_PX = 9;
 const MARK_NEAR_S = 2;
+/** With more marks than this, those of other moments have no number. */
+const MOST_NUMBERED = 6;
 const LEAST_SIDE_M = 60;
 
 type Violation = Schemas["ViolationMark"];
@@ -35,7 +37,14 @@ export class ReplayScene {
   private readonly routes: Graphics;
   private readonly labels = new Map<number, Text>();
   private readonly overlay = new Container();
-  private readonly marks: { node: Container; x: number; y: number; time: number }[] = [];
+  private readonly marks: {
+    readonly node: Container;
+    /** The number, and what joins it to the place. */
+    readonly numbered: Container;
+    readonly x: number;
+    readonly y: number;
+    readonly time: number;
+  }[] = [];
   private readonly names = new Container();
   private trails: TrailLayer | undefined;
   private trailsOf = "";
@@ -102,15 +111,17 @@ export class ReplayScene {
       taken.set(key, beside + 1);
       const node = new Container();
       const centre = 2.1 * MARK_PX * (beside + 1);
-      const badge = new Graphics()
-        .moveTo(0, 0)
-        .lineTo(centre, -2 * MARK_PX)
-        .stroke({ width: 1.2, color: colour })
+      const cross = new Graphics()
         .moveTo(-4, -4)
         .lineTo(4, 4)
         .moveTo(-4, 4)
         .lineTo(4, -4)
-        .stroke({ width: 2, color: colour })
+        .stroke({ width: 2, color: colour });
+      const numbered = new Container();
+      const badge = new Graphics()
+        .moveTo(0, 0)
+        .lineTo(centre, -2 * MARK_PX)
+        .stroke({ width: 1.2, color: colour })
         .circle(centre, -2 * MARK_PX, MARK_PX)
         .fill(colour)
         .stroke({ width: 1.2, color: palette.casing });
@@ -121,9 +132,10 @@ export class ReplayScene {
       });
       text.anchor.set(0.5);
       text.position.set(centre, -2 * MARK_PX);
-      node.addChild(badge, text);
+      numbered.addChild(badge, text);
+      node.addChild(cross, numbered);
       this.overlay.addChild(node);
-      this.marks.push({ node, x, y, time: (first ?? 0) * this.recording.stepLength });
+      this.marks.push({ node, numbered, x, y, time: (first ?? 0) * this.recording.stepLength });
     }
   }
 
@@ -148,9 +160,12 @@ export class ReplayScene {
       // Below the outline of a second run, above those of the first: they may be at one place.
       text.position.set(left, this.look === "outline" ? top + away : top - away);
     }
-    for (const { node, x, y, time: moment } of this.marks) {
+    const few = this.marks.length <= MOST_NUMBERED;
+    for (const { node, numbered, x, y, time: moment } of this.marks) {
       // Marks of other moments stay in the background.
-      node.alpha = Math.abs(time - moment) < MARK_NEAR_S ? 1 : 0.4;
+      const near = Math.abs(time - moment) < MARK_NEAR_S;
+      node.alpha = near ? 1 : 0.4;
+      numbered.visible = near || few;
       const [left, top] = toScreen(camera, size, x, y);
       node.position.set(left, top);
     }
@@ -213,7 +228,7 @@ export class ReplayScene {
     if (!actor || this.labels.has(row)) return;
     const { palette } = this.map;
     const text = new Text({
-      text: this.look === "outline" ? `${actor.id} (second run)` : actor.id,
+      text: this.look === "outline" ? `${actor.id} 2nd` : actor.id,
       style: {
         fontFamily: "sans-serif",
         fontSize: 12,

@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
-import { blameWords, gravestFirst, oracleName } from "./verdictWords";
+import { alike, blameWords, gravestFirst, oracleName } from "./verdictWords";
 
 type Verdict = Schemas["Verdict"];
 
@@ -22,7 +22,7 @@ export function VerdictLine({
   const [first, ...others] = violations.filter(({ severity }) => severity !== "observation");
   const observed = violations.filter(({ severity }) => severity === "observation");
   const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
-  const rest = [...others, ...observed];
+  const rest = alike([...others, ...observed]);
   return (
     <div className="verdict-line whole-width">
       {first ? (
@@ -32,16 +32,17 @@ export function VerdictLine({
       ) : (
         <Mark sign="–" tone="lost" text="No oracle has judged the run" />
       )}
-      {rest.slice(0, MOST).map((verdict) => (
+      {rest.slice(0, MOST).map(({ first: verdict, count }) => (
         <Violation
-          key={`${verdict.oracle} ${verdict.ego} ${verdict.time} ${verdict.counterpart}`}
+          key={verdict.oracle}
           verdict={verdict}
+          count={count}
           until={untilOf(verdict)}
           onMoment={onMoment}
         />
       ))}
       {rest.length > MOST && (
-        <span className="quiet">and {rest.length - MOST} more, on the time line</span>
+        <span className="quiet">and {rest.length - MOST} oracles more, on the time line</span>
       )}
       {unclear.length > 0 && (
         <span
@@ -59,11 +60,14 @@ export function VerdictLine({
 
 function Violation({
   verdict,
+  count = 1,
   until,
   onMoment,
   whole = false,
 }: {
   readonly verdict: Verdict;
+  /** How many there are of its oracle; the verdict is their first. */
+  readonly count?: number;
   readonly until: number | null;
   readonly onMoment: (time: number) => void;
   readonly whole?: boolean;
@@ -73,7 +77,7 @@ function Violation({
   const { time } = verdict;
   const text = whole
     ? `${oracleName(verdict.oracle)}, ${verdict.ego}: ${verdict.message}`
-    : oracleName(verdict.oracle);
+    : `${oracleName(verdict.oracle)}${count > 1 ? ` ×${count}` : ""}`;
   const tone = observation ? "quiet" : verdict.at_fault === false ? "lost" : "bad";
   return (
     <button

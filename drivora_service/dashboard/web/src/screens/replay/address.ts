@@ -43,3 +43,11 @@ export function trailsText(seconds: number): string {
   if (seconds === USUAL_TRAILS) return "";
   return seconds >= 1e6 ? "all" : String(seconds);
 }
+
+/** Seconds that a replay of a failure begins before it, so that it is seen to come. */
+const LEAD_IN_S = 4;
+
+/** Returns the search of a link that replays a run up to a moment, from the begin without one. */
+export function replayUpTo(time: number | null | undefined): { readonly t?: string } {
+  return time == null || time <= LEAD_IN_S ? {} : { t: (time - LEAD_IN_S).toFixed(2) };
+}

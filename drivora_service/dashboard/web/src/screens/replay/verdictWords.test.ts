@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { blameWords, gravestFirst, oracleName, untilWords } from "./verdictWords";
+import { alike, blameWords, gravestFirst, oracleName, untilWords } from "./verdictWords";
 
 describe("words of a violation", () => {
   it.each([
@@ -31,28 +31,29 @@ describe("words of a violation", () => {
   });
 });
 
+const verdict = (
+  oracle: string,
+  severity: "major" | "minor" | "observation",
+  at_fault: boolean | null,
+  time: number,
+) => ({
+  oracle,
+  severity,
+  at_fault,
+  time,
+  ego: "e",
+  outcome: "violated" as const,
+  message: "",
+  undetermined: false,
+  avoidable: null,
+  physically_avoidable: null,
+  step: 0,
+  location: null,
+  counterpart: "",
+  evidence: {},
+});
+
 it("the gravest violation comes first, observations last", () => {
-  const verdict = (
-    oracle: string,
-    severity: "major" | "minor" | "observation",
-    at_fault: boolean | null,
-    time: number,
-  ) => ({
-    oracle,
-    severity,
-    at_fault,
-    time,
-    ego: "e",
-    outcome: "violated" as const,
-    message: "",
-    undetermined: false,
-    avoidable: null,
-    physically_avoidable: null,
-    step: 0,
-    location: null,
-    counterpart: "",
-    evidence: {},
-  });
   const sorted = gravestFirst([
     verdict("discomfort", "observation", null, 0),
     verdict("speeding", "minor", null, 1),
@@ -66,5 +67,22 @@ it("the gravest violation comes first, observations last", () => {
     "collision",
     "speeding",
     "discomfort",
+  ]);
+});
+
+it("a collision comes before an earlier violation that did no harm", () => {
+  const sorted = gravestFirst([
+    verdict("stop_sign", "major", true, 3),
+    verdict("collision", "major", true, 9),
+  ]);
+  expect(sorted[0]?.oracle).toBe("collision");
+});
+
+it("violations of one oracle are gathered at the first of them", () => {
+  const one = verdict("stop_sign", "major", true, 3);
+  const other = verdict("deadlock", "minor", null, 4);
+  expect(alike([one, other, verdict("stop_sign", "major", true, 5)])).toEqual([
+    { first: one, count: 2 },
+    { first: other, count: 1 },
   ]);
 });

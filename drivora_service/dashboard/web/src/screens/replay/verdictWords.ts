@@ -30,8 +30,12 @@ export function blameWords(violation: Violation, until?: number | null): string 
 
 const RANK: Readonly<Record<string, number>> = { critical: 0, major: 1, minor: 2, observation: 3 };
 
-/** Sorts violations, the gravest first: at fault before others, the earlier of two alike. */
+/**
+ * Sorts violations, the gravest first: at fault before others, a collision before what did no harm,
+ * the earlier of two alike.
+ */
 export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
+  const harm = ({ oracle }: Verdict) => Number(oracle === "collision");
   const rank = ({ severity }: Verdict) => RANK[severity ?? "major"] ?? 1;
   return verdicts
     .filter(({ outcome }) => outcome === "violated")
@@ -40,9 +44,29 @@ export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
         Number(rank(a) === 3) - Number(rank(b) === 3) ||
         Number(b.at_fault === true) - Number(a.at_fault === true) ||
         rank(a) - rank(b) ||
+        harm(b) - harm(a) ||
         Number(a.at_fault === false) - Number(b.at_fault === false) ||
         (a.time ?? Number.POSITIVE_INFINITY) - (b.time ?? Number.POSITIVE_INFINITY),
     );
+}
+
+/** Violations of one oracle by one ego or several. */
+export interface Alike {
+  readonly first: Verdict;
+  readonly count: number;
+}
+
+/** Gathers violations of one oracle at their first one; the order stays. */
+export function alike(violations: readonly Verdict[]): readonly Alike[] {
+  const found = new Map<string, Alike>();
+  for (const verdict of violations) {
+    const before = found.get(verdict.oracle);
+    found.set(verdict.oracle, {
+      first: before?.first ?? verdict,
+      count: (before?.count ?? 0) + 1,
+    });
+  }
+  return [...found.values()];
 }
 
 /** Returns what the last moment means at which a careful driver could still act, in words. */

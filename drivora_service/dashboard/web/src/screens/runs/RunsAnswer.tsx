@@ -29,7 +29,8 @@ export function RunsAnswer({
     <p className="answer" role="status">
       <strong>{count(counts.total)}</strong> {counts.total === 1 ? "run" : "runs"}
       {parts.map(({ words, number, adds }) =>
-        number > 0 && !("oracle" in search) ? (
+        // Counts of what is filtered already are those without that filter.
+        number > 0 && !["oracle", ...Object.keys(adds)].some((name) => name in search) ? (
           <span key={words}>
             {" · "}
             {number < counts.total ? (
