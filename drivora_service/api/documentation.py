@@ -17,6 +17,7 @@ from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
 from drivora_service.api.observations import CSV, NDJSON, PARQUET
 from drivora_service.api.pictures import SVG
+from drivora_service.api.schemas.batches import LabelledScenario
 from drivora_service.api.schemas.events import Begin, Changes, Reset
 from drivora_service.api.schemas.workers import Workers
 from drivora_service.campaigns.documents import CampaignDocument
@@ -41,6 +42,7 @@ _COLUMNS: Mapping[str, Any] = {
 }
 _BINARY: Mapping[str, Any] = {"schema": {"type": "string", "format": "binary"}}
 _SCENARIO_REF = {"$ref": _SCHEMAS + "ScenarioDocument"}
+_BATCH_ITEM: Mapping[str, Any] = {"oneOf": [_SCENARIO_REF, {"$ref": _SCHEMAS + "LabelledScenario"}]}
 _DESCRIPTION = """Post scenarios and campaigns, follow them, fetch what was recorded and judged.
 
 Every error is `application/problem+json` (RFC 9457); `problems` names each single thing that is
@@ -139,16 +141,17 @@ def scenario_body(example: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def batch_body(example: Mapping[str, Any]) -> dict[str, Any]:
-    """Documents a body that is many scenarios, at least one."""
+    """Documents a body that is many scenarios, at least one, with labels or without."""
+    labelled = {"label": "crossing-17", "scenario": example}
     return {
         "requestBody": {
             "required": True,
             "content": {
                 "application/json": {
-                    "schema": {"type": "array", "minItems": 1, "items": _SCENARIO_REF},
-                    "example": [example],
+                    "schema": {"type": "array", "minItems": 1, "items": _BATCH_ITEM},
+                    "example": [labelled, example],
                 },
-                "application/x-ndjson": {"schema": _SCENARIO_REF, "example": example},
+                "application/x-ndjson": {"schema": _BATCH_ITEM, "example": labelled},
             },
         }
     }
@@ -201,11 +204,14 @@ def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
                 ScenarioDocument,
                 CampaignDocument,
                 StudyDocument,
+                LabelledScenario,
                 problems.ProblemDetails,
             ):
                 schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema
+            # The document is checked by the scenario room, so that its type is not in the model.
+            schemas["LabelledScenario"]["properties"]["scenario"] = _SCENARIO_REF
             for kind in _EVENTS.values():
                 schema = TypeAdapter(kind).json_schema(ref_template=_SCHEMAS + "{model}")
                 schemas.update(schema.pop("$defs", {}))

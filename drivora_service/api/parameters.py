@@ -14,7 +14,7 @@ from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
 from drivora_service.scenario.agent_parameters import read_agent_parameter
-from drivora_service.store.records import JobFilter
+from drivora_service.store.records import LONGEST_LABEL, JobFilter
 
 _SEED_MAX = 2**31 - 1
 
@@ -31,7 +31,7 @@ PageToken = Annotated[
 Points = Annotated[
     int, Query(ge=2, le=2000, description="Points of a curve; evenly spaced if it has more.")
 ]
-Label = Annotated[str, Query(max_length=200, description="Display name.")]
+Label = Annotated[str, Query(max_length=LONGEST_LABEL, description="Display name.")]
 
 
 async def _overrides(

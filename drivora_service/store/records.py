@@ -21,6 +21,9 @@ from drivora_service.shapes import Shape
 
 Item = TypeVar("Item")
 
+LONGEST_LABEL = 200
+"""Characters of the label of a run."""
+
 
 class Priority(StrEnum):
     """The priority of runs: interactive first, then CI, then campaigns."""

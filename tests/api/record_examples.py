@@ -176,7 +176,8 @@ class _Recording:
             job = self._post("/jobs?label=crossing-17", _CRASH)
             self._keep(examples.QUEUED_JOB, job)
             unknown = {**examples.SCENARIO, "map_region": {"town": "Town99"}}
-            submission = self._post("/batches?name=nightly", [examples.SCENARIO, unknown])
+            labelled = {"label": "crossing-17", "scenario": examples.SCENARIO}
+            submission = self._post("/batches?name=nightly", [labelled, unknown])
             self._keep(examples.SUBMISSION, submission)
             batch = f"/batches/{submission['batch']['id']}"
             self._keep(examples.PAUSED_BATCH, self._post(f"{batch}:pause"))

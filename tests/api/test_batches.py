@@ -7,6 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
+from drivora_service.api.batch_scenarios import read_batch_scenario
 from drivora_service.api.routes import batches
 from tests.api.conftest import MakeOffline, Offline
 from tests.api.test_problems import is_problem
@@ -41,6 +42,125 @@ def test_lines_are_scenarios_too(offline: Offline, scenario: dict[str, Any]) -> 
         "rejected",
     ]
     assert answer.json()["items"][2]["problems"][0]["code"] == "not_json"
+
+
+def labelled(scenario: object, label: object = "Town01_route_07") -> dict[str, Any]:
+    return {"label": label, "scenario": scenario}
+
+
+def post(offline: Offline, items: list[Any], form: str) -> httpx.Response:
+    """Posts items as a JSON list or as lines."""
+    if form == "list":
+        return offline.client.post("/api/v1/batches", json=items)
+    lines = "\n".join(json.dumps(item) for item in items)
+    return offline.client.post("/api/v1/batches", content=lines, headers=NDJSON)
+
+
+FORMS = pytest.mark.parametrize("form", ["list", "lines"])
+
+
+@FORMS
+def test_a_scenario_may_come_with_the_label_of_its_run(
+    offline: Offline, scenario: dict[str, Any], form: str
+) -> None:
+    # The words of a label in another place make no label.
+    talking = {**scenario, "extensions": {"a:b": {"label": "scenario", "scenario": {}}}}
+    items = [labelled(scenario), scenario, talking, labelled(scenario, ""), labelled(talking, "ü")]
+    answer = post(offline, items, form)
+    assert answer.status_code == 202, answer.text
+    assert answer.json()["rejected"] == 0
+    ids = [item["job_id"] for item in answer.json()["items"]]
+    jobs = [offline.client.get(f"/api/v1/jobs/{job_id}").json() for job_id in ids]
+    assert [job["label"] for job in jobs] == ["Town01_route_07", "", "", "", "ü"]
+    first, second, third, _, fifth = (job["scenario_sha256"] for job in jobs)
+    assert (first, third) == (second, fifth)
+
+
+@FORMS
+@pytest.mark.parametrize(
+    ("item", "found"),
+    [
+        ({"label": 7, "scenario": ...}, {("/label", "string_type")}),
+        ({"label": None, "scenario": ...}, {("/label", "string_type")}),
+        ({"label": "x" * 201, "scenario": ...}, {("/label", "string_too_long")}),
+        ({"label": "a\0b", "scenario": ...}, {("/label", "odd_value")}),
+        ({"label": "x", "scenario": ..., "seed": 1}, {("/seed", "extra_forbidden")}),
+        ({"scenario": ...}, {("/label", "missing")}),
+        ({"label": "x"}, {("/scenario", "missing")}),
+        ({"label": "x", "scenario": [1]}, {("/scenario", "dict_type")}),
+        (
+            {"label": "x", "scenario": None, "a": 1},
+            {("/scenario", "dict_type"), ("/a", "extra_forbidden")},
+        ),
+    ],
+)
+def test_an_item_with_a_label_has_these_two_keys(
+    offline: Offline,
+    scenario: dict[str, Any],
+    form: str,
+    item: dict[str, Any],
+    found: set[tuple[str, str]],
+) -> None:
+    item = {key: scenario if value is ... else value for key, value in item.items()}
+    answer = post(offline, [item, labelled(scenario, "x" * 200)], form)
+    assert answer.status_code == 202, answer.text
+    rejected, accepted = answer.json()["items"]
+    assert {(p["pointer"], p["code"]) for p in rejected["problems"]} == found
+    job = offline.client.get(f"/api/v1/jobs/{accepted['job_id']}").json()
+    assert job["label"] == "x" * 200
+
+
+@FORMS
+def test_problems_of_a_scenario_with_a_label_are_found_in_what_was_posted(
+    offline: Offline, scenario: dict[str, Any], form: str
+) -> None:
+    lost = {**scenario, "map_region": {"town": "Town99"}, "sed": 1}
+    inside = {"/scenario/sed", "/scenario/map_region/town"}
+    answer = post(offline, [labelled(lost), labelled(lost, 7), labelled({}), scenario, lost], form)
+    first, second, third, _, bare = answer.json()["items"]
+    assert {p["pointer"] for p in first["problems"]} == inside
+    assert {p["pointer"] for p in second["problems"]} == {"/label", *inside}
+    assert {p["pointer"] for p in third["problems"]} == {
+        "/scenario/ego_vehicles",
+        "/scenario/map_region",
+    }
+    assert {p["pointer"] for p in bare["problems"]} == {"/sed", "/map_region/town"}
+    refused = is_problem(post(offline, [labelled(lost)], form), 422)
+    assert {p["pointer"] for p in refused["problems"]} == {f"/0{place}" for place in inside}
+
+
+def test_a_repeated_key_in_a_line_with_a_label_is_named(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    text = json.dumps(scenario)[1:-1]
+    lines = [
+        f'{{"label": "x", "scenario": {{"seed": 1, "seed": 2, {text}}}}}',
+        f'{{"label": "x", "label": "y", "scenario": {{{text}}}}}',
+        f'{{"label": "x", "scenario": {{{text}}}',
+        f'{{"label": "\\ud800", "scenario": {{{text}}}}}',
+        f'{{"label": "x", "scenario": {{{text}}}}}',
+    ]
+    answer = offline.client.post("/api/v1/batches", content="\n".join(lines), headers=NDJSON)
+    found = [
+        [(p["pointer"], p["code"]) for p in item["problems"]] for item in answer.json()["items"]
+    ]
+    assert found == [
+        [("/scenario/seed", "repeated_key")],
+        [("/label", "repeated_key")],
+        [("", "not_json")],
+        [("/label", "odd_value")],
+        [],
+    ]
+
+
+@pytest.mark.parametrize("is_labelled", [False, True])
+def test_only_lines_that_may_have_a_label_are_parsed_for_it(
+    scenario: dict[str, Any], is_labelled: bool
+) -> None:
+    line = json.dumps(labelled(scenario) if is_labelled else scenario).encode()
+    read = read_batch_scenario(line)
+    assert read.label == ("Town01_route_07" if is_labelled else "")
+    assert read.document == (scenario if is_labelled else line)
 
 
 def test_a_batch_of_nothing_usable_is_refused_with_every_place(

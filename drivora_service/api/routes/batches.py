@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api import bodies, examples
+from drivora_service.api.batch_scenarios import read_batch_scenario
 from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import answers, batch_body
@@ -32,7 +33,6 @@ from drivora_service.shapes import to_json
 from drivora_service.store.records import NewRun, Page, Priority
 
 if TYPE_CHECKING:
-    from drivora_service.scenario.validation import ValidScenario
     from drivora_service.store.database import Transaction
 
 router = resource_router("batches")
@@ -62,6 +62,8 @@ def post_batch(
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
+
+    A scenario may come with the label of its run, as `{"label": "…", "scenario": {…}}`.
 
     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
 
@@ -203,8 +205,9 @@ def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides
     found = 0
     for item, document in enumerate(documents):
         try:
-            valid = _validated(checker, document)
-            runs.append(new_run(valid, overrides, item=item, label=""))
+            scenario = read_batch_scenario(document)
+            valid = scenario.checked(checker.validated)
+            runs.append(new_run(valid, overrides, item=item, label=scenario.label))
             checked.notes[item] = valid.notes
             continue
         except InvalidDocument as error:
@@ -216,18 +219,6 @@ def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides
     if not runs:
         raise _all_rejected(rejected, found=found)
     return checked
-
-
-def _validated(checker: Checker, document: Any) -> ValidScenario:
-    if not isinstance(document, bytes | Mapping):
-        raise InvalidDocument(
-            (
-                Problem(
-                    pointer="", code="not_an_object", message="a scenario is one object with keys"
-                ),
-            )
-        )
-    return checker.validated(document)
 
 
 def _all_rejected(

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
+
+from pydantic import Field
 
 from drivora_service.api.problems import ProblemItem
+from drivora_service.api.schemas.base import Schema
 from drivora_service.shapes import Shape, combine
 from drivora_service.store import records
+from drivora_service.store.records import LONGEST_LABEL
+
+
+class LabelledScenario(Schema):
+    """A scenario of a batch, with the label of its run."""
+
+    label: str = Field(strict=True, max_length=LONGEST_LABEL, description="Display name.")
+    scenario: dict[str, Any] = Field(description="The scenario.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +47,8 @@ class BatchItem(Shape):
     Attributes:
         item: Place in the request, from 0.
         job_id: Empty if rejected.
-        problems: Every problem; pointers are into the one scenario.
+        problems: Every problem; pointers are into the item, so that those of a scenario with a
+            label begin with `/scenario`.
         notes: Remarks of validation.
     """
 

@@ -41,6 +41,8 @@ export interface paths {
          * Post Batch
          * @description Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
          *
+         *     A scenario may come with the label of its run, as `{"label": "…", "scenario": {…}}`.
+         *
          *     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
          *
          *     A batch is refused as well, and the rest of it not looked at, if none of its first 1,000
@@ -1556,7 +1558,7 @@ export interface components {
             notes: string[];
             /**
              * Problems
-             * @description Every problem; pointers are into the one scenario.
+             * @description Every problem; pointers are into the item, so that those of a scenario with a label begin with `/scenario`.
              * @default []
              */
             problems: components["schemas"]["ProblemItem"][];
@@ -3416,6 +3418,18 @@ export interface components {
             wall_time_s: number | null;
         };
         JsonValue: unknown;
+        /**
+         * LabelledScenario
+         * @description A scenario of a batch, with the label of its run.
+         */
+        LabelledScenario: {
+            /**
+             * Label
+             * @description Display name.
+             */
+            label: string;
+            scenario: components["schemas"]["ScenarioDocument"];
+        };
         /**
          * LaneCoverage
          * @description How often scenarios lead over the pieces of a lane, which are equally long.
@@ -6597,8 +6611,8 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["ScenarioDocument"][];
-                "application/x-ndjson": components["schemas"]["ScenarioDocument"];
+                "application/json": (components["schemas"]["ScenarioDocument"] | components["schemas"]["LabelledScenario"])[];
+                "application/x-ndjson": components["schemas"]["ScenarioDocument"] | components["schemas"]["LabelledScenario"];
             };
         };
         responses: {
