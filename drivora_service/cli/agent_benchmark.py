@@ -75,9 +75,12 @@ def benchmark(
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     documents = [document_text(scenario.document) for scenario in scenarios]
+    labels = [scenario.name for scenario in scenarios]
     # All of them are queued before the first is waited for, so that no worker is idle in between.
     batches = [
-        client.post_batch(documents, name=f"benchmark {agent.name}", agent=agent.name).batch
+        client.post_batch(
+            documents, labels=labels, name=f"benchmark {agent.name}", agent=agent.name
+        ).batch
         for agent in agents
     ]
     cards = []

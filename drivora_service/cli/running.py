@@ -19,6 +19,9 @@ from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.documents import document_text
 from drivora_service.store.records import Priority
 
+_SCENARIO = "/scenario"
+"""Place of a scenario in an item of a batch with labels."""
+
 
 def run_files(
     client: Client,
@@ -59,6 +62,7 @@ def run_files(
     try:
         posted = client.post_batch(
             [document_text(file.document) for file in files],
+            labels=[file.name for file in files],
             name="drivora run",
             priority=Priority.INTERACTIVE,
             agent=agent,
@@ -116,7 +120,8 @@ def _posted(item: BatchItem, file: ScenarioFile) -> ScenarioResult:
     return ScenarioResult(
         scenario=file.name,
         problems=tuple(
-            Problem(pointer=p.pointer, code=p.code, message=p.message) for p in item.problems
+            Problem(pointer=_in_file(p.pointer), code=p.code, message=p.message)
+            for p in item.problems
         ),
         notes=(*file.notes, *item.notes),
     )
@@ -126,7 +131,12 @@ def _of_item(problems: Sequence[Problem], item: int) -> tuple[Problem, ...]:
     """Returns the problems of one scenario of a batch; those of the whole belong to each."""
     prefix = f"/{item}"
     return tuple(
-        Problem(pointer=p.pointer.removeprefix(prefix), code=p.code, message=p.message)
+        Problem(pointer=_in_file(p.pointer.removeprefix(prefix)), code=p.code, message=p.message)
         for p in problems
         if p.pointer == "" or p.pointer == prefix or p.pointer.startswith(f"{prefix}/")
     )
+
+
+def _in_file(pointer: str) -> str:
+    """Returns a place in an item of a batch as one in the scenario of the item."""
+    return pointer.removeprefix(_SCENARIO)

@@ -84,6 +84,8 @@ def test_a_folder_is_a_batch_in_which_broken_files_harm_no_run(
     assert sorted(statuses.values()) == ["finished", "invalid", "invalid"]
     lost = next(run for run in ended.json()["runs"] if run["scenario"] == "lost")
     assert lost["error"]["problems"][0]["pointer"] == "/map_region/town"
+    (stored,) = drivora("runs", "list", "--json").json()
+    assert stored["label"] == "good"
 
 
 def test_a_gate_fails_on_a_violated_oracle(drivora: Drivora, tmp_path: Path) -> None:
@@ -144,6 +146,7 @@ def test_a_service_gives_the_same_run(
     out = tmp_path / "out"
     there = drivora("run", scenario_file, "--server", service_url, "--out", out, "--json").json()
     assert there["trace_sha256"] == here["trace_sha256"]
+    assert there["label"] == here["label"] == "crossing"
     assert set(there) >= PROMISED
     picture = tmp_path / "run.svg"
     drawn = drivora("plot", there["id"], "--server", service_url, "--out", picture)

@@ -142,6 +142,22 @@ def test_runs_of_a_batch_come_once_each(client: Client, runs: tuple[Run, ...]) -
         assert run.created_at.tzinfo is not None
 
 
+def test_runs_of_a_batch_have_the_labels_of_its_scenarios(
+    client: Client, scenario: dict[str, Any]
+) -> None:
+    texts = json.dumps(broken(scenario)), json.dumps(scenario).encode()
+    submission = client.post_batch([scenario, *texts], labels=["a", "b", 'ü "c"'])
+    first, rejected, last = submission.items
+    assert [client.job(item.job_id).label for item in (first, last)] == ["a", 'ü "c"']
+    assert [problem.pointer for problem in rejected.problems] == ["/scenario/map_region/town"]
+    client.cancel_batch(submission.batch.id)
+    with pytest.raises(InvalidDocument) as raised:
+        client.post_batch([broken(scenario)], labels=["a"])
+    assert [p.pointer for p in raised.value.problems] == ["/0/scenario/map_region/town"]
+    with pytest.raises(ValueError, match="found 1 labels for 2 scenarios"):
+        client.post_batch([scenario, scenario], labels=["a"])
+
+
 def test_a_batch_with_a_scenario_that_is_rejected(client: Client, scenario: dict[str, Any]) -> None:
     seen: list[Batch] = []
     submission = client.post_batch([broken(scenario), scenario], priority=Priority.INTERACTIVE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,16 +43,16 @@ def demo(
     from drivora_service.store.campaign_records import CampaignState
 
     begun = time.monotonic()
-    documents = _seeds(data_dir, town, num)
-    note(f"{len(documents)} scenarios on {town} in {data_dir / 'seeds'}")
+    seeds = _seeds(data_dir, town, num)
+    note(f"{len(seeds)} scenarios on {town} in {data_dir / 'seeds'}")
     with (
         terminated_by_interrupt(),
         running_service(data_dir, workers=workers) as url,
         Client(url) as client,
     ):
         note(f"the service runs at {url} with {workers} workers; a browser shows its page there")
-        runs = _judged(client, documents)
-        _print_verdicts(town, runs)
+        runs = _judged(client, seeds)
+        _print_verdicts(runs)
         campaign = search_with(client, data_dir, simulations=simulations)
         shown = max(runs, key=lambda run: run.violations or 0)
         picture = _draw(data_dir, shown)
@@ -68,8 +68,12 @@ def demo(
         raise typer.Exit(ExitCode.NOT_DONE)
 
 
-def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
-    """Generates scenarios with some traffic around the ego, and writes them to files."""
+def _seeds(data_dir: Path, town: str, num: int) -> dict[str, str]:
+    """Generates scenarios with some traffic around the ego, and writes them to files.
+
+    Returns:
+        Their texts by the names of the files.
+    """
     from drivora_service.cli.installation import network_catalogue, settings_for
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.entities import BackgroundTrafficDocument
@@ -81,18 +85,19 @@ def _seeds(data_dir: Path, town: str, num: int) -> list[str]:
     )
     folder = data_dir / "seeds"
     folder.mkdir(parents=True, exist_ok=True)
-    texts = []
+    texts = {}
     for number_, seed in enumerate(seeds, start=1):
         traffic = BackgroundTrafficDocument(count=8)
         text = document_text(seed.model_copy(update={"background_traffic": traffic}))
-        (folder / f"{town}_{number_:04d}.json").write_text(text)
-        texts.append(text)
+        name = f"{town}_{number_:04d}"
+        (folder / f"{name}.json").write_text(text)
+        texts[name] = text
     return texts
 
 
-def _judged(client: Client, documents: Sequence[str]) -> list[Run]:
+def _judged(client: Client, documents: Mapping[str, str]) -> list[Run]:
     """Has the service run scenarios, shows how far they are, and returns their runs in order."""
-    posted = client.post_batch(documents, name="demo")
+    posted = client.post_batch(list(documents.values()), labels=list(documents), name="demo")
     runs = []
     with run_progress(["runs"], total=posted.accepted) as count:
         for run in client.wait_for_batch(posted.batch.id):
@@ -101,12 +106,12 @@ def _judged(client: Client, documents: Sequence[str]) -> list[Run]:
     return sorted(runs, key=lambda run: run.item)
 
 
-def _print_verdicts(town: str, runs: Sequence[Run]) -> None:
+def _print_verdicts(runs: Sequence[Run]) -> None:
     from drivora_service.cli.run_results import summary
 
     def row(run: Run) -> tuple[str, ...]:
         return (
-            f"{town}_{run.item + 1:04d}",
+            run.label,
             run.status.replace("_", " "),
             f"{run.sim_time_s:.1f} s" if run.sim_time_s else "-",
             number(run.metrics.get("driving_score"), 2),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
@@ -115,6 +116,7 @@ def cancel_job(job_id: str) -> Call[Job]:
 def post_batch(
     documents: Sequence[Document],
     *,
+    labels: Sequence[str] | None = None,
     name: str = "",
     priority: Priority | None = None,
     agent: str = "",
@@ -125,6 +127,7 @@ def post_batch(
 
     Args:
         documents: The scenarios, in JSON.
+        labels: Display names of their runs, one for each scenario; ``None``: no names.
         name: Display name.
         priority: Priority of the runs; ``None``: default of the service.
         agent: Drives every ego; "": as documented.
@@ -132,14 +135,17 @@ def post_batch(
         seed: Overrides the documents'.
 
     Raises:
-        InvalidDocument: None of them can be run; pointers begin with the place of the scenario.
+        InvalidDocument: None of them can be run; pointers begin with the place of the scenario,
+            such as ``/0``, or ``/0/scenario`` where there are labels. Pointers of rejected
+            scenarios are into the scenario, or begin with ``/scenario``.
+        ValueError: There are more or fewer labels than scenarios.
     """
     from drivora_service.api.schemas.batches import BatchSubmission
 
     return post(
         f"{PREFIX}/batches",
         BatchSubmission,
-        b"[" + b",".join(map(document_bytes, documents)) + b"]",
+        b"[" + b",".join(_batch_items(documents, labels)) + b"]",
         query={"name": name, "priority": priority, **_overrides(agent, agent_parameters, seed)},
     )
 
@@ -199,6 +205,20 @@ def _batch_act(action: str, batch_id: str) -> Call[Batch]:
     from drivora_service.api.schemas.batches import Batch
 
     return act(f"{PREFIX}/batches/{{batch_id}}:{action}", Batch, batch_id=batch_id)
+
+
+def _batch_items(documents: Sequence[Document], labels: Sequence[str] | None) -> Iterable[bytes]:
+    if labels is None:
+        return map(document_bytes, documents)
+    if len(labels) != len(documents):
+        raise ValueError(
+            f"found {len(labels)} labels for {len(documents)} scenarios; each needs one"
+        )
+    return map(_labelled, labels, documents)
+
+
+def _labelled(label: str, document: Document) -> bytes:
+    return b'{"label":%b,"scenario":%b}' % (json.dumps(label).encode(), document_bytes(document))
 
 
 def _overrides(agent: str, agent_parameters: Sequence[str], seed: int | None) -> Query:
