@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from datetime import UTC, datetime
 
 from sqlalchemy import func, select
@@ -15,6 +15,7 @@ from drivora_service.shapes import combine
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.ids import new_id
+from drivora_service.store.merging import Branch, first_numbers
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import Batch, BatchState, Page, Priority
 from drivora_service.store.tables import BatchRow, RunRow
@@ -69,23 +70,38 @@ class BatchRepository:
         """
         return self._records([self._row(batch_id)])[0]
 
-    def page(self, *, limit: int = 50, page_token: str = "") -> Page[Batch]:
+    def page(
+        self, *, priorities: Collection[Priority] = (), limit: int = 50, page_token: str = ""
+    ) -> Page[Batch]:
         """Returns batches, newest first.
+
+        Args:
+            priorities: Only those of one of these priorities; none: all.
+            limit: Greatest number of batches.
+            page_token: Token of the page.
 
         Raises:
             InvalidDocument: The token is not one of this list.
         """
-        query = (
-            select(BatchRow)
-            .where(~BatchRow.id.startswith(SINGLE_JOBS))
-            .order_by(BatchRow.seq.desc())
+        ranks = sorted({priority.rank for priority in priorities})
+        scope = f"batches {ranks}"
+        number, is_shown = BatchRow.seq, ~BatchRow.id.startswith(SINGLE_JOBS)
+        branches = [
+            Branch(number=number, conditions=(is_shown, BatchRow.priority == rank))
+            for rank in ranks
+        ]
+        numbers = first_numbers(
+            self._session,
+            branches or [Branch(number=number, conditions=(is_shown,))],
+            limit=limit + 1,
+            after=read_token(scope, page_token) if page_token else None,
+            descending=True,
         )
-        if page_token:
-            query = query.where(BatchRow.seq < read_token("batches", page_token))
-        rows = self._session.scalars(query.limit(limit + 1)).all()
-        shown = rows[:limit]
-        more = make_token("batches", shown[-1].seq) if len(rows) > limit else ""
-        return Page(items=tuple(self._records(shown)), next_page_token=more)
+        more = make_token(scope, numbers[limit - 1]) if len(numbers) > limit else ""
+        rows = self._session.scalars(
+            select(BatchRow).where(number.in_(numbers[:limit])).order_by(number.desc())
+        ).all()
+        return Page(items=tuple(self._records(rows)), next_page_token=more)
 
     def pause(self, batch_id: str) -> Batch:
         """Holds back the queued runs of a batch; running ones are not affected.

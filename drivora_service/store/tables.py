@@ -89,6 +89,7 @@ class BatchRow(Base):
             "owner_id",
             sqlite_where=text("owner_id != ''"),
         ),
+        Index("ix_batches_priority", "priority", "seq"),
     )
 
     seq: Mapped[int] = mapped_column(Integer, primary_key=True)
