@@ -247,6 +247,27 @@ def test_ten_thousand_scenarios_are_checked_in_seconds(
         assert used < most, used
 
 
+def test_batches_are_listed_by_priority(offline: Offline, scenario: dict[str, Any]) -> None:
+    client = offline.client
+    for priority in ("campaign", "ci", "campaign", "interactive", "campaign", "ci"):
+        posted = client.post("/api/v1/batches", json=[scenario], params={"priority": priority})
+        assert posted.status_code == 202
+
+    def listed(query: str) -> list[str]:
+        answer = client.get(f"/api/v1/batches?{query}").json()
+        return [batch["priority"] for batch in answer["items"]]
+
+    assert listed("priority=ci") == ["ci", "ci"]
+    assert listed("priority=ci&priority=interactive&limit=2") == ["ci", "interactive"]
+    assert len(listed("")) == 6
+    page = client.get("/api/v1/batches?priority=ci&limit=1").json()
+    token = page["next_page_token"]
+    assert listed(f"priority=ci&limit=1&page_token={token}") == ["ci"]
+    refused = is_problem(client.get(f"/api/v1/batches?limit=1&page_token={token}"), 422)
+    assert refused["problems"][0]["code"] == "bad_page_token"
+    assert client.get("/api/v1/batches?priority=late").status_code == 422
+
+
 def test_pause_resume_and_cancel(offline: Offline, scenario: dict[str, Any]) -> None:
     posted = offline.client.post("/api/v1/batches", json=[scenario, scenario])
     batch = posted.headers["Location"]

@@ -168,6 +168,10 @@ def test_a_batch_with_a_scenario_that_is_rejected(client: Client, scenario: dict
     ]
     assert submission.items[0].problems[0].pointer == "/map_region/town"
     assert submission.batch.priority is Priority.INTERACTIVE
+    (listed,) = client.batches([Priority.INTERACTIVE], limit=1)
+    assert listed.id == submission.batch.id
+    others = client.batches([Priority.CI, Priority.CAMPAIGN])
+    assert submission.batch.id not in [batch.id for batch in others]
     (run,) = client.wait_for_batch(submission.batch.id, on_progress=seen.append)
     assert run.id == submission.items[1].job_id
     assert seen[-1].done

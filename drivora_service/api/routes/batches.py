@@ -107,11 +107,19 @@ def post_batch(
     dependencies=[Depends(reader)],
 )
 def list_batches(
-    request: Request, context: Context, limit: Limit = 50, page_token: PageToken = ""
+    request: Request,
+    context: Context,
+    priority: Annotated[
+        list[Priority] | None, Query(description="With any of these priorities.")
+    ] = None,
+    limit: Limit = 50,
+    page_token: PageToken = "",
 ) -> Response:
     """Lists batches, newest first."""
     with context.database.read() as transaction:
-        page = transaction.batches.page(limit=limit, page_token=page_token)
+        page = transaction.batches.page(
+            priorities=priority or (), limit=limit, page_token=page_token
+        )
     items = tuple(batch_of(batch, PREFIX) for batch in page.items)
     return json_answer(
         request, Page[Batch], Page(items=items, next_page_token=page.next_page_token)

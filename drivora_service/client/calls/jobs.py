@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
@@ -150,11 +150,11 @@ def post_batch(
     )
 
 
-def batches(*, limit: int | None = None) -> Listing[Batch]:
-    """Returns batches, newest first; at most ``limit``."""
+def batches(priorities: Collection[Priority] = (), *, limit: int | None = None) -> Listing[Batch]:
+    """Returns batches with any of some priorities, or all; newest first; at most ``limit``."""
     from drivora_service.api.schemas.batches import Batch
 
-    return listing(f"{PREFIX}/batches", Batch, limit)
+    return listing(f"{PREFIX}/batches", Batch, limit, query={"priority": sorted(priorities)})
 
 
 def batch(batch_id: str) -> Call[Batch]:

@@ -6530,6 +6530,8 @@ export interface operations {
     list_batches_api_v1_batches_get: {
         parameters: {
             query?: {
+                /** @description With any of these priorities. */
+                priority?: components["schemas"]["Priority"][] | null;
                 /** @description Items of a page. */
                 limit?: number;
                 /** @description `next_page_token` of the page before, of the same query. */
