@@ -83,6 +83,22 @@ it("a filter is in the address, and a reload shows the same", async () => {
   await context.close();
 });
 
+it("the batches of campaigns are left out by their priority", async () => {
+  const { page, context, complaints } = await open(browser, `${url}/batches`);
+  const rows = page.locator("tbody tr");
+  const { items } = await api.get<{ items: { id: string }[] }>("/batches?priority=interactive");
+  await expect.poll(() => rows.count()).toBeGreaterThan(items.length);
+  await page.keyboard.press("/");
+  await page.getByRole("button", { name: "interactive" }).click();
+  await expect.poll(() => new URL(page.url()).searchParams.get("priority")).toBe("interactive");
+  await expect.poll(() => rows.count()).toBe(items.length);
+  for (const { id } of items) await page.locator(`tr[data-id="${id}"]`).waitFor();
+  await page.getByRole("button", { name: "Clear filters" }).click();
+  await expect.poll(() => rows.count()).toBeGreaterThan(items.length);
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
 it("an address leads deep into the data, for a new reader too", async () => {
   const at = `${url}/campaigns/${made.campaign}?tab=settings`;
   const { page, context } = await open(browser, at);

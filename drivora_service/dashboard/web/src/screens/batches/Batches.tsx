@@ -1,8 +1,10 @@
 import { useQuery } from "@tanstack/react-query";
-import { Link, useNavigate } from "@tanstack/react-router";
+import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useState } from "react";
+import { valuesOf } from "../../address";
 import { api, body } from "../../api/client";
 import { type Column, DataTable } from "../../components/DataTable";
+import { Filters } from "../../components/Filters";
 import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 import { Shares } from "../../components/Shares";
@@ -11,9 +13,18 @@ import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
 import { BatchActions } from "./BatchActions";
-import { actionsOf, type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
+import {
+  actionsOf,
+  type Batch,
+  isPriority,
+  lookOfBatch,
+  PRIORITIES,
+  sharesOf,
+  standingOf,
+} from "./batch";
 
 const PAGE = 100;
+const FILTERS = [{ name: "priority", title: "Priority", values: PRIORITIES }] as const;
 const idOf = (batch: Batch) => batch.id;
 const hasActions = (batch: Batch) => actionsOf(batch).length > 0;
 
@@ -88,18 +99,21 @@ const COLUMNS: readonly Column<Batch>[] = [
   },
 ];
 
-/** The batches that were submitted, newest first. */
+/** The batches that were submitted, newest first; those of campaigns can be left out. */
 export function Batches() {
   useTitle("Batches");
+  const search = useSearch({ from: "/batches" });
   const navigate = useNavigate();
+  const priority = valuesOf(search, "priority").filter(isPriority);
+  const filters = priority.length > 0 ? { priority } : {};
   const [held, setHeld] = useState(false);
   const { query, rows, left, news, insertNews, more } = useLiveList<Batch>({
-    key: ["batch", "list"],
+    key: ["batch", "list", filters],
     kind: "batch",
     ask: async (page_token) =>
       body(
         await api.GET("/api/v1/batches", {
-          params: { query: { limit: PAGE, ...(page_token ? { page_token } : {}) } },
+          params: { query: { limit: PAGE, ...filters, ...(page_token ? { page_token } : {}) } },
         }),
       ),
     idOf,
@@ -112,13 +126,14 @@ export function Batches() {
         <h1>Batches</h1>
         <Answer />
       </div>
+      <Filters filters={FILTERS} search={search} />
       {query.isPending ? (
         <Loading />
       ) : query.isError ? (
         <Refused error={query.error} onRepeat={() => void query.refetch()} />
       ) : rows.length === 0 ? (
         <Empty
-          title="No batch yet"
+          title={priority.length > 0 ? "No batch matches" : "No batch yet"}
           command={`drivora run scenarios/ --server ${window.location.origin}`}
         >
           <p>Scenarios that are submitted together are a batch.</p>
@@ -135,7 +150,7 @@ export function Batches() {
             onHold={setHeld}
             onEnd={more}
             onOpen={({ id }) => void navigate({ to: "/batches/$batchId", params: { batchId: id } })}
-            height="calc(100vh - 150px)"
+            height="calc(100vh - 170px)"
           />
         </div>
       )}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { actionsOf, type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
+import { actionsOf, type Batch, isPriority, lookOfBatch, sharesOf, standingOf } from "./batch";
 
 const batch = (part: Partial<Batch>) =>
   ({
@@ -26,6 +26,9 @@ describe("a batch", () => {
   it("has a bar whose rest is what waits", () => {
     const told = sharesOf(batch({})).reduce((sum, { number }) => sum + number, 0);
     expect(told).toBe(8);
+  });
+  it("has one of the priorities of the API, whatever an address says", () => {
+    expect(["ci", "late", "campaign"].filter(isPriority)).toEqual(["ci", "campaign"]);
   });
   it("offers only what its state allows", () => {
     expect(actionsOf(batch({}))).toEqual(["pause", "cancel"]);

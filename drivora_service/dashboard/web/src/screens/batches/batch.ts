@@ -4,7 +4,16 @@ import type { Share } from "../../components/Shares";
 import { NOT_JUDGED } from "../runs/status";
 
 export type Batch = Schemas["Batch"];
+export type Priority = Schemas["Priority"];
 export type BatchAction = "pause" | "resume" | "cancel";
+
+const RANKS: Readonly<Record<Priority, number>> = { interactive: 0, ci: 1, campaign: 2 };
+
+/** The priorities of batches, the most urgent first. */
+export const PRIORITIES = Object.keys(RANKS) as readonly Priority[];
+
+export const isPriority = (value: string): value is Priority =>
+  PRIORITIES.some((priority) => priority === value);
 
 /** How many runs of a batch are where. */
 export interface Standing {
