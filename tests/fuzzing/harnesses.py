@@ -10,6 +10,7 @@ from tests.fuzzing.harness import Harness
 MODULES: Mapping[str, str] = {
     "scenario-json": "scenarios",
     "scenario-yaml": "scenarios",
+    "batch-line": "scenarios",
     "original-tool": "scenario_imports",
     "leaderboard": "scenario_imports",
     "network": "networks",

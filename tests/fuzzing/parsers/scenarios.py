@@ -1,16 +1,20 @@
-"""Scenario documents, as the command line and the API read them."""
+"""Scenario documents, as the command line and the API read them, also in batches."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Mapping
 from typing import Literal
 
 import yaml
+from pydantic_core import from_json
 
+from drivora_service.api.batch_scenarios import read_batch_scenario
 from drivora_service.errors import InvalidDocument
 from drivora_service.scenario.canonical import canonical_json, from_canonical
 from drivora_service.scenario.validation import validate_data
+from drivora_service.store.records import LONGEST_LABEL
 from tests.fuzzing.harness import Harness, by_name
 from tests.fuzzing.parsers.shared import agents, check_problems, example_scenarios, networks
 from tests.scenario.conftest import GOOD
@@ -33,6 +37,26 @@ def _parse_json(data: bytes) -> bool:
 
 def _parse_yaml(data: bytes) -> bool:
     return _validate(data, "yaml")
+
+
+def _parse_line(data: bytes) -> bool:
+    """Reads a line of a batch, and the same as an item of a list."""
+    read = _check_item(data, data)
+    with contextlib.suppress(ValueError):
+        _check_item(from_json(data), data)
+    return read
+
+
+def _check_item(item: object, data: bytes) -> bool:
+    known = agents().availability()
+    try:
+        scenario = read_batch_scenario(item)
+        scenario.checked(lambda document: validate_data(document, networks(), known))
+    except InvalidDocument as error:
+        check_problems(error, data, "json")
+        return False
+    assert len(scenario.label) <= LONGEST_LABEL
+    return True
 
 
 _FULL = {
@@ -75,6 +99,14 @@ def _json_seeds() -> Mapping[str, bytes]:
     }
 
 
+def _line_seeds() -> Mapping[str, bytes]:
+    return {
+        "bare": json.dumps(GOOD).encode(),
+        "labelled": json.dumps({"label": "Town01_route_07", "scenario": GOOD}).encode(),
+        "full": json.dumps({"scenario": _FULL, "label": "\u00fc"}).encode(),
+    }
+
+
 def _yaml_seeds() -> Mapping[str, bytes]:
     return {
         "good": yaml.safe_dump(GOOD, sort_keys=False).encode(),
@@ -90,4 +122,5 @@ SCENARIO_JSON = Harness(
     words=('"replay"', '"sumo"', '"carla"', '"config_path"', '"density"', '"stuck_after"'),
 )
 SCENARIO_YAML = Harness(name="scenario-yaml", parse=_parse_yaml, seeds=_yaml_seeds)
-HARNESSES = by_name(SCENARIO_JSON, SCENARIO_YAML)
+BATCH_LINE = Harness(name="batch-line", parse=_parse_line, seeds=_line_seeds)
+HARNESSES = by_name(SCENARIO_JSON, SCENARIO_YAML, BATCH_LINE)
