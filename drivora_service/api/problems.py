@@ -207,6 +207,17 @@ def _http_answer(request: Request, error: Exception, methods: MethodTable) -> Re
     if not isinstance(error, HTTPException):
         raise error
     status = HTTPStatus(error.status_code)
+    if status is HTTPStatus.BAD_REQUEST and isinstance(
+        error.__cause__, ValueError | RecursionError
+    ):
+        # FastAPI's answer to a body that its parser of JSON cannot decode or is too deep for it.
+        problem = Problem(pointer="", code="json_invalid", message=f"not JSON: {error.__cause__}")
+        return problem_response(
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "the request cannot be used",
+            instance=request.url.path,
+            problems=(problem,),
+        )
     headers = dict(error.headers or {})
     if status is HTTPStatus.NOT_FOUND and error.detail == status.phrase:
         detail = "there is nothing at this path; /docs shows what there is"

@@ -241,6 +241,13 @@ def test_requests_of_another_form_are_refused(offline: Offline, body: object) ->
     is_problem(offline.client.post(SESSION, json=body), 422)
 
 
+@pytest.mark.parametrize("body", [b"{", b'{"token": "\xef\xf4"}', b"[" * 100_000])
+def test_bodies_that_are_no_json_are_refused(offline: Offline, body: bytes) -> None:
+    headers = {"Content-Type": "application/json"}
+    refused = is_problem(offline.client.post(SESSION, content=body, headers=headers), 422)
+    assert [problem["code"] for problem in refused["problems"]] == ["json_invalid"]
+
+
 def test_odd_cookies_are_no_session(offline: Offline) -> None:
     for cookie in (COOKIE, f"{COOKIE}=", f"{COOKIE}=\xff", f"a={COOKIE}", f'{COOKIE}="x; y"'):
         answer = offline.client.get(JOBS, headers={b"Cookie": cookie.encode("latin-1")})
