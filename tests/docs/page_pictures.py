@@ -27,16 +27,15 @@ def draw_page_pictures(data: Path, images: Path) -> None:
     with running_service(data, workers=2) as url, Client(url) as client:
         study = client.post_study(json.dumps(read_study_file(_STUDY).content))
         client.follow_study(study.id)
-        names = ["walker-behind-van", *sorted(_cases())]
-        files = [_EXAMPLES / f"{names[0]}.json", *(_cases()[name] for name in names[1:])]
-        batch = client.post_batch([file.read_text() for file in files], name="seeds").batch
+        cases = sorted((_EXAMPLES / "responsibility").glob("*.json"))
+        files = [
+            _EXAMPLES / "walker-behind-van.json",
+            *(file for file in cases if file.stem != "cases"),
+        ]
+        texts = [file.read_text() for file in files]
+        batch = client.post_batch(texts, labels=[file.stem for file in files], name="seeds").batch
         runs = sorted(client.wait_for_batch(batch.id), key=lambda run: run.item)
         script = "browser/pictures.ts"
         subprocess.run(
             [str(node_program()), script, url, runs[0].id, str(images)], cwd=WEB, check=True
         )
-
-
-def _cases() -> dict[str, Path]:
-    folder = _EXAMPLES / "responsibility"
-    return {file.stem: file for file in folder.glob("*.json") if file.stem != "cases"}
