@@ -1,5 +1,6 @@
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { api, body, type Schemas } from "../../api/client";
+import { readPages } from "../../lists/readPages";
 
 type Row = Schemas["EvaluationSummary"];
 
@@ -17,27 +18,18 @@ export function useObjectives({ id, counts, state }: Schemas["Campaign"]) {
     // Not renewed by each event, but with the number of evaluations.
     queryKey: ["objectives", id, version],
     placeholderData: keepPreviousData,
-    queryFn: async () => {
-      const found: Row[] = [];
-      let page_token: string | undefined;
-      do {
-        const page: Schemas["Page_EvaluationSummary_"] = body(
-          await api.GET("/api/v1/campaigns/{campaign_id}/evaluations", {
-            params: {
-              path: { campaign_id: id },
-              query: {
-                status: "judged",
-                order: "number",
-                limit: PAGE,
-                ...(page_token ? { page_token } : {}),
+    queryFn: () =>
+      readPages<Row>(
+        async (page) =>
+          body(
+            await api.GET("/api/v1/campaigns/{campaign_id}/evaluations", {
+              params: {
+                path: { campaign_id: id },
+                query: { status: "judged", order: "number", limit: PAGE, ...page },
               },
-            },
-          }),
-        );
-        found.push(...page.items);
-        page_token = page.next_page_token;
-      } while (page_token && found.length < MOST);
-      return { rows: found, more: Boolean(page_token) };
-    },
+            }),
+          ),
+        MOST,
+      ),
   });
 }

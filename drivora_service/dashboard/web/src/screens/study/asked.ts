@@ -1,5 +1,6 @@
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
-import { api, body, type Schemas } from "../../api/client";
+import { api, body } from "../../api/client";
+import { readPages } from "../../lists/readPages";
 import { MEASURES } from "./measures";
 
 const PAGE = 500;
@@ -9,19 +10,15 @@ export function useStudyCampaigns(id: string) {
   return useQuery({
     queryKey: ["study", id, "campaigns"],
     queryFn: async () => {
-      const found: Schemas["CampaignSummary"][] = [];
-      let page_token: string | undefined;
-      do {
-        const page: Schemas["Page_CampaignSummary_"] = body(
+      const { rows } = await readPages(async (page) =>
+        body(
           await api.GET("/api/v1/campaigns", {
-            params: { query: { study: id, limit: PAGE, ...(page_token ? { page_token } : {}) } },
+            params: { query: { study: id, limit: PAGE, ...page } },
           }),
-        );
-        found.push(...page.items);
-        page_token = page.next_page_token;
-      } while (page_token);
+        ),
+      );
       // The newest comes first; the study's own order is that of their places.
-      return found.reverse();
+      return rows.toReversed();
     },
   });
 }
