@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { beside, dashes, footOn, isInside, lengthOf, placeAt } from "./lines";
+import { beside, dashes, footOn, isInside, lengthOf, partOf, placeAt } from "./lines";
 
 const CORNER = [0, 0, 10, 0, 10, 10];
 
@@ -8,6 +8,11 @@ describe("lines", () => {
     expect(lengthOf(CORNER)).toBe(20);
     expect(placeAt(CORNER, 15)).toEqual({ x: 10, y: 5, heading: Math.PI / 2 });
     expect(placeAt(CORNER, 99)).toMatchObject({ x: 10, y: 10 });
+  });
+  it("have parts by length, with the corners between", () => {
+    expect(partOf(CORNER, 5, 15)).toEqual([5, 0, 10, 0, 10, 5]);
+    expect(partOf(CORNER, 10, 20)).toEqual([10, 0, 10, 10]);
+    expect(partOf(CORNER, 2, 4)).toEqual([2, 0, 4, 0]);
   });
   it("have lines beside them, left positive", () => {
     const left = beside(CORNER, 1);

@@ -48,6 +48,21 @@ export function placeAt(line: FlatLine, distance: number): Place {
   return { x: at(line, 0), y: at(line, 1), heading: 0 };
 }
 
+/** Returns the part of a line between two distances along it, with the corners between them. */
+export function partOf(line: FlatLine, from: number, to: number): number[] {
+  const begin = placeAt(line, from);
+  const end = placeAt(line, to);
+  const found = [begin.x, begin.y];
+  let along = 0;
+  for (let i = 2; i < line.length; i += 2) {
+    along += pieceLength(line, i);
+    if (along >= to) break;
+    if (along > from) found.push(at(line, i), at(line, i + 1));
+  }
+  found.push(end.x, end.y);
+  return found;
+}
+
 /** Returns a line beside another one; positive is to the left. Corners are mitred. */
 export function beside(line: FlatLine, offset: number): number[] {
   const moved: number[] = [];
