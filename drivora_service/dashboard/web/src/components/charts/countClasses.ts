@@ -1,3 +1,5 @@
+import { count as whole } from "../numbers";
+
 /** Counts that have the same colour. */
 export interface CountClass {
   readonly from: number;
@@ -40,9 +42,9 @@ export function classOf(classes: readonly CountClass[], count: number): CountCla
   return count > 0 ? classes.findLast(({ from }) => from <= count) : undefined;
 }
 
-/** Returns a class in words: `24`, `3–6`. */
+/** Returns a class in words: `24`, `1,000–1,551`. */
 export function classText({ from, to }: CountClass): string {
-  return from === to ? String(from) : `${from}–${to}`;
+  return from === to ? whole(from) : `${whole(from)}–${whole(to)}`;
 }
 
 /** Fewer classes than colours are spread over the scale, without its faintest colour. */
