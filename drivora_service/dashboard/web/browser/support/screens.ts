@@ -16,6 +16,11 @@ export function screens(made: Made): readonly Screen[] {
     { route: "/campaigns", name: "campaigns", at: "/campaigns" },
     { route: "/campaigns/$id", name: "campaign", at: `/campaigns/${made.campaign}` },
     {
+      route: "/campaigns/$id",
+      name: "campaign-coverage",
+      at: `/campaigns/${made.campaign}?tab=coverage`,
+    },
+    {
       route: "/compare",
       name: "compare",
       at: `/compare?${made.compared.map((id) => `campaign=${id}`).join("&")}`,
