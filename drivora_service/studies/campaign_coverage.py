@@ -6,9 +6,8 @@ are recorded. Counting goes on where it ended, so that a growing campaign is nev
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,14 +29,13 @@ from drivora_service.studies.coverage_values import (
     ScenarioKind,
     Turn,
 )
+from drivora_service.studies.ego_turns import turns_of
 from drivora_service.studies.road_coverage import RoadCoverage
 
 BINS = 10
 """Bins of a continuous gene."""
 _MOST_BINS = 20
 """Of a gene that is a whole number."""
-_TURN = math.radians(45.0)
-_BACK = math.radians(135.0)
 
 
 class CoverageCounts:
@@ -67,14 +65,16 @@ class CoverageCounts:
         """
         simulated = [row for row in rows if row.status != EvaluationStatus.INVALID]
         scenarios = [from_canonical(row.document) for row in simulated]
-        by_town: dict[str, list[Scenario]] = {}
+        by_town: dict[str, list[tuple[CandidateRow, Scenario]]] = {}
         for row, scenario in zip(simulated, scenarios, strict=True):
-            by_town.setdefault(scenario.map_region.town, []).append(scenario)
-            self._count_kinds(row, scenario)
-        for town, placed in by_town.items():
-            _, egos, actors = self._road(town)
+            by_town.setdefault(scenario.map_region.town, []).append((row, scenario))
+        for town, found in by_town.items():
+            network, egos, actors = self._road(town)
+            placed = [scenario for _, scenario in found]
             egos.add(placed, only_egos=True)
             actors.add(placed)
+            for (row, scenario), turns in zip(found, turns_of(network, placed), strict=True):
+                self._count_kinds(row, scenario, turns)
         self._count_genes(simulated)
         self._simulations += len(simulated)
         self.counted += len(rows)
@@ -115,9 +115,8 @@ class CoverageCounts:
             self._roads[town] = (network, RoadCoverage(network), RoadCoverage(network))
         return self._roads[town]
 
-    def _count_kinds(self, row: CandidateRow, scenario: Scenario) -> None:
+    def _count_kinds(self, row: CandidateRow, scenario: Scenario, turns: Collection[Turn]) -> None:
         counts = [name for name, counted in zip(_COUNTS, _counted(row), strict=True) if counted]
-        turns = {_turn(ego.route[0].yaw, ego.route[-1].yaw) for ego in scenario.ego_vehicles}
         for turn in turns:
             for others in _others(scenario):
                 self._kinds.update((turn, others, name) for name in counts)
@@ -213,17 +212,6 @@ def _network_coverage(
 def _counted(row: CandidateRow) -> tuple[bool, bool, bool]:
     """Returns whether a simulation counts as such, as failing, and as avoidably so."""
     return True, row.violations > 0, row.accountability == Accountability.AVOIDABLE
-
-
-def _turn(start: float | None, end: float | None) -> Turn:
-    if start is None or end is None:
-        return Turn.UNKNOWN
-    angle = math.remainder(end - start, math.tau)
-    if abs(angle) > _BACK:
-        return Turn.BACK
-    if abs(angle) <= _TURN:
-        return Turn.STRAIGHT
-    return Turn.LEFT if angle > 0.0 else Turn.RIGHT
 
 
 def _others(scenario: Scenario) -> list[Others]:

@@ -18,7 +18,7 @@ class Turn(StrEnum):
     BACK = "back"
     """More than 135°."""
     UNKNOWN = "unknown"
-    """The route has no heading at its start or its end."""
+    """The route has no heading at its start or its end, and no lane is there."""
 
 
 class Others(StrEnum):
@@ -39,7 +39,7 @@ class LaneCoverage(Shape):
     Attributes:
         lane: Id of the lane.
         egos: For each piece, from the lane's begin: ways of egos over it.
-        actors: For each piece: ways and places of all actors.
+        actors: For each piece: ways of all actors over it, and actors that stand there.
     """
 
     lane: str

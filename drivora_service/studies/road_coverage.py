@@ -9,6 +9,9 @@ run.
 The path between two places of a vehicle is the planner's between the two lanes. It is planned once
 for each pair of lanes, not from place to place, because a study has hundreds of thousands of pairs.
 Where it changes lanes on a road, each lane counts for its part of that road.
+
+A way counts once in each cell that it passes once: its places count, and the paths between them
+without the cells of their ends.
 """
 
 from __future__ import annotations
@@ -93,8 +96,7 @@ class RoadCoverage:
             self._add_joined(joined)
         if single:
             places = project_points(self._network, np.concatenate(single))
-            on = places.lane >= 0
-            self._cover(places.lane[on].astype(np.int64), places.s[on], places.s[on])
+            self._cover_places(places, _followers(single))
 
     def _add_joined(self, ways: Sequence[FloatArray]) -> None:
         """Covers (n, 3) places x, y, yaw (NaN if unknown) and the paths between them."""
@@ -102,17 +104,35 @@ class RoadCoverage:
         places = project_points(self._network, points[:, :2], points[:, 2])
         lanes = places.lane.astype(np.int64)
         on = lanes >= 0
-        self._cover(lanes[on], places.s[on], places.s[on])
-        follows = np.ones(len(points), dtype=bool)
-        follows[np.cumsum([0, *(len(way) for way in ways[:-1])])] = False
+        follows = _followers(ways)
+        self._cover_places(places, follows)
         ends = np.flatnonzero(follows & on & np.roll(on, 1))
         pairs = np.column_stack((lanes[ends - 1], lanes[ends]))
         for pair in np.unique(pairs, axis=0):
             chosen = ends[(pairs == pair).all(axis=1)]
             self._cover_ways(_roads_between(self._network, *map(int, pair)), places, chosen)
 
+    def _cover_places(self, places: LaneProjections, follows: NDArray[np.bool_]) -> None:
+        """Covers the cells of (n,) places, those on no lane left out.
+
+        Args:
+            places: Where they are.
+            follows: Whether each has the place before it on the same way; if both are in one cell,
+                it counts once.
+        """
+        on = np.flatnonzero(places.lane >= 0)
+        lanes = places.lane[on].astype(np.int64)
+        cells = np.full(len(places.lane), -1)
+        cells[on] = self._firsts[lanes] + self._cells(lanes, places.s[on])
+        kept = cells[(cells >= 0) & ~(follows & (cells == np.roll(cells, 1)))]
+        np.add.at(self._begun, kept, 1)
+        np.add.at(self._begun, kept + 1, -1)
+
     def _cover_ways(self, roads: tuple[Road, ...], places: LaneProjections, ends: IntArray) -> None:
-        """Covers paths along the same roads that end at places ``ends`` and begin one before."""
+        """Covers paths along the same roads that end at places ``ends`` and begin one before.
+
+        The cells of these places are left out.
+        """
         for number, road in enumerate(roads):
             for turn, lane in enumerate(road):
                 length = self._lengths[lane]
@@ -121,16 +141,26 @@ class RoadCoverage:
                 part = (high - low) / len(road)
                 forward = part >= 0.0
                 begin = (low + turn * part)[forward]
-                self._cover(np.full(len(begin), lane), begin, begin + part[forward])
+                lanes = np.full(len(begin), lane)
+                from_place = number == turn == 0
+                to_place = number == len(roads) - 1 and turn == len(road) - 1
+                first = self._cells(lanes, begin) + from_place
+                last = self._cells(lanes, begin + part[forward]) - to_place
+                some = first <= last
+                np.add.at(self._begun, self._firsts[lane] + first[some], 1)
+                np.add.at(self._begun, self._firsts[lane] + last[some] + 1, -1)
 
-    def _cover(self, lanes: IntArray, begin: FloatArray, end: FloatArray) -> None:
-        """Covers (n,) ranges of arc length, metres."""
-        scale = self._counts[lanes] / self._lengths[lanes]
-        last = self._counts[lanes] - 1
-        first_cells = np.clip((begin * scale).astype(np.int64), 0, last)
-        last_cells = np.clip((end * scale).astype(np.int64), first_cells, last)
-        np.add.at(self._begun, self._firsts[lanes] + first_cells, 1)
-        np.add.at(self._begun, self._firsts[lanes] + last_cells + 1, -1)
+    def _cells(self, lanes: IntArray, s: FloatArray) -> IntArray:
+        """Returns the cells of (n,) lanes that are (n,) metres from their begins."""
+        cells: IntArray = (s * self._counts[lanes] / self._lengths[lanes]).astype(np.int64)
+        return np.minimum(np.maximum(cells, 0), self._counts[lanes] - 1)
+
+
+def _followers(ways: Sequence[FloatArray]) -> NDArray[np.bool_]:
+    """Returns for each place of ways, one after the other, whether it is not the first of its."""
+    follows = np.ones(sum(len(way) for way in ways), dtype=np.bool_)
+    follows[np.cumsum([0, *(len(way) for way in ways[:-1])])] = False
+    return follows
 
 
 def _ego_ways(scenario: Scenario) -> Iterator[FloatArray]:

@@ -153,3 +153,20 @@ def test_every_lane_can_be_covered(network: RoadNetwork) -> None:
             length = float(lane.arc[-1])
             coverage.add([scenario(vehicle(at(lane, 0.0), at(lane, length)))])
     assert coverage.share > 0.9
+
+
+def test_a_way_counts_once_wherever_its_waypoints_are(network: RoadNetwork, lane: Lane) -> None:
+    """Also with several waypoints in one cell, at both ends and between."""
+    coverage = RoadCoverage(network)
+    places = (2.0, 2.5, 31.0, 31.5, 32.0, 57.0)
+    vehicle = NpcVehicle(
+        id="a",
+        model="vehicle.audi.tt",
+        route=tuple(at(lane, s) for s in places),
+        behavior=NpcBehavior.SUMO,
+    )
+    coverage.add([scenario(vehicle)])
+    counts = coverage.counts_by_lane()[lane.index]
+    size = float(lane.arc[-1]) / len(counts)
+    assert counts[: int(57.0 / size) + 1].tolist() == [1] * (int(57.0 / size) + 1)
+    assert counts[int(57.0 / size) + 1 :].tolist() == [0] * (len(counts) - int(57.0 / size) - 1)

@@ -3437,7 +3437,7 @@ export interface components {
         LaneCoverage: {
             /**
              * Actors
-             * @description For each piece: ways and places of all actors.
+             * @description For each piece: ways of all actors over it, and actors that stand there.
              */
             actors: number[];
             /**

@@ -25,8 +25,8 @@ export function legendHeight(classes: readonly CountClass[], width: number): num
 }
 
 const TITLES: Readonly<Record<Use, string>> = {
-  egos: "ways and waypoints of egos on a piece of a lane",
-  actors: "ways, waypoints and places of all actors on a piece of a lane",
+  egos: "ways of egos over a piece of a lane",
+  actors: "ways and places of all actors on a piece of a lane",
 };
 
 /** What the colours and signs of a map mean, and how long a metre is. */
