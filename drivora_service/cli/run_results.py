@@ -127,10 +127,11 @@ def print_runs(runs: Sequence[RunSummary]) -> None:
     """Prints a row a run of a list."""
     print_table(
         "",
-        ("id", "status", "town", "agent", "violations", "at fault", "created"),
+        ("id", "label", "status", "town", "agent", "violations", "at fault", "created"),
         (
             (
                 run.id,
+                run.label or "-",
                 run.status.replace("_", " "),
                 run.town,
                 run.agent,
@@ -140,7 +141,7 @@ def print_runs(runs: Sequence[RunSummary]) -> None:
             )
             for run in runs
         ),
-        cut=("agent",),
+        cut=("label", "agent"),
     )
 
 
