@@ -146,7 +146,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "actions",
     title: "",
-    width: "122px",
+    width: "136px",
     cell: ({ id, name, state, request }) => (
       <Actions kind="campaign" id={id} name={name} state={state} request={request} small />
     ),

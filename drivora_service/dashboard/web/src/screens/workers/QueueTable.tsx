@@ -8,8 +8,12 @@ export function QueueTable({ queue }: { readonly queue: Workers["queue"] }) {
       <thead>
         <tr>
           <th scope="col">Priority</th>
-          <th scope="col" className="number">
-            Running
+          <th
+            scope="col"
+            className="number"
+            title="Runs with the status running: a worker has them, or gets them next"
+          >
+            Handed out
           </th>
           <th scope="col" className="number">
             Waiting
