@@ -191,7 +191,7 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
     luck = random.Random(5)
-    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 48"))
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 240"))
     process = start(tmp_path, "run", campaign_file)
     killed: list[int] = []
     campaign_id = ""
@@ -206,7 +206,7 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
         assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "interrupted"
         if kill < 2:
             process = start(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
-    assert 0 < killed[0] < killed[1] < killed[2] < 48
+    assert 0 < killed[0] < killed[1] < killed[2] < 240
     result: dict[str, Any] = drivora("campaign", "resume", campaign_id, "--json").json()
     assert result["state"] == "finished"
     whole = drivora("campaign", "run", campaign_file, "--json").json()["id"]
