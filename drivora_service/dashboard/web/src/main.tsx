@@ -8,6 +8,8 @@ import { SESSION_KEY } from "./shell/session";
 import { applyTheme } from "./shell/theme";
 import "./style/index.css";
 
+const AFTER_FIRST_SCREEN_MS = 3000;
+
 applyTheme();
 
 const queries: QueryClient = new QueryClient({
@@ -29,13 +31,25 @@ const queries: QueryClient = new QueryClient({
   },
 });
 
+const router = makeRouter(queries);
+
+/** Loads the code of all screens, so that each can be opened even if the service has ended. */
+async function loadScreens(): Promise<void> {
+  for (const route of Object.values(router.routesById)) {
+    // The error is told when the screen is opened.
+    await router.loadRouteChunk(route)?.catch(() => undefined);
+  }
+}
+
 const page = document.getElementById("page");
 if (page) {
   createRoot(page).render(
     <StrictMode>
       <QueryClientProvider client={queries}>
-        <RouterProvider router={makeRouter(queries)} />
+        <RouterProvider router={router} />
       </QueryClientProvider>
     </StrictMode>,
   );
+  // After what the first screen needs.
+  setTimeout(() => void loadScreens(), AFTER_FIRST_SCREEN_MS);
 }

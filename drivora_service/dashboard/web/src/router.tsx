@@ -3,11 +3,11 @@ import {
   createRootRouteWithContext,
   createRoute,
   createRouter,
-  lazyRouteComponent,
   redirect,
 } from "@tanstack/react-router";
 import { parseSearch, type Search, stringifySearch } from "./address";
 import { NotFound } from "./components/States";
+import { lazyScreen } from "./screen";
 import { prepareRun } from "./screens/replay/runQuery";
 import { firstScreen } from "./screens/start/first";
 import { ScreenError } from "./shell/ScreenError";
@@ -33,79 +33,79 @@ const screens = [
       const to = await firstScreen(context.queries);
       if (to) throw redirect({ to, search: {} });
     },
-    component: lazyRouteComponent(() => import("./screens/start/Start"), "Start"),
+    component: lazyScreen(() => import("./screens/start/Start"), "Start"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/campaigns",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/campaigns/Campaigns"), "Campaigns"),
+    component: lazyScreen(() => import("./screens/campaigns/Campaigns"), "Campaigns"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/campaigns/$id",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/campaign/Campaign"), "Campaign"),
+    component: lazyScreen(() => import("./screens/campaign/Campaign"), "Campaign"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/studies",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/studies/Studies"), "Studies"),
+    component: lazyScreen(() => import("./screens/studies/Studies"), "Studies"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/studies/$id",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/study/Study"), "Study"),
+    component: lazyScreen(() => import("./screens/study/Study"), "Study"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/compare",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/compare/Compare"), "Compare"),
+    component: lazyScreen(() => import("./screens/compare/Compare"), "Compare"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/failures",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/failures/Failures"), "Failures"),
+    component: lazyScreen(() => import("./screens/failures/Failures"), "Failures"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/runs",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/runs/Runs"), "Runs"),
+    component: lazyScreen(() => import("./screens/runs/Runs"), "Runs"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/agents",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/agents/Agents"), "Agents"),
+    component: lazyScreen(() => import("./screens/agents/Agents"), "Agents"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/workers",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/workers/WorkersScreen"), "WorkersScreen"),
+    component: lazyScreen(() => import("./screens/workers/WorkersScreen"), "WorkersScreen"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/session",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/session/SessionScreen"), "SessionScreen"),
+    component: lazyScreen(() => import("./screens/session/SessionScreen"), "SessionScreen"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/batches",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/batches/Batches"), "Batches"),
+    component: lazyScreen(() => import("./screens/batches/Batches"), "Batches"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/batches/$batchId",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/batches/BatchScreen"), "BatchScreen"),
+    component: lazyScreen(() => import("./screens/batches/BatchScreen"), "BatchScreen"),
   }),
   createRoute({
     getParentRoute: () => root,
@@ -115,19 +115,19 @@ const screens = [
       // Not waited for: the screen shows what is there.
       void prepareRun(context.queries, params.runId);
     },
-    component: lazyRouteComponent(() => import("./screens/replay/Run"), "Run"),
+    component: lazyScreen(() => import("./screens/replay/Run"), "Run"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/networks",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/networks/Networks"), "Networks"),
+    component: lazyScreen(() => import("./screens/networks/Networks"), "Networks"),
   }),
   createRoute({
     getParentRoute: () => root,
     path: "/networks/$name",
     validateSearch: anySearch,
-    component: lazyRouteComponent(() => import("./screens/networks/Network"), "Network"),
+    component: lazyScreen(() => import("./screens/networks/Network"), "Network"),
   }),
 ] as const;
 

@@ -1,5 +1,5 @@
 import { useVirtualizer } from "@tanstack/react-virtual";
-import { type ReactNode, useRef, useState } from "react";
+import { type ReactNode, useMemo, useRef, useState } from "react";
 import { useKeys } from "../shell/keys";
 
 export interface Column<Row> {
@@ -30,6 +30,8 @@ export interface DataTableProps<Row> {
   readonly height?: string;
   /** Called with the row under the pointer or the keyboard, and `undefined` when it is left. */
   readonly onPoint?: (row: Row | undefined, element: HTMLElement | undefined) => void;
+  /** Called with the row that `j` and `k` go to. */
+  readonly onCurrent?: (row: Row) => void;
   /** Called when the pointer comes over the rows, and when it leaves: rows stay in between. */
   readonly onHold?: (held: boolean) => void;
   /** Ids of rows that the list would not have any more; they are shown dimmed. */
@@ -43,7 +45,12 @@ const BEFORE_END = 20;
 export function DataTable<Row>(props: DataTableProps<Row>) {
   const { columns, rows, idOf, onOpen, selected, onSelect, onCompare, onEnd } = props;
   const frame = useRef<HTMLDivElement>(null);
-  const [current, setCurrent] = useState(-1);
+  // By its id: rows may be inserted before it.
+  const [currentId, setCurrentId] = useState<string>();
+  const current = useMemo(
+    () => (currentId === undefined ? -1 : rows.findIndex((row) => idOf(row) === currentId)),
+    [rows, idOf, currentId],
+  );
   const virtual = useVirtualizer({
     count: rows.length,
     getScrollElement: () => frame.current,
@@ -56,12 +63,14 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
   });
   const move = (by: number) => {
     const next = Math.min(Math.max(current + by, 0), rows.length - 1);
-    setCurrent(next);
+    const row = rows[next];
+    if (row === undefined) return;
+    setCurrentId(idOf(row));
+    props.onCurrent?.(row);
     virtual.scrollToIndex(next);
     // `enter` opens the row then, and not the button that was pressed before.
     frame.current?.focus({ preventScroll: true });
-    const row = rows[next];
-    if (row !== undefined && props.onPoint)
+    if (props.onPoint)
       requestAnimationFrame(() => {
         const found = frame.current?.querySelector<HTMLElement>(`tr[aria-rowindex="${next + 1}"]`);
         props.onPoint?.(row, found ?? undefined);
@@ -93,12 +102,13 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
   ]);
   const template = [...(onSelect ? ["28px"] : []), ...columns.map(({ width }) => width)].join(" ");
   /** Everything between the last selected row and this one. */
-  const lastTicked = useRef(-1);
+  const lastTicked = useRef<string>(undefined);
   const tick = (index: number, withRange: boolean) => {
     const row = rows[index];
     if (row === undefined || !onSelect) return;
-    const from = lastTicked.current;
-    lastTicked.current = index;
+    const last = lastTicked.current;
+    const from = last === undefined ? -1 : rows.findIndex((one) => idOf(one) === last);
+    lastTicked.current = idOf(row);
     if (!withRange || from < 0) return toggle(row);
     const range = rows.slice(Math.min(from, index), Math.max(from, index) + 1);
     onSelect(new Set([...(selected ?? []), ...range.map(idOf)]));
@@ -165,7 +175,7 @@ export function DataTable<Row>(props: DataTableProps<Row>) {
                 aria-selected={onSelect ? (selected?.has(id) ?? false) : undefined}
                 style={{ gridTemplateColumns: template, transform: `translateY(${start}px)` }}
                 onClick={(event) => {
-                  setCurrent(index);
+                  setCurrentId(id);
                   if (event.target instanceof Element && event.target.closest("a, button, input"))
                     return;
                   if (onSelect && (event.metaKey || event.ctrlKey)) toggle(row);

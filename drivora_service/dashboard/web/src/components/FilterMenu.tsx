@@ -1,6 +1,6 @@
 import { useState } from "react";
-import { type Search, valuesOf } from "../address";
-import { type Filter, offered, withToggled, wordsFor } from "./filterValues";
+import type { Search } from "../address";
+import { chosenValues, type Filter, offered, withToggled, wordsFor } from "./filterValues";
 import { Menu } from "./Menu";
 import { count, moment } from "./numbers";
 import { TimeChoice } from "./TimeChoice";
@@ -17,7 +17,7 @@ export function FilterMenu({
   readonly search: Search;
   readonly onChange: (search: Search) => void;
 }) {
-  const chosen = valuesOf(search, filter.name);
+  const chosen = chosenValues(search, filter);
   const { title, time } = filter;
   const said = chosen.map((value) => (time ? moment(value).slice(0, 16) : wordsFor(filter, value)));
   return (
@@ -73,7 +73,7 @@ function Values({
   readonly close: () => void;
 }) {
   const [typed, setTyped] = useState("");
-  const chosen = valuesOf(search, filter.name);
+  const chosen = chosenValues(search, filter);
   const all = offered(filter, chosen);
   const shown = all.filter((value) =>
     wordsFor(filter, value).toLowerCase().includes(typed.toLowerCase()),

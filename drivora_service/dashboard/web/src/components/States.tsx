@@ -1,6 +1,7 @@
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
 import { Problem } from "../api/client";
+import { useLive } from "../live/hub";
 
 /** A screen without content says what would fill it, with the command. */
 export function Empty({
@@ -23,9 +24,11 @@ export function Empty({
 
 /** The layout of a list before its rows are there. */
 export function Loading({ rows = 6 }: { readonly rows?: number }) {
+  const live = useLive();
   return (
     <div className="loading" role="status">
       <span className="hidden-visually">Loading</span>
+      {!live && <p className="late">No connection to the service, trying again.</p>}
       {Array.from({ length: rows }, (_, row) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: rows of the same look
         <div key={row} className="bar" style={{ width: `${92 - ((row * 13) % 40)}%` }} />

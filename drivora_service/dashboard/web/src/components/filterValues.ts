@@ -17,6 +17,12 @@ export interface Filter {
   readonly hint?: string;
 }
 
+/** Returns the values of a filter that are set: of one that is single, as the API, the last. */
+export function chosenValues(search: Search, { name, single, time }: Filter): readonly string[] {
+  const values = valuesOf(search, name);
+  return single || time ? values.slice(-1) : values;
+}
+
 /** Returns the words for a value of a filter. */
 export function wordsFor(filter: Filter, value: string): string {
   return filter.words?.[value] ?? value.replaceAll("_", " ");
@@ -24,7 +30,7 @@ export function wordsFor(filter: Filter, value: string): string {
 
 /** Returns the address's values with one more, or without it if it is there. */
 export function withToggled(search: Search, filter: Filter, value: string): Search {
-  const now = valuesOf(search, filter.name);
+  const now = chosenValues(search, filter);
   const next = now.includes(value)
     ? now.filter((item) => item !== value)
     : filter.single
@@ -45,8 +51,9 @@ export function askedBy(
   filters: readonly Filter[],
 ): Record<string, string | readonly string[]> {
   const asked: Record<string, string | readonly string[]> = {};
-  for (const { name, single, time } of filters) {
-    const values = valuesOf(search, name);
+  for (const filter of filters) {
+    const { name, single, time } = filter;
+    const values = chosenValues(search, filter);
     if (values[0] !== undefined) asked[name] = single || time ? values[0] : values;
   }
   return asked;

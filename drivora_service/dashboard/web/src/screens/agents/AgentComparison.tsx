@@ -1,3 +1,4 @@
+import { Prose } from "../../components/Prose";
 import { type Agent, compared } from "./agent";
 
 /** Agents side by side: what differs first, what is the same below it. */
@@ -34,7 +35,9 @@ export function AgentComparison({
               <th scope="row">{name}</th>
               {values.map((value, place) => (
                 // One value an agent, in the agents' order.
-                <td key={agents[place]?.name}>{value}</td>
+                <td key={agents[place]?.name}>
+                  <Prose text={value} />
+                </td>
               ))}
             </tr>
           ))}

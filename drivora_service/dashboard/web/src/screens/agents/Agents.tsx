@@ -69,7 +69,12 @@ export function Agents() {
   const names = valuesOf(search, "compare");
   const chosen = names.flatMap((name) => all.find((agent) => agent.name === name) ?? []);
   const compare = (next: readonly string[]) =>
-    void navigate({ to: "/agents", search: { ...search, compare: next }, replace: true });
+    void navigate({
+      to: "/agents",
+      search: { ...search, compare: next },
+      replace: true,
+      resetScroll: false,
+    });
   const usable = all.filter(({ installed }) => installed).length;
   return (
     <>

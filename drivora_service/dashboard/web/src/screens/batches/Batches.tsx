@@ -12,6 +12,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
+import { NOT_JUDGED } from "../runs/status";
 import { BatchActions } from "./BatchActions";
 import {
   actionsOf,
@@ -77,9 +78,19 @@ const COLUMNS: readonly Column<Batch>[] = [
   {
     id: "not_judged",
     title: "Not judged",
+    hint: "Ended without a judgement, or cancelled",
     width: "90px",
     numeric: true,
-    cell: (batch) => count(standingOf(batch).notJudged),
+    cell: (batch) => {
+      const { notJudged, cancelled } = standingOf(batch);
+      return notJudged + cancelled > 0 ? (
+        <Link to="/runs" search={{ batch: batch.id, status: [...NOT_JUDGED, "cancelled"] }}>
+          {count(notJudged + cancelled)}
+        </Link>
+      ) : (
+        "0"
+      );
+    },
   },
   {
     id: "actions",

@@ -63,6 +63,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
         </section>
       )}
       <Answer campaign={campaign} />
+      <Judged campaign={campaign} />
       <div className="two wide-first">
         <section className="panel">
           <div className="inside">
@@ -118,7 +119,29 @@ function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       )}
       <Progress done={simulations} of={budget} />
       {rate !== null && <span>{rate.toFixed(1)} simulations a second</span>}
-      {state === "running" && left_s !== null && <span>{duration(left_s)} left</span>}
+      {state === "running" &&
+        (simulations >= budget ? (
+          <span>runs the failures a second time</span>
+        ) : (
+          left_s !== null && <span>{duration(left_s)} left</span>
+        ))}
+    </p>
+  );
+}
+
+/** Which oracles the campaign counts: its runs are judged by all, and the second runs are among them. */
+function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
+  const told = campaign.document.oracles;
+  const oracles = Array.isArray(told) ? told.map(String) : [];
+  return (
+    <p className="quiet">
+      {oracles.length > 0
+        ? `It counts violations of ${oracles.map((name) => name.replaceAll("_", " ")).join(", ")}. `
+        : "It counts violations of all oracles. "}
+      <Link to="/runs" search={{ campaign: campaign.id }}>
+        Its runs
+      </Link>{" "}
+      are judged by all oracles, and include the second runs of failures.
     </p>
   );
 }
@@ -127,6 +150,13 @@ function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
 function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const { counts, simulations, kinds } = campaign;
   const lost = counts.failed + counts.invalid;
+  const others =
+    counts.avoidable === null
+      ? 0
+      : counts.violating -
+        counts.avoidable -
+        (counts.unavoidable ?? 0) -
+        (counts.undetermined ?? 0);
   const filter = (accountability: string) => ({ tab: "failures", accountability });
   return (
     <p className="answer">
@@ -137,7 +167,7 @@ function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
           <Link to="." search={{ tab: "evaluations", violating: "true" }} resetScroll={false}>
             {count(counts.violating)} of {count(simulations)} simulations
           </Link>{" "}
-          failed, in {kinds.length} {kinds.length === 1 ? "kind" : "kinds"}:{" "}
+          failed, in {kinds.length} {kinds.length === 1 ? "way" : "ways"}:{" "}
           <Link
             className={counts.avoidable ? "bad" : undefined}
             to="."
@@ -163,6 +193,7 @@ function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
               </Link>
             </>
           ) : null}
+          {others > 0 && `, ${count(others)} without fault of an ego`}
         </>
       )}
       {lost > 0 && (

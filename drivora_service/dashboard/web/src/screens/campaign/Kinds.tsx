@@ -72,10 +72,10 @@ export function Kinds({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
     numeric("groups", "Groups", ({ groups }) => groups),
     {
       id: "first",
-      title: "First",
-      width: "90px",
+      title: "First evaluation",
+      width: "112px",
       numeric: true,
-      hint: "Number of the first evaluation with it",
+      hint: "Number of the first evaluation with it, from 0",
       cell: ({ first }) => (
         <Link to="." search={{ tab: "ancestry", number: String(first) }} resetScroll={false}>
           {first}

@@ -70,10 +70,13 @@ export function Campaigns() {
         <Refused error={query.error} onRepeat={() => void query.refetch()} />
       ) : rows.length === 0 ? (
         <Empty
-          title="No campaign matches"
-          command="drivora campaign run campaign.yaml --server URL"
+          title={Object.keys(filters).length > 0 ? "No campaign matches" : "No campaign yet"}
+          command={`drivora campaign run campaign.yaml --server ${window.location.origin}`}
         >
-          <p>Begin a search for failures of an ADS, or remove a filter.</p>
+          <p>
+            A campaign searches for failures of an ADS.
+            {Object.keys(filters).length > 0 && " Remove a filter to see others."}
+          </p>
         </Empty>
       ) : (
         <div className="with-news">

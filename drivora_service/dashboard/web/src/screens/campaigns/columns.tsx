@@ -44,7 +44,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "name",
     title: "Campaign",
-    width: "minmax(170px, 1.2fr)",
+    width: "minmax(140px, 1.2fr)",
     cell: ({ id, name, cell }) => (
       <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
         {shortName(name, cell) || id}
@@ -54,32 +54,32 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "state",
     title: "State",
-    width: "108px",
+    width: "104px",
     cell: ({ state, request, message }) => (
       <span title={message || undefined}>
         <Mark {...lookOfSearch(state, request)} />
       </span>
     ),
   },
-  { id: "tester", title: "Method", width: "104px", cell: ({ tester }) => tester },
+  { id: "tester", title: "Method", width: "100px", cell: ({ tester }) => tester },
   { id: "agent", title: "ADS", width: "86px", cell: ({ agent }) => agent },
   {
     id: "scene",
     title: "Scene",
-    width: "minmax(120px, 0.9fr)",
+    width: "minmax(100px, 0.9fr)",
     cell: ({ cell, town }) => cell?.scenario ?? town,
   },
   {
     id: "progress",
     title: "Simulations",
-    width: "142px",
+    width: "132px",
     cell: ({ simulations, budget }) => <Progress done={simulations} of={budget} />,
   },
   {
     id: "avoidable",
-    title: "Count",
+    title: "Counting",
     hint: "Simulations with a failure that counts: an ego was at fault and it was avoidable",
-    width: "58px",
+    width: "78px",
     numeric: true,
     cell: ({ id, counts }) =>
       counts.avoidable === null ? (
@@ -99,9 +99,9 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   },
   {
     id: "others",
-    title: "Others",
+    title: "Other",
     hint: "Simulations with other failures only: unavoidable, undetermined, or no ego at fault",
-    width: "62px",
+    width: "52px",
     numeric: true,
     cell: (campaign) =>
       others(campaign) === 0 ? (
@@ -124,7 +124,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "spark",
     title: "Found",
     hint: "Failures against simulations: red those that count, grey all",
-    width: "118px",
+    width: "100px",
     cell: (campaign) => <Spark campaign={campaign} />,
   },
   {
@@ -139,14 +139,14 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "left",
     title: "Left",
     hint: "Time left at this rate",
-    width: "72px",
+    width: "62px",
     numeric: true,
     cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
   },
   {
     id: "actions",
     title: "",
-    width: "136px",
+    width: "150px",
     cell: ({ id, name, state, request }) => (
       <Actions kind="campaign" id={id} name={name} state={state} request={request} small />
     ),

@@ -11,7 +11,7 @@ import { ACCOUNTABILITY } from "./words";
 /** Why a failure has no picture. */
 export function whyNone({ confirmation }: Schemas["FoundFailure"]): string {
   return confirmation === "open"
-    ? "drawn after the second run, at the end of the campaign"
+    ? "drawn once a second run has confirmed it"
     : "nothing was recorded";
 }
 

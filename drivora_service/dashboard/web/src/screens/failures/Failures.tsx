@@ -76,8 +76,14 @@ function Groups({
   if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
   if (rows.length === 0)
     return (
-      <Empty title="No failure matches" command="drivora campaign run campaign.yaml --server URL">
-        <p>A campaign searches for failures. Remove a filter to see those of other kinds.</p>
+      <Empty
+        title={Object.keys(filters).length > 0 ? "No failure matches" : "No failure yet"}
+        command={`drivora campaign run campaign.yaml --server ${window.location.origin}`}
+      >
+        <p>
+          A campaign searches for failures.
+          {Object.keys(filters).length > 0 && " Remove a filter to see those of other kinds."}
+        </p>
       </Empty>
     );
   const sum = (of: (group: Group) => number) => rows.reduce((total, one) => total + of(one), 0);

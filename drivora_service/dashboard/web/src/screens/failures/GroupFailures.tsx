@@ -61,7 +61,6 @@ export function GroupFailures({
 }) {
   const navigate = useNavigate();
   const [held, setHeld] = useState(false);
-  const [pointed, setPointed] = useState<Failure>();
   const { query, rows, left, news, insertNews, more } = useLiveList<Failure>({
     key: ["failures", filters],
     kind: "run",
@@ -84,7 +83,9 @@ export function GroupFailures({
       </Empty>
     );
   const chosen = rows.find((row) => idOf(row) === firstOf(search, "id"));
-  const shown = pointed ?? chosen ?? rows[0];
+  const shown = chosen ?? rows[0];
+  const choose = (row: Failure) =>
+    void navigate({ to: ".", search: { ...search, id: idOf(row) }, replace: true });
   return (
     <div className="two wide-first">
       <div className="with-news">
@@ -96,13 +97,8 @@ export function GroupFailures({
           idOf={idOf}
           left={left}
           onHold={setHeld}
-          onPoint={(row) => {
-            if (row) setPointed(row);
-          }}
-          onOpen={(row) => {
-            setPointed(undefined);
-            void navigate({ to: ".", search: { ...search, id: idOf(row) }, replace: true });
-          }}
+          onCurrent={choose}
+          onOpen={choose}
           onEnd={more}
         />
       </div>

@@ -25,7 +25,8 @@ export function Network() {
       <div className="head">
         <h1>{name}</h1>
         <p className="answer">
-          {count(roads.length)} lanes, {count(Object.keys(geometry.junctions).length)} junctions,{" "}
+          {count(geometry.lanes.length)} lanes, {count(roads.length)} of them outside junctions,{" "}
+          {count(Object.keys(geometry.junctions).length)} junctions,{" "}
           {count(geometry.traffic_lights.length)} traffic lights, {count(geometry.crossings.length)}{" "}
           crossings; up to {fixed(fastest * 3.6, 0)} km/h
         </p>

@@ -29,6 +29,9 @@ export function Programme({ light }: { readonly light: Light }) {
     starts.push(at);
     return at + phase.duration;
   }, 0);
+  const ways = [...new Set(links.map(({ direction }) => direction))]
+    .map((direction) => `${direction} ${TURNS[direction] ?? ""}`)
+    .join(", ");
   const height = links.length * ROW + 22;
   return (
     <>
@@ -36,6 +39,9 @@ export function Programme({ light }: { readonly light: Light }) {
         Programme {light.program}, cycle of {fixed(cycle, 0)} s
         {light.offset ? `, delayed by ${fixed(light.offset, 0)} s` : ""}. A scenario may set other
         durations.
+      </p>
+      <p className="quiet">
+        A row is a signal with its number and its way: {ways}. Its lanes are in its tooltip.
       </p>
       <svg
         className="programme"

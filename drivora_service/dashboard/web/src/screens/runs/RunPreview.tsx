@@ -34,7 +34,8 @@ function Picture({ run, element }: Pointed) {
       data-state={state}
       style={{
         width: WIDTH_PX,
-        left: Math.min(row.left + 200, window.innerWidth - WIDTH_PX - 24),
+        // At the right: what tells the rows apart stays in sight.
+        left: Math.max(row.right - WIDTH_PX - 8, 24),
         ...(below ? { top: row.bottom + 4 } : { bottom: window.innerHeight - row.top + 4 }),
       }}
     >

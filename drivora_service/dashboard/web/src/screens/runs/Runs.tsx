@@ -72,8 +72,8 @@ export function Runs() {
     [oldestFirst, navigate],
   );
   const columns = useColumns("runs", all, USUAL_COLUMNS);
-  const compare = ([one, other]: readonly string[]) => {
-    if (one && other)
+  const compare = ([one, other, third]: readonly string[]) => {
+    if (one && other && !third)
       void navigate({ to: "/runs/$runId", params: { runId: one }, search: { with: other } });
   };
   const anyFilter = Object.keys(filters).length > 0;
@@ -129,7 +129,7 @@ export function Runs() {
             onPoint={(run, element) => setPointed(run && element ? { run, element } : undefined)}
             onEnd={more}
             onOpen={({ id }) => void navigate({ to: "/runs/$runId", params: { runId: id } })}
-            height="calc(100vh - 170px)"
+            height="calc(100vh - 196px)"
           />
           <RunPreview pointed={pointed} />
         </div>

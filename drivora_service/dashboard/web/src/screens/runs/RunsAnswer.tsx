@@ -23,6 +23,11 @@ export function RunsAnswer({
     },
     { words: "passed", number: counts.not_violated, adds: { violated: "false" } },
     { words: "not judged", number: notJudged, adds: { status: NOT_JUDGED } },
+    {
+      words: "cancelled",
+      number: counts.status.cancelled ?? 0,
+      adds: { status: "cancelled" },
+    },
     { words: "waiting or running", number: waiting, adds: { status: ["queued", "running"] } },
   ];
   return (

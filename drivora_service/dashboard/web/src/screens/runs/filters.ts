@@ -63,6 +63,10 @@ export function runFilters(
       counts: counts?.accountability,
       hint: "The strongest accountability of a run's violations",
     },
+    // Links lead to it; nobody types the hash of a scenario.
+    ...(firstOf(search, "scenario_sha256")
+      ? [sameScenario(firstOf(search, "scenario_sha256"))]
+      : []),
     { name: "agent", title: "ADS", single: true, counts: counts?.agent ?? {} },
     { name: "town", title: "Town", single: true, counts: counts?.town ?? {} },
     {
@@ -88,6 +92,17 @@ export function runFilters(
     },
     { name: "until", title: "Until", single: true, time: true, hint: "Queued before this time" },
   ];
+}
+
+function sameScenario(sha256: string): Filter {
+  return {
+    name: "scenario_sha256",
+    title: "Scenario",
+    single: true,
+    values: [sha256],
+    words: { [sha256]: sha256.slice(0, 8) },
+    hint: "Runs of one scenario, by its hash",
+  };
 }
 
 const OUTCOME: Filter = {

@@ -104,7 +104,10 @@ export function Studies() {
       ) : query.isError ? (
         <Refused error={query.error} onRepeat={() => void query.refetch()} />
       ) : rows.length === 0 ? (
-        <Empty title="No study yet" command="drivora study run study.yaml --server URL">
+        <Empty
+          title="No study yet"
+          command={`drivora study run study.yaml --server ${window.location.origin}`}
+        >
           <p>A study runs a campaign for each scenario, ADS, method and repetition.</p>
         </Empty>
       ) : (
