@@ -24,6 +24,8 @@ from drivora_service.store.revisions import Position
 
 HEARTBEAT_S = 15.0
 """Seconds of silence after which a comment is sent, with the position of the stream."""
+_CHECK_S = 1.0
+"""Seconds between two looks at the token of a stream that tells nothing."""
 _FAULT_S = 1.0
 
 HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -62,7 +64,8 @@ class EventStream(StreamingResponse):
         Args:
             feed: What changes.
             wanted: What of it is told.
-            is_allowed: Returns whether the client's token is still valid.
+            is_allowed: Returns whether the client's token is still valid. It is asked before
+                whatever is told, so it must be cheap.
         """
         super().__init__(_events(feed, wanted, is_allowed), headers=HEADERS, media_type=EVENTS)
         self._feed = feed
@@ -82,12 +85,14 @@ async def _events(
     yield _frame("begin", position, Begin, Begin(revision=position.revision))
     if wanted.is_reset:
         yield _frame("reset", position, Reset, Reset(revision=position.revision))
-    beat_at = check_at = time.monotonic() + HEARTBEAT_S
+    beat_at = time.monotonic() + HEARTBEAT_S
     workers: Workers | None = None
     while not feed.is_closed:
         found = await _workers(feed) if wanted.tells_workers else None
         if found is not None and (workers is None or _steady(found) != _steady(workers)):
             workers = found
+            if not is_allowed():
+                return
             yield feed.frame(
                 (position, workers), partial(_frame, "workers", position, Workers, workers)
             )
@@ -103,6 +108,9 @@ async def _events(
                 position = listed.position
                 told = tuple(c for c in listed.changes if not wanted.of or c.is_of(wanted.of))
                 if told:
+                    # After the list was waited for: nothing is told once the token is revoked.
+                    if not is_allowed():
+                        return
                     changes = Changes(revision=position.revision, changes=told)
                     # With its end: a list that was read before the newest change is shorter.
                     yield feed.frame(
@@ -111,13 +119,10 @@ async def _events(
                     )
                     beat_at = time.monotonic() + HEARTBEAT_S
         else:
-            longest = min(beat_at, check_at) - time.monotonic()
+            longest = min(beat_at - time.monotonic(), _CHECK_S)
             await _wait(moved, min(longest, WORKERS_S) if wanted.tells_workers else longest)
-        if time.monotonic() >= check_at:
-            # However much is told: a token that was revoked ends its streams.
-            if not is_allowed():
-                return
-            check_at = time.monotonic() + HEARTBEAT_S
+        if not is_allowed():
+            return
         if time.monotonic() >= beat_at:
             # An id without data is no event; a client that comes again names it.
             yield f": heartbeat\nid: {position}\n\n".encode()

@@ -79,12 +79,6 @@ class Reader:
         return {change["id"]: change for change in told.data["changes"]}
 
 
-def comments(reader: Reader) -> None:
-    """Reads comments until the stream ends."""
-    while True:
-        assert reader.next().name == ""
-
-
 @contextmanager
 def many(offline: Offline) -> Iterator[httpx.Client]:
     """A client that holds hundreds of connections."""
@@ -226,20 +220,27 @@ def test_head_ends(offline: Offline) -> None:
     assert answer.headers["Content-Type"].startswith("text/event-stream")
 
 
+@pytest.mark.parametrize("is_silent", [True, False])
 def test_a_stream_ends_with_its_token(
-    make_offline: MakeOffline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    make_offline: MakeOffline, tmp_path: Path, *, is_silent: bool
 ) -> None:
-    monkeypatch.setattr(event_stream, "HEARTBEAT_S", 0.2)
     tokens = TokenFile(tmp_path / "tokens.json")
     secret = tokens.create("reader", Scope.READ)
     tokens.create("other", Scope.READ)
     offline = make_offline(tokens=tokens)
     is_problem(offline.client.get(EVENTS), 401)
     with listening(offline, headers=bearer(secret)) as reader:
-        assert [reader.next().name for _ in range(2)] == ["begin", ""]
-        tokens.revoke("reader")
+        assert reader.next().name == "begin"
+        (run_id,) = submit(offline.context.database, 1, priority=Priority.CI)
+        assert run_id in reader.changed()
+        # As another process does it.
+        TokenFile(tmp_path / "tokens.json").revoke("reader")
+        revoked_at = time.monotonic()
+        if not is_silent:
+            submit(offline.context.database, 1, priority=Priority.CI)
         with pytest.raises(EOFError):
-            comments(reader)
+            reader.next()
+        assert time.monotonic() - revoked_at < event_stream.HEARTBEAT_S / 3
 
 
 def test_streams_are_bounded_and_their_places_are_given_back(offline: Offline) -> None:
