@@ -89,14 +89,15 @@ def avoidable_until(verdict: Verdict) -> float | None:
 
 def _what(verdict: Verdict) -> str:
     evidence = verdict.evidence
-    role, speed = evidence.get("counterpart_role"), evidence.get("ego_speed")
+    # The speed of the message: that of the ego alone would be another one for the same failure.
+    role, speed = evidence.get("counterpart_role"), evidence.get("relative_speed")
     if verdict.oracle != "collision" or role is None or speed is None:
         return verdict.message.strip().rstrip(".") or f"Violated {verdict.oracle}"
     face, reason = evidence.get("face"), evidence.get("reason")
     touched = f" ({face} of the ego)" if face else ""
     return (
-        f"Collided with {_ROLES.get(str(role), str(role))} at {float(speed):.1f} m/s{touched}"
-        f"{f': {reason}' if reason else ''}"
+        f"Collided with {_ROLES.get(str(role), str(role))} at {float(speed):.1f} m/s relative to it"
+        f"{touched}{f': {reason}' if reason else ''}"
     )
 
 

@@ -22,12 +22,13 @@ EVIDENCE: dict[str, Any] = {
     "rule": "pedestrian",
     "face": "front",
     "ego_speed": 7.96,
+    "relative_speed": 8.93,
 }
 COLLISION = Verdict(
     oracle="collision",
     ego="ego",
     outcome=Outcome.VIOLATED,
-    message="Collided with walker_1 at 8.0 m/s: the other went across the lane.",
+    message="Collided with walker_1 at 8.9 m/s: the other went across the lane.",
     at_fault=True,
     avoidable=Answer.YES,
     time=4.55,
@@ -42,10 +43,13 @@ def test_a_collision_is_told_by_party_speed_manoeuvre_place_and_time() -> None:
         COLLISION, town="tee-town", kind="collision|junction C|npc_walker, front"
     )
     assert told == (
-        "Collided with a walker at 8.0 m/s (front of the ego): the other went across the lane, and "
-        "there was time to brake, at junction C of tee-town; the fault of the ego, avoidable until "
-        "2.50 s."
+        "Collided with a walker at 8.9 m/s relative to it (front of the ego): the other went "
+        "across the lane, and there was time to brake, at junction C of tee-town; the fault of the "
+        "ego, avoidable until 2.50 s."
     )
+    speed = f"at {EVIDENCE['relative_speed']:.1f} m/s"
+    assert speed in told, "one failure has one speed, in its sentence and in its message"
+    assert speed in COLLISION.message
 
 
 @pytest.mark.parametrize(
