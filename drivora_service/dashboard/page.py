@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import mimetypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from http import HTTPStatus
 from pathlib import Path
 
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
-from starlette.routing import BaseRoute, Route
+from starlette.routing import BaseRoute, Match, Route
+from starlette.types import Scope
 
 BUILT = Path(__file__).with_name("built")
 """Where the package's build puts the page."""
@@ -47,6 +49,8 @@ _HEADERS = {
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
 }
+_NO_SCREENS = frozenset({"api", "docs", "assets", "healthz", "readyz", "metrics"})
+"""First parts of addresses that programs ask for: what is not there has no page."""
 _ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
 """Forms that the build stores beside each file, the best first."""
 _NOT_BUILT = (
@@ -63,6 +67,14 @@ def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
             return Response(_NOT_BUILT, 503, media_type="text/plain")
         # Small, and names the files of one build: always asked for again.
         return _file(request, built / "index.html", "no-cache")
+
+    def no_screen(request: Request) -> Response:
+        # The page itself says that there is no such screen.
+        answer = document(request)
+        if answer.status_code == HTTPStatus.OK:
+            answer.status_code = HTTPStatus.NOT_FOUND
+        answer.headers.append("Vary", "Accept, Sec-Fetch-Mode")
+        return answer
 
     def asset(request: Request) -> Response:
         path = built / "assets" / request.path_params["name"]
@@ -81,7 +93,36 @@ def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
         ),
         Route("/assets/{name}", asset, include_in_schema=False),
         Route("/icon.svg", icon, include_in_schema=False),
+        _Elsewhere("/{rest:path}", no_screen),
     ]
+
+
+class _Elsewhere(Route):
+    """The addresses that nothing else has, for those who go there in a browser.
+
+    For all others it is no route: they are told in JSON what is not there.
+    """
+
+    def __init__(self, path: str, endpoint: Callable[[Request], Response]) -> None:
+        super().__init__(path, endpoint, include_in_schema=False)
+        # It takes what no other route takes, and adds no method to the paths of others.
+        self.methods = None
+
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Matches the requests of a browser for a page."""
+        if scope["type"] != "http" or not _goes_to_a_page(Request(scope)):
+            return Match.NONE, {}
+        return super().matches(scope)
+
+
+def _goes_to_a_page(request: Request) -> bool:
+    first = request.url.path.lstrip("/").partition("/")[0]
+    return (
+        request.method in ("GET", "HEAD")
+        and first not in _NO_SCREENS
+        and request.headers.get("sec-fetch-mode", "navigate") == "navigate"
+        and "text/html" in request.headers.get("accept", "").lower()
+    )
 
 
 def _file(request: Request, path: Path, cache: str) -> Response:

@@ -40,6 +40,52 @@ def test_every_screen_is_the_same_document(client: httpx.Client) -> None:
         assert client.get(f"/{section}/an-id/part").text == document
 
 
+BROWSER = {"Accept": "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"}
+
+
+@pytest.mark.parametrize("path", ["/nowhere", "/nowhere/else", "/run", "/documents", "/no.ico"])
+def test_who_goes_nowhere_in_a_browser_gets_the_page_which_says_so(
+    client: httpx.Client, path: str
+) -> None:
+    shown = client.get(path, headers=BROWSER)
+    assert shown.status_code == 404
+    assert shown.text == client.get("/").text
+    assert shown.headers["content-security-policy"]
+    assert "Accept" in ",".join(shown.headers.get_list("vary"))
+    assert client.head(path, headers=BROWSER).status_code == 404
+    fetched = BROWSER | {"Sec-Fetch-Mode": "cors"}
+    others = [
+        client.get(path),
+        client.get(path, headers=fetched),
+        client.post(path, headers=BROWSER),
+        client.delete(path),
+    ]
+    for answer in others:
+        assert answer.status_code == 404, answer.request
+        assert answer.headers["content-type"] == "application/problem+json"
+    assert client.get(path, headers={"If-None-Match": shown.headers["etag"], **BROWSER}).text
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *("/api/v1/nothing", "/api", "/docs/x", "/healthz/x", "/readyz/x", "/metrics/x"),
+        *("/api/v1/runs/none", "/api/v1/nothing/at/all"),
+    ],
+)
+def test_programs_are_told_in_their_form_what_is_not_there(client: httpx.Client, path: str) -> None:
+    answer = client.get(path, headers=BROWSER)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_methods_are_told_as_before(client: httpx.Client) -> None:
+    refused = client.delete("/api/v1/runs", headers=BROWSER)
+    assert (refused.status_code, refused.headers["allow"]) == (405, "GET, HEAD")
+    refused = client.get("/api/v1/scenarios:validate", headers=BROWSER)
+    assert (refused.status_code, refused.headers["allow"]) == (405, "POST")
+
+
 def test_the_sections_are_those_of_the_router() -> None:
     paths = re.findall(r'path: "/([a-z]+)', ROUTER.read_text())
     assert set(paths) <= set(SECTIONS)
