@@ -6,7 +6,8 @@ finding, so that tens of thousands take a few milliseconds. Groups read an index
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Any
 
 from pydantic_core import from_json
@@ -84,8 +85,9 @@ class FoundRepository:
         rows = self._session.execute(query.limit(limit + 1)).all()
         shown = rows[:limit]
         more = make_token(scope, shown[-1].last) if len(rows) > limit else ""
-        examples = self._of([_example(row) for row in shown])
-        items = tuple(_group(row, examples[_example(row)]) for row in shown)
+        chosen = self._examples(shown, conditions)
+        examples = self._of(chosen)
+        items = tuple(_group(row, examples[seq]) for row, seq in zip(shown, chosen, strict=True))
         return Page(items=items, next_page_token=more)
 
     def failure(self, failure_id: int) -> FoundFailure:
@@ -133,6 +135,27 @@ class FoundRepository:
             conditions.append(FoundRow.batch_seq == batch_seq)
         return conditions
 
+    def _examples(
+        self, groups: Sequence[Row[*tuple[Any, ...]]], conditions: Sequence[ColumnElement[bool]]
+    ) -> list[int]:
+        """Returns the ``seq`` of the example of each group."""
+        usual = {row.group: _usual_example(row) for row in groups}
+        recorded = self._recorded(usual.values())
+        lacking = [group for group, seq in usual.items() if seq not in recorded]
+        if lacking:
+            # A second look at these groups only: in most lists there is none.
+            query = _kept_query().where(*conditions, FoundRow.group.in_(lacking))
+            others = {group: seqs for group, *seqs in self._session.execute(query)}
+            recorded = self._recorded(chain.from_iterable(others.values()))
+            for group, seqs in others.items():
+                usual[group] = next((seq for seq in seqs if seq in recorded), usual[group])
+        return [usual[row.group] for row in groups]
+
+    def _recorded(self, seqs: Iterable[int | None]) -> set[int]:
+        """Returns those of the failures that have a recording."""
+        known = {seq for seq in seqs if seq is not None}
+        return set(self._session.scalars(_recorded_query().where(FoundRow.seq.in_(known))))
+
     def _of(self, seqs: Sequence[int]) -> dict[int, FoundFailure]:
         """Returns failures by their ``seq``."""
         rows = self._session.execute(_detail_query().where(FoundRow.seq.in_(seqs))).all()
@@ -156,13 +179,44 @@ def _group_query() -> Select[*tuple[Any, ...]]:
     ).group_by(FoundRow.group)
 
 
+def _kept_query() -> Select[*tuple[Any, ...]]:
+    """Returns a query of the failures of groups that are most likely recorded, the best first.
+
+    The index does not know recordings, but in campaigns only failures that were run again have one.
+    Retention leaves those of the first failures of a campaign and of the last runs.
+    """
+    is_avoidable = FoundRow.accountability == Accountability.AVOIDABLE
+    return (
+        select(
+            FoundRow.group,
+            func.max(case((is_avoidable, FoundRow.seq))),
+            func.max(FoundRow.seq),
+            func.min(FoundRow.seq),
+        )
+        .where(FoundRow.confirmation != Confirmation.OPEN)
+        .group_by(FoundRow.group)
+    )
+
+
+_OF_FAILURE = (
+    (FailureRow.campaign_seq == FoundRow.campaign_seq)
+    & (FailureRow.number == FoundRow.number)
+    & (FailureRow.place == FoundRow.place)
+)
+
+
+def _recorded_query() -> Select[int]:
+    """Returns a query of the failures that have a recording."""
+    return (
+        select(FoundRow.seq)
+        .outerjoin(FailureRow, _OF_FAILURE)
+        .outerjoin(RunRow, RunRow.seq == FoundRow.run_seq)
+        .where((FailureRow.trace != "") | (RunRow.trace_sha256 != ""))
+    )
+
+
 def _detail_query() -> Select[*tuple[Any, ...]]:
     batch_id = case((BatchRow.id.startswith(SINGLE_JOBS), ""), else_=BatchRow.id)
-    of_failure = (
-        (FailureRow.campaign_seq == FoundRow.campaign_seq)
-        & (FailureRow.number == FoundRow.number)
-        & (FailureRow.place == FoundRow.place)
-    )
     return (
         select(
             FoundRow.seq,
@@ -186,7 +240,7 @@ def _detail_query() -> Select[*tuple[Any, ...]]:
             ReportRow.body.label("report"),
         )
         .outerjoin(CampaignRow, CampaignRow.seq == FoundRow.campaign_seq)
-        .outerjoin(FailureRow, of_failure)
+        .outerjoin(FailureRow, _OF_FAILURE)
         .outerjoin(BatchRow, BatchRow.seq == FoundRow.batch_seq)
         .outerjoin(RunRow, RunRow.seq == FoundRow.run_seq)
         .outerjoin(ReportRow, ReportRow.run_seq == FoundRow.run_seq)
@@ -220,7 +274,7 @@ def _failure(row: Row[*tuple[Any, ...]]) -> FoundFailure:
     )
 
 
-def _example(row: Row[*tuple[Any, ...]]) -> int:
+def _usual_example(row: Row[*tuple[Any, ...]]) -> int:
     example: int = row.last if row.last_avoidable is None else row.last_avoidable
     return example
 

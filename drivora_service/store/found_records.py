@@ -98,7 +98,8 @@ class FailureGroup(Shape):
         towns: Number of road networks.
         first_seen: When the first was found.
         last_seen: When the last was found.
-        example: The last one that is the fault of an ego and avoidable, else the last one.
+        example: One with a recording, if it has one, and of those the last that is the fault of an
+            ego and avoidable, else the last.
         sentence: The facts of the example.
     """
 

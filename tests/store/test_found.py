@@ -153,12 +153,51 @@ def test_filters_and_groups_are_those_of_the_whole_list(
             members = [failure for failure in expected if failure.group == one.group]
             avoidable = [m for m in members if m.accountability is Accountability.AVOIDABLE]
             assert (one.avoidable, one.others) == (len(avoidable), len(members) - len(avoidable))
-            assert one.example == (avoidable or members)[0]
+            usual = (avoidable or members)[0]
+            assert one.example == usual or (one.example.is_recorded and not usual.is_recorded)
+            assert one.example in members
+            assert one.example.is_recorded == any(m.is_recorded for m in members)
             assert one.sentence == one.example.sentence
             assert (one.first_seen, one.last_seen) == (members[-1].found_at, members[0].found_at)
             assert one.campaigns == len({m.campaign_id for m in members} - {""})
             assert one.towns == len({m.town for m in members})
     assert len(sizes) > 5
+
+
+def test_the_example_of_a_group_has_a_recording_if_one_of_its_failures_has(
+    database: Database,
+) -> None:
+    """The newest failures may be of a campaign that ended before they were run again."""
+
+    def example() -> FoundFailure:
+        with database.read() as transaction:
+            (group,) = transaction.found.groups().items
+        return group.example
+
+    whole, cancelled = create(database), create(database, "cancelled")
+    append(
+        database,
+        whole,
+        *(
+            evaluation(n, violated=(True,), avoidable=(Answer.YES, Answer.NO)[n > 1])
+            for n in range(3)
+        ),
+    )
+    append(database, cancelled, evaluation(0, violated=(True,), avoidable=Answer.YES))
+    assert (example().campaign_id, example().is_recorded) == (cancelled, False)
+    for number, confirmation, trace in (
+        (2, Confirmation.FLAKY, ""),
+        (0, Confirmation.CONFIRMED, "000000.trace.parquet"),
+    ):
+        with database.write() as transaction:
+            transaction.evaluations.confirm(whole, number, confirmation, trace=trace)
+    assert (example().campaign_id, example().evaluation) == (whole, 0)
+    with database.write() as transaction:
+        transaction.evaluations.confirm(whole, 1, Confirmation.CONFIRMED, trace="1.trace.parquet")
+    assert (example().campaign_id, example().evaluation) == (whole, 1), "the last that is avoidable"
+    with database.read() as transaction:
+        (group,) = transaction.found.groups(FoundFilter(campaign_id=cancelled)).items
+    assert group.example.campaign_id == cancelled, "another is not in the list"
 
 
 def test_pages_follow_one_another(database: Database, campaign_id: str) -> None:
