@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, Integer, String, Text, false, text
-from sqlalchemy.orm import Mapped, mapped_column
+from sqlalchemy import ColumnElement, ForeignKey, Index, Integer, String, Text, false, text
+from sqlalchemy.orm import InstrumentedAttribute, Mapped, mapped_column
 
 from drivora_service.store.tables import Base
 
@@ -176,3 +176,9 @@ class FailureKindRow(Base):
     flaky: Mapped[int]
     first: Mapped[int]
     groups: Mapped[int]
+
+
+def is_campaign_of(batch_id: InstrumentedAttribute[str]) -> ColumnElement[bool]:
+    """Returns the condition that a campaign is the one whose runs are in a batch."""
+    # The second condition is that of the index.
+    return (CampaignRow.batch_id == batch_id) & (CampaignRow.batch_id != "")

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.shapes import Shape
 from drivora_service.store.batches import SINGLE_JOBS
-from drivora_service.store.campaign_tables import CampaignRow, StudyRow
+from drivora_service.store.campaign_tables import CampaignRow, StudyRow, is_campaign_of
 from drivora_service.store.revisions import Position, is_known, latest_position
 from drivora_service.store.tables import BatchRow, RunRow
 
@@ -145,7 +145,7 @@ def _query(kind: ChangedKind) -> Select[*tuple[Any, ...]]:
                 campaign_id=CampaignRow.id,
                 study_id=CampaignRow.study_id,
             ).join(BatchRow, BatchRow.seq == RunRow.batch_seq)
-            query = query.outerjoin(CampaignRow, _is_campaign_of(BatchRow.id))
+            query = query.outerjoin(CampaignRow, is_campaign_of(BatchRow.id))
         case ChangedKind.BATCH:
             row = BatchRow
             query = (
@@ -157,7 +157,7 @@ def _query(kind: ChangedKind) -> Select[*tuple[Any, ...]]:
                     campaign_id=CampaignRow.id,
                     study_id=CampaignRow.study_id,
                 )
-                .outerjoin(CampaignRow, _is_campaign_of(BatchRow.id))
+                .outerjoin(CampaignRow, is_campaign_of(BatchRow.id))
                 .where(~BatchRow.id.startswith(SINGLE_JOBS))
             )
         case ChangedKind.CAMPAIGN:
@@ -188,8 +188,3 @@ def _columns(kind: ChangedKind, row: Any, status: Any, **owners: Any) -> Select[
         row.revision.label("revision"),
         *(func.coalesce(column, "").label(name) for name, column in owners.items()),
     ).select_from(row)
-
-
-def _is_campaign_of(batch_id: Any) -> Any:
-    # The second condition is that of the index.
-    return (CampaignRow.batch_id == batch_id) & (CampaignRow.batch_id != "")

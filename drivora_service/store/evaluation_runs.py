@@ -70,6 +70,8 @@ def run_of_evaluation(session: Session, wanted: EvaluationId) -> RunRecord:
         report,
         **values,
         id=wanted.run_id,
+        campaign_id=campaign.id,
+        evaluation=wanted.number,
         label=f"{campaign.name} #{wanted.number}",
         batch_id=campaign.batch_id or "",
         item=wanted.number,

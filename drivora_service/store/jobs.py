@@ -12,6 +12,7 @@ from drivora_service.errors import UnknownName
 from drivora_service.runs.encoding import report_from_json
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.shapes import combine, field_names, read_all
+from drivora_service.store.campaign_tables import CampaignRow, is_campaign_of
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.chunks import batched
 from drivora_service.store.facet_tables import FacetRow
@@ -21,7 +22,7 @@ from drivora_service.store.records import Attempt, JobFilter, NewRun, Page, RunR
 from drivora_service.store.run_counts import RunCounts, count_runs
 from drivora_service.store.run_queries import run_query, summaries
 from drivora_service.store.submitting import queued_runs, submit_runs
-from drivora_service.store.tables import AttemptRow, DocumentRow, ReportRow, RunRow
+from drivora_service.store.tables import AttemptRow, BatchRow, DocumentRow, ReportRow, RunRow
 
 
 class JobRepository:
@@ -74,14 +75,18 @@ class JobRepository:
         Raises:
             UnknownName: There is none of this id.
         """
-        summary, tries = self.get(job_id), self.attempts(job_id)
+        summary = self.get(job_id)
+        campaign_id = self._campaign_of(job_id)
+        known = {
+            "tries": self.attempts(job_id),
+            "campaign_id": campaign_id,
+            "evaluation": summary.item if campaign_id else None,
+        }
         report = self.report(job_id) if summary.status.is_final else None
         if report is None:
-            return combine(RunRecord, summary, tries=tries)
+            return combine(RunRecord, summary, **known)
         cost = report.step_cost_us if report.steps else None
-        return combine(
-            RunRecord, summary, report, tries=tries, error=report.failure, step_cost_us=cost
-        )
+        return combine(RunRecord, summary, report, **known, error=report.failure, step_cost_us=cost)
 
     def page(
         self,
@@ -182,6 +187,17 @@ class JobRepository:
     def counts_by_filter(self, wanted: JobFilter) -> RunCounts:
         """Returns the numbers of jobs that pass a filter, and by the values of its parts."""
         return count_runs(self._session, wanted)
+
+    def _campaign_of(self, job_id: str) -> str:
+        """Returns the id of a job's campaign, in whose batch its place is the evaluation."""
+        query = (
+            select(CampaignRow.id)
+            .select_from(RunRow)
+            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            .join(CampaignRow, is_campaign_of(BatchRow.id))
+            .where(RunRow.id == job_id)
+        )
+        return self._session.scalar(query) or ""
 
     def queued(self) -> int:
         """Returns the number of queued runs."""

@@ -178,6 +178,8 @@ class RunRecord(RunSummary):
         privileged: Ids of the egos that got more than the perception model lets through.
         versions: Versions of the software that took part, by name.
         tries: Every attempt at the run, first to last.
+        campaign_id: Campaign of which it is a run; empty without one.
+        evaluation: Number of the campaign's evaluation; null without a campaign.
     """
 
     error: RunFailure | None = None
@@ -190,6 +192,8 @@ class RunRecord(RunSummary):
     privileged: tuple[str, ...] = ()
     versions: Mapping[str, Any] = field(default_factory=dict)
     tries: tuple[Attempt, ...] = ()
+    campaign_id: str = ""
+    evaluation: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

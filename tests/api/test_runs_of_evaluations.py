@@ -43,6 +43,8 @@ def test_a_failure_leads_to_its_replay(service: httpx.Client) -> None:
         assert failure["is_recorded"]
         run = service.get(failure["run_url"]).json()
         assert run["id"] == f"{failure['campaign_id']}-{failure['evaluation']}"
+        assert run["campaign_id"] == failure["campaign_id"]
+        assert run["evaluation"] == failure["evaluation"]
         assert run["status"] == "finished"
         assert failure["verdict"] in run["verdicts"]
         assert run["violations"] >= 1

@@ -7,8 +7,11 @@ from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database
+from drivora_service.store.evaluation_runs import EvaluationId
 from drivora_service.store.records import JobFilter, Page, Priority, RunSummary
 from tests.store.samples import claim, finish, finished, new_run, register, submit
+from tests.store.test_campaigns import append, create, evaluation
+from tests.store.test_query_plans import plan, queries, refuse_unbounded
 
 
 def test_pages_cover_everything_once_while_the_table_grows(database: Database) -> None:
@@ -24,6 +27,36 @@ def test_pages_cover_everything_once_while_the_table_grows(database: Database) -
             break
         submit(database, 1)
     assert seen == list(reversed(runs))
+
+
+def test_a_run_of_a_campaign_names_its_evaluation(database: Database) -> None:
+    campaign_id = create(database)
+    with database.write() as transaction:
+        batch_id = transaction.campaign_runs.open(campaign_id)
+        runs = [
+            new_run("{}", run_id=f"{campaign_id}-7", item=7),
+            new_run("{}", run_id=f"{campaign_id}-7-again", item=7),
+        ]
+        transaction.jobs.submit(runs, batch_id=batch_id)
+        other = transaction.batches.create(name="b", priority=Priority.CI)
+        (in_batch,) = transaction.jobs.submit([new_run("{}")], batch_id=other.id)
+    (alone,) = submit(database, 1)
+    append(database, campaign_id, evaluation(0))
+    owner = register(database)
+    finish(database, owner, *map(finished, claim(database, owner, 1)))
+    with queries(database) as asked, database.read() as transaction:
+        of_run = {
+            run_id: (run.campaign_id, run.evaluation)
+            for run_id in (*(run.run_id for run in runs), in_batch, alone)
+            for run in [transaction.jobs.detail(run_id)]
+        }
+        without_job = transaction.campaign_views.run(EvaluationId(campaign_id, 0))
+    evaluations = {run.run_id: (campaign_id, 7) for run in runs}
+    assert of_run == {**evaluations, in_batch: ("", None), alone: ("", None)}
+    assert (without_job.campaign_id, without_job.evaluation) == (campaign_id, 0)
+    steps = [step for query in asked for step in plan(database, *query)]
+    refuse_unbounded(steps)
+    assert not [step for step in steps if step.startswith("SCAN campaigns")]
 
 
 def test_a_token_of_another_query_is_refused(database: Database) -> None:

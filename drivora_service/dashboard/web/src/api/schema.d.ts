@@ -2994,7 +2994,7 @@ export interface components {
              * @description Number of campaigns that found some.
              */
             campaigns: number;
-            /** @description The last one that is the fault of an ego and avoidable, else the last one. */
+            /** @description One with a recording, if it has one, and of those the last that is the fault of an ego and avoidable, else the last. */
             example: components["schemas"]["FoundFailure"];
             /**
              * Failures
@@ -4505,6 +4505,12 @@ export interface components {
              * @description Empty for a job that was posted singly.
              */
             batch_id: string;
+            /**
+             * Campaign Id
+             * @description Campaign of which it is a run; empty without one.
+             * @default
+             */
+            campaign_id: string;
             /** Cancel Requested */
             cancel_requested: boolean;
             /**
@@ -4521,6 +4527,11 @@ export interface components {
             ended_at: string | null;
             /** @description Why the run was not judged. */
             error?: components["schemas"]["RunFailure"] | null;
+            /**
+             * Evaluation
+             * @description Number of the campaign's evaluation; null without a campaign.
+             */
+            evaluation?: number | null;
             /** Id */
             id: string;
             /**
@@ -7935,8 +7946,8 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example evaluation,kind,at_fault,time_s,sentence
-                     *     20,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 15.6 m/s (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
-                     *     23,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 15.6 m/s (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     *     20,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     *     23,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
                      */
                     "text/csv": string;
                 };
