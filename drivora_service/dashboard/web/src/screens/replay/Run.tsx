@@ -38,7 +38,7 @@ export function Run() {
           <Link to="/networks/$name" params={{ name: run.town }} search={{}}>
             {run.town}
           </Link>
-          {run.seed !== null && `, seed ${run.seed}`}
+          {run.seed !== null && `, seed ${run.seed}`} <Origin run={run} />
         </p>
         <div className="actions">
           <Copy text={run.id} label="Copy the id" />
@@ -50,6 +50,34 @@ export function Run() {
       </div>
       {run.trace_sha256 && run.status !== "finished" && <NotJudged run={run} />}
       {run.trace_sha256 ? <Replay key={run.id} run={run} /> : <NoRecording run={run} />}
+    </>
+  );
+}
+
+/** Where a run comes from, and what else was run of its scenario. */
+function Origin({ run }: { readonly run: Schemas["Run"] }) {
+  return (
+    <>
+      {" · "}
+      {run.campaign_id ? (
+        <Link
+          to="/campaigns/$id"
+          params={{ id: run.campaign_id }}
+          search={
+            run.evaluation === null ? {} : { tab: "ancestry", number: String(run.evaluation) }
+          }
+        >
+          its campaign
+        </Link>
+      ) : (
+        <Link to="/batches/$batchId" params={{ batchId: run.batch_id }}>
+          its batch
+        </Link>
+      )}
+      {" · "}
+      <Link to="/runs" search={{ scenario_sha256: run.scenario_sha256 }}>
+        runs of this scenario
+      </Link>
     </>
   );
 }
