@@ -5,7 +5,7 @@ import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
-import type { Pace, Parting } from "./difference";
+import { type Pace, type Parting, partingWords } from "./difference";
 import "./compare.css";
 
 type Put = (changes: Record<string, string | undefined>) => void;
@@ -50,9 +50,7 @@ export function CompareLine({
         <span className="quiet">loading</span>
       ) : parting ? (
         <button type="button" onClick={() => onMoment(parting.time)}>
-          {parting.actor
-            ? `They part at ${parting.time.toFixed(2)} s: ${parting.actor}`
-            : `The same until one ends at ${parting.time.toFixed(2)} s`}
+          {partingWords(parting)}
         </button>
       ) : (
         <span>All actors of both runs are at the same places at every step.</span>
