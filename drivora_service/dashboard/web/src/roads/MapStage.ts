@@ -23,6 +23,10 @@ export class MapStage {
   onHover: PlaceListener | undefined;
   onLeave: (() => void) | undefined;
   onClick: PlaceListener | undefined;
+  /** Called when the reader begins to drag the map. */
+  onDrag: (() => void) | undefined;
+  /** Whether the wheel comes nearer to the middle, not to the pointer. */
+  holdsMiddle = false;
 
   private readonly root = new Container();
   private readonly renderer = new WebGLRenderer();
@@ -148,7 +152,8 @@ export class MapStage {
       (event) => {
         event.preventDefault();
         const factor = Math.exp(-event.deltaY * WHEEL * (event.deltaMode === 1 ? 16 : 1));
-        this.look(zoomAt(this.shown, this.px, event.offsetX, event.offsetY, factor), true);
+        if (this.holdsMiddle) this.zoom(factor);
+        else this.look(zoomAt(this.shown, this.px, event.offsetX, event.offsetY, factor), true);
       },
       { signal, passive: false },
     );
@@ -191,8 +196,11 @@ export class MapStage {
     }
     const dx = event.clientX - held.x;
     const dy = event.clientY - held.y;
-    if (!held.moved && Math.hypot(dx, dy) < CLICK_PX) return;
-    held.moved = true;
+    if (!held.moved) {
+      if (Math.hypot(dx, dy) < CLICK_PX) return;
+      held.moved = true;
+      this.onDrag?.();
+    }
     const { x, y, scale } = held.camera;
     this.look({ x: x - dx / scale, y: y + dy / scale, scale }, true);
   }

@@ -7,17 +7,17 @@ import { useGeometry } from "../../roads/useGeometry";
 import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
-import { readState, TRAILS, trailsText } from "./address";
+import { readState, stretchWords, TRAILS, trailsText } from "./address";
 import { CompareChoice, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
 import { ExportButtons } from "./ExportButtons";
 import { Plots } from "./Plots";
-import { type MapHandle, ReplayMap } from "./ReplayMap";
+import { FOLLOW_SCALE, type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
 import { TimeLine } from "./TimeLine";
-import type { Range } from "./timeScale";
+import { holding, isPart, type Range, withinRun } from "./timeScale";
 import { useAgentTold } from "./useAgentTold";
 import { usePerception } from "./usePerception";
 import { useRecording } from "./useRecording";
@@ -56,13 +56,13 @@ function Player({
   const state = readState(search);
   const clock = useMemo(() => new Clock(recording.duration, recording.stepLength), [recording]);
   const map = useRef<MapHandle>(null);
-  const [ego, setEgo] = useState(() =>
-    Math.max(
-      recording.actors.slice(0, recording.egos).findIndex(({ id }) => id === state.follow),
-      0,
-    ),
+  const ego = Math.max(
+    recording.actors.slice(0, recording.egos).findIndex(({ id }) => id === state.ego),
+    0,
   );
-  const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
+  const [range, setRange] = useState<Range>(() =>
+    holding(withinRun(state.stretch, clock.end), Math.min(state.time, clock.end), clock.end),
+  );
   const series = useSeries(run.id, ego);
   const perception = usePerception(
     run.id,
@@ -108,11 +108,30 @@ function Player({
     [clock, put],
   );
   useEffect(() => () => put({})(), [put]);
+  useEffect(
+    () => clock.listen(() => setRange((before) => holding(before, clock.time, clock.end))),
+    [clock],
+  );
+  const settled = useRef(range);
+  useEffect(() => {
+    if (settled.current === range) return;
+    settled.current = range;
+    put(stretchWords(range, clock.end));
+  }, [range, clock, put]);
 
+  const egoWord = (row: number) => (row === 0 ? undefined : recording.actors[row]?.id);
   const follow = (id: string) => {
     const actor = recording.actors.find((one) => one.id === id);
-    if (actor && actor.row < recording.egos) setEgo(actor.row);
-    put({ follow: id || undefined }, true);
+    const camera = (id || state.follow) && map.current?.stage()?.camera;
+    put(
+      {
+        follow: id || undefined,
+        ...(actor && actor.row < recording.egos ? { ego: egoWord(actor.row) } : {}),
+        // A link shows as much of the map as is seen now.
+        ...(camera ? { camera: cameraText(id ? nearEnough(camera) : camera) } : {}),
+      },
+      true,
+    );
   };
   const hide = (id: string) => {
     const hidden = state.hidden.includes(id)
@@ -169,6 +188,7 @@ function Player({
     { keys: ">", does: "faster", run: () => clock.changeRate(1) },
     { keys: "<", does: "slower", run: () => clock.changeRate(-1) },
     { keys: "f", does: "show the whole run", run: () => map.current?.fit() },
+    { keys: "z", does: "the whole time line", run: () => showWhole() },
     { keys: "+", does: "nearer", run: () => map.current?.zoom(1.4) },
     { keys: "-", does: "farther", run: () => map.current?.zoom(1 / 1.4) },
     { keys: "m", does: "measure", run: () => setMeasuring(!measuring) },
@@ -180,6 +200,9 @@ function Player({
       run: () => follow(actor.id),
     })),
   ]);
+  const showWhole = () => {
+    if (isPart(range, clock.end)) setRange({ from: 0, to: clock.end });
+  };
   const keepCamera = (camera: Camera) => put({ camera: cameraText(camera) });
 
   return (
@@ -200,6 +223,7 @@ function Player({
       <div className="maps">
         <ReplayMap
           ref={map}
+          caption={state.view === "side" && second.compared && <Caption place="1st" run={run} />}
           over={state.view === "over" ? second.compared : undefined}
           geometry={geometry}
           recording={recording}
@@ -220,6 +244,7 @@ function Player({
           <ReplayMap
             ref={beside}
             label="The second run on the map"
+            caption={second.run && <Caption place="2nd" run={second.run} />}
             geometry={geometry}
             recording={second.compared.recording}
             loaded={second.compared.recording.loaded}
@@ -250,7 +275,7 @@ function Player({
               <select
                 aria-label="Ego"
                 value={ego}
-                onChange={(event) => setEgo(Number(event.target.value))}
+                onChange={(event) => put({ ego: egoWord(Number(event.target.value)) }, true)}
               >
                 {recording.actors.slice(0, recording.egos).map(({ row, id }) => (
                   <option key={id} value={row}>
@@ -366,5 +391,20 @@ function Player({
       )}
       {series.error && <Refused error={series.error} />}
     </div>
+  );
+}
+
+function nearEnough(camera: Camera): Camera {
+  return { ...camera, scale: Math.max(camera.scale, FOLLOW_SCALE) };
+}
+
+/** Which of two runs a map shows. */
+function Caption({ place, run }: { readonly place: string; readonly run: Schemas["Run"] }) {
+  return (
+    <>
+      <span className="quiet">{place}</span>
+      <b>{run.label || run.id}</b>
+      <span>{run.agent}</span>
+    </>
   );
 }

@@ -1,4 +1,12 @@
-import { type Ref, useEffect, useImperativeHandle, useMemo, useRef, useState } from "react";
+import {
+  type ReactNode,
+  type Ref,
+  useEffect,
+  useImperativeHandle,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 import type { Schemas } from "../../api/client";
 import type { Camera } from "../../roads/camera";
 import type { MapStage } from "../../roads/MapStage";
@@ -12,7 +20,8 @@ import { ReplayScene } from "./ReplayScene";
 import type { Recording } from "./recording";
 
 const NEAR_PX = 10;
-const FOLLOW_SCALE = 7;
+/** Pixels a metre at least when an actor begins to be followed. */
+export const FOLLOW_SCALE = 7;
 
 /** What other parts of the screen may ask of the map. */
 export interface MapHandle {
@@ -35,6 +44,7 @@ export function ReplayMap({
   clock,
   over,
   label = "The run on the map",
+  caption,
   violations,
   state,
   perceived,
@@ -52,6 +62,8 @@ export function ReplayMap({
   /** A second run over this one, as outlines. */
   readonly over?: { readonly recording: Recording; readonly moment: Moment } | undefined;
   readonly label?: string;
+  /** Which run it is, where there are two. */
+  readonly caption?: ReactNode;
   readonly violations: readonly Schemas["ViolationMark"][];
   readonly state: ReplayState;
   readonly perceived: PerceivedActors | undefined;
@@ -104,6 +116,12 @@ export function ReplayMap({
       const id = row === undefined ? undefined : recording.actors[row]?.id;
       if (id) handlers.current.onFollow(id === follow.current ? "" : id);
     };
+    stage.onDrag = () => {
+      if (!follow.current) return;
+      // At once: a replay that plays would draw the map back to the actor.
+      follow.current = "";
+      handlers.current.onFollow("");
+    };
     let first = true;
     stage.afterDraw = () => {
       // For measurements: when the first actors could be seen.
@@ -136,12 +154,18 @@ export function ReplayMap({
     shown?.scene.set({ trails, routes, hidden, followed });
     shown?.stage.draw();
   }, [shown, trails, routes, hidden, followed, loaded]);
+  // The actor whose scale stands: a link restores that of its camera.
+  const scaled = useRef(state.camera ? followed : undefined);
   useEffect(() => {
-    if (!shown || followed === undefined) return;
+    if (!shown) return;
+    shown.stage.holdsMiddle = followed !== undefined;
+    const before = scaled.current;
+    scaled.current = followed;
+    if (followed === undefined) return;
     const place = shown.scene.placeOf(followed, clock.time);
     if (!place) return;
     const { camera } = shown.stage;
-    const scale = Math.max(camera.scale, FOLLOW_SCALE);
+    const scale = followed === before ? camera.scale : Math.max(camera.scale, FOLLOW_SCALE);
     shown.stage.look({ x: place[0], y: place[1], scale });
   }, [shown, followed, clock]);
   useEffect(() => {
@@ -212,6 +236,7 @@ export function ReplayMap({
         handlers.current.onCamera(camera);
       }}
     >
+      {caption && <div className="over top-right caption">{caption}</div>}
       {pointed && <div className="over top-left">{pointed}</div>}
     </RoadMap>
   );

@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import type { Clock } from "./clock";
 import { stripsOf } from "./lightStrips";
 import type { Recording } from "./recording";
-import { type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
+import { isPart, type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
 import { oracleName, untilWords } from "./verdictWords";
 import "./timeline.css";
 
@@ -55,7 +55,8 @@ export function TimeLine({
   const timeAt = (event: { readonly clientX: number }) => {
     const box = track.current?.getBoundingClientRect();
     if (!box) return 0;
-    return range.from + ((event.clientX - box.left) / box.width) * (range.to - range.from);
+    const share = Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1);
+    return range.from + share * (range.to - range.from);
   };
   useEffect(() => {
     const element = track.current;
@@ -90,7 +91,18 @@ export function TimeLine({
   return (
     <div className="timeline panel whole-width">
       <div className="names">
-        <span />
+        <span>
+          {isPart(range, clock.end) && (
+            <button
+              type="button"
+              className="whole"
+              onClick={() => onRange({ from: 0, to: clock.end })}
+              title="Show the whole time line (z)"
+            >
+              Whole run
+            </button>
+          )}
+        </span>
         {egos.map(({ id }) => (
           <span key={id} title={id}>
             {id}

@@ -1,11 +1,16 @@
 import { firstOf, type Search, valuesOf } from "../../address";
 import { type Camera, readCamera } from "../../roads/camera";
 import type { Pace } from "./difference";
+import { isPart, type Range } from "./timeScale";
 
 /** What a link to a replay says. */
 export interface ReplayState {
   readonly time: number;
   readonly follow: string;
+  /** Id of the ego whose values are shown; "" is the first. */
+  readonly ego: string;
+  /** The stretch that the time line and the plots show; undefined is the whole run. */
+  readonly stretch: Range | undefined;
   readonly camera: Camera | undefined;
   readonly trails: number;
   readonly routes: boolean;
@@ -27,6 +32,8 @@ export function readState(search: Search): ReplayState {
   return {
     time: Number.isFinite(time) ? Math.max(time, 0) : 0,
     follow: firstOf(search, "follow"),
+    ego: firstOf(search, "ego"),
+    stretch: readStretch(firstOf(search, "from"), firstOf(search, "to")),
     camera: readCamera(firstOf(search, "camera")),
     trails: trails === "" ? USUAL_TRAILS : trails === "all" ? 1e6 : Number(trails) || 0,
     routes: firstOf(search, "routes") !== "no",
@@ -42,6 +49,18 @@ export function readState(search: Search): ReplayState {
 export function trailsText(seconds: number): string {
   if (seconds === USUAL_TRAILS) return "";
   return seconds >= 1e6 ? "all" : String(seconds);
+}
+
+/** Returns the words of an address for a stretch of a run; none for the whole of it. */
+export function stretchWords(range: Range, end: number): Record<"from" | "to", string | undefined> {
+  if (!isPart(range, end)) return { from: undefined, to: undefined };
+  return { from: range.from.toFixed(2), to: range.to.toFixed(2) };
+}
+
+function readStretch(from: string, to: string): Range | undefined {
+  if (from === "" || to === "") return undefined;
+  const range = { from: Math.max(Number(from), 0), to: Number(to) };
+  return Number.isFinite(range.to) && range.from < range.to ? range : undefined;
 }
 
 /** Seconds that a replay of a failure begins before it, so that it is seen to come. */

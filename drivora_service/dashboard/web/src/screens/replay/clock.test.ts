@@ -21,6 +21,13 @@ describe("the clock of a replay", () => {
     for (const call of calls) call(now);
   };
 
+  it("stops before the end where it is told to", () => {
+    const clock = new Clock(10, 0.05);
+    clock.until = 2;
+    clock.play();
+    pass(60_000);
+    expect([clock.time, clock.playing]).toEqual([2, false]);
+  });
   it("goes by its rate and stops at the end", () => {
     const clock = new Clock(10, 0.05);
     clock.setRate(2);

@@ -6,6 +6,8 @@ export class Clock {
   time = 0;
   playing = false;
   rate = 1;
+  /** Where playing stops, at most the end. */
+  until = Number.POSITIVE_INFINITY;
   private readonly listeners = new Set<() => void>();
   private frame = 0;
   private before = 0;
@@ -79,8 +81,9 @@ export class Clock {
     if (!this.playing) return;
     const passed = Math.max(now - this.before, 0) / 1000;
     this.before = now;
-    this.time = Math.min(this.time + passed * this.rate, this.end);
-    if (this.time >= this.end) this.playing = false;
+    const last = Math.min(this.end, this.until);
+    this.time = Math.min(this.time + passed * this.rate, last);
+    if (this.time >= last) this.playing = false;
     else this.frame = requestAnimationFrame(this.tick);
     this.tell();
   };

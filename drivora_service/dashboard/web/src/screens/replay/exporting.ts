@@ -72,6 +72,7 @@ export function video(
     const end = () => {
       stop();
       signal.removeEventListener("abort", end);
+      clock.until = Number.POSITIVE_INFINITY;
       clock.pause();
       if (recorder.state !== "inactive") recorder.stop();
       for (const track of stream.getTracks()) track.stop();
@@ -80,12 +81,14 @@ export function video(
     recorder.onerror = () => reject(new Error("the browser could not record the video"));
     recorder.onstop = () => resolve(new Blob(parts, { type: recorder.mimeType }));
     const stop = clock.listen(() => {
-      if (begun && (!clock.playing || clock.time >= range.to)) end();
+      if (begun && !clock.playing) end();
     });
     signal.addEventListener("abort", end);
     clock.pause();
     clock.seek(range.from);
     stage.drawNow();
+    // Not a frame beyond the stretch: the time line would move on with it.
+    clock.until = range.to;
     recorder.start(250);
     begun = true;
     clock.play();

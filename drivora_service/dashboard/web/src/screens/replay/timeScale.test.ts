@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { seatsOf, shifted, ticks, zoomRange } from "./timeScale";
+import { holding, isPart, seatsOf, shifted, ticks, withinRun, zoomRange } from "./timeScale";
 
 it("a range comes nearer around a time, and stays within the run", () => {
   expect(zoomRange({ from: 0, to: 20 }, 5, 2, 20)).toEqual({ from: 2.5, to: 12.5 });
@@ -9,6 +9,25 @@ it("a range comes nearer around a time, and stays within the run", () => {
 it("a range moves no farther than the run's ends", () => {
   expect(shifted({ from: 5, to: 10 }, -9, 20)).toEqual({ from: 0, to: 5 });
   expect(shifted({ from: 5, to: 10 }, 99, 20)).toEqual({ from: 15, to: 20 });
+});
+it("a range moves on with a time that leaves it, and stays where it is otherwise", () => {
+  const range = { from: 5, to: 10 };
+  expect(holding(range, 10, 40)).toBe(range);
+  expect(holding(range, 10.1, 40)).toEqual({ from: 10.1 - 0.75, to: 15.1 - 0.75 });
+  const back = holding(range, 4.9, 40);
+  expect(back.from).toBeCloseTo(0.65);
+  expect(back.to - back.from).toBeCloseTo(5);
+  expect(holding(range, 39, 40)).toEqual({ from: 35, to: 40 });
+  expect(holding(range, 0, 40)).toEqual({ from: 0, to: 5 });
+});
+it("a range of an address is within the run", () => {
+  expect(withinRun(undefined, 20)).toEqual({ from: 0, to: 20 });
+  expect(withinRun({ from: 5, to: 10 }, 20)).toEqual({ from: 5, to: 10 });
+  expect(withinRun({ from: 15, to: 99 }, 20)).toEqual({ from: 15, to: 20 });
+  expect(withinRun({ from: 19.9, to: 20 }, 20)).toEqual({ from: 19.5, to: 20 });
+  expect(withinRun({ from: 30, to: 40 }, 20)).toEqual({ from: 0, to: 20 });
+  expect(isPart(withinRun({ from: 0, to: 20.001 }, 20), 20)).toBe(false);
+  expect(isPart({ from: 0, to: 19 }, 20)).toBe(true);
 });
 it("ticks are round", () => {
   expect(ticks({ from: 0, to: 60 }, 8)).toEqual([0, 10, 20, 30, 40, 50, 60]);

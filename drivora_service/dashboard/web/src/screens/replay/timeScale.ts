@@ -23,6 +23,31 @@ export function shifted(range: Range, by: number, end: number): Range {
   return { from, to: from + length };
 }
 
+/** Share of a range that lies beyond a time that has left it. */
+const AHEAD = 0.85;
+
+/** Returns a range, moved on if a time is outside it, so that what comes next can be seen too. */
+export function holding(range: Range, time: number, end: number): Range {
+  const { from, to } = range;
+  if (time >= from - 1e-6 && time <= to + 1e-6) return range;
+  const length = to - from;
+  const begin = time > to ? time - (1 - AHEAD) * length : time - AHEAD * length;
+  return shifted(range, begin - from, end);
+}
+
+/** Whether a range is a part of the run only. */
+export function isPart({ from, to }: Range, end: number): boolean {
+  return from > 0.005 || to < end - 0.005;
+}
+
+/** Returns a range of an address within the run; the whole run if there is none. */
+export function withinRun(range: Range | undefined, end: number): Range {
+  if (!range || range.from >= end) return { from: 0, to: end };
+  const { from } = range;
+  const length = Math.max(Math.min(range.to, end) - from, LEAST_S);
+  return shifted({ from, to: from + length }, 0, end);
+}
+
 /** Returns round times of a range, about as many as wanted. */
 export function ticks(range: Range, count: number): readonly number[] {
   const apart = (range.to - range.from) / count;
