@@ -11,6 +11,7 @@ import type { PerceivedActors } from "./perception";
 import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";
 import { TrailLayer } from "./trailLayer";
+import { toneOf } from "./verdictWords";
 
 const ROUTE_M = 0.28;
 const LABEL_AWAY_PX = 14;
@@ -102,10 +103,12 @@ export class ReplayScene {
     this.marks.length = 0;
     const { palette } = this.map;
     const taken = new Map<string, number>();
-    for (const { number, location, severity, first } of violations) {
+    const colours = { bad: palette.violation, lost: palette.lost, quiet: palette.npc };
+    for (const violation of violations) {
+      const { number, location, first } = violation;
       if (!location) continue;
       const [x, y] = location as [number, number];
-      const colour = severity === "observation" ? palette.npc : palette.violation;
+      const colour = colours[toneOf(violation)];
       const key = `${x.toFixed(0)} ${y.toFixed(0)}`;
       const beside = taken.get(key) ?? 0;
       taken.set(key, beside + 1);

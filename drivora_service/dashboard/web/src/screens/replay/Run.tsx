@@ -10,7 +10,7 @@ import { useTitle } from "../../shell/useTitle";
 import { lookOfRun } from "../runs/status";
 import { Replay } from "./Replay";
 import { runQuery } from "./runQuery";
-import { blameWords, gravestFirst, oracleName } from "./verdictWords";
+import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
 
 /** Returns the command that drives the scenario of a run again. */
@@ -159,9 +159,13 @@ const VERDICTS: readonly Column<Schemas["Verdict"]>[] = [
     id: "outcome",
     title: "Outcome",
     width: "130px",
-    cell: ({ outcome, severity }) => (
+    cell: ({ outcome, severity, at_fault = null }) => (
       <Mark
-        {...(outcome === "violated" && severity === "observation" ? OBSERVED : OUTCOMES[outcome])}
+        {...(outcome !== "violated"
+          ? OUTCOMES[outcome]
+          : severity === "observation"
+            ? OBSERVED
+            : { ...OUTCOMES.violated, tone: toneOf({ severity, at_fault }) })}
       />
     ),
   },

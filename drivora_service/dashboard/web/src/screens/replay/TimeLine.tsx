@@ -4,7 +4,7 @@ import type { Clock } from "./clock";
 import { stripsOf } from "./lightStrips";
 import type { Recording } from "./recording";
 import { isPart, type Range, seatsOf, shifted, ticks, zoomRange } from "./timeScale";
-import { oracleName, untilWords } from "./verdictWords";
+import { oracleName, toneOf, untilWords } from "./verdictWords";
 import "./timeline.css";
 
 const ROW_PX = 20;
@@ -176,6 +176,7 @@ export function TimeLine({
               {risk !== null && (
                 <span
                   className="risk"
+                  data-tone={toneOf(violation)}
                   title={`A careful driver perceives the risk from ${seconds(risk).toFixed(2)} s on`}
                   style={{ top, left: share(seconds(risk)), width: across(seconds(first - risk)) }}
                 />
@@ -187,6 +188,7 @@ export function TimeLine({
                   style={{ top, left: share(seconds(until)) }}
                   title={untilWords(violation, seconds(until))}
                   data-avoidable={violation.avoidable}
+                  data-tone={toneOf(violation)}
                   onClick={() => clock.toStep(until)}
                 >
                   ⟩
@@ -196,7 +198,7 @@ export function TimeLine({
                 <button
                   type="button"
                   className="verdict"
-                  data-severity={violation.severity}
+                  data-tone={toneOf(violation)}
                   style={{ top, left: share(time) }}
                   title={`${oracleName(violation.oracle)} at ${seconds(first).toFixed(2)} s: ${violation.message}`}
                   onClick={() => clock.toStep(first)}

@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
-import { alike, blameWords, gravestFirst, oracleName } from "./verdictWords";
+import { alike, blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 
 type Verdict = Schemas["Verdict"];
 
@@ -78,7 +78,6 @@ function Violation({
   const text = whole
     ? `${oracleName(verdict.oracle)}, ${verdict.ego}: ${verdict.message}`
     : `${oracleName(verdict.oracle)}${count > 1 ? ` ×${count}` : ""}`;
-  const tone = observation ? "quiet" : verdict.at_fault === false ? "lost" : "bad";
   return (
     <button
       type="button"
@@ -87,7 +86,7 @@ function Violation({
       disabled={typeof time !== "number"}
       onClick={() => typeof time === "number" && onMoment(time)}
     >
-      <Mark sign={observation ? "○" : "✕"} tone={tone} text={text} />
+      <Mark sign={observation ? "○" : "✕"} tone={toneOf(verdict)} text={text} />
       {whole && blame && <strong>{blame}</strong>}
       {typeof time === "number" && <span className="quiet">{fixed(time, 2)} s</span>}
     </button>

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { alike, blameWords, gravestFirst, oracleName, untilWords } from "./verdictWords";
+import { alike, blameWords, gravestFirst, oracleName, toneOf, untilWords } from "./verdictWords";
 
 describe("words of a violation", () => {
   it.each([
@@ -29,6 +29,17 @@ describe("words of a violation", () => {
   it("name oracles", () => {
     expect(oracleName("red_light")).toBe("Red light");
   });
+});
+
+it.each([
+  ["major", true, "bad"],
+  ["minor", true, "bad"],
+  ["major", false, "lost"],
+  ["major", null, "lost"],
+  ["observation", true, "quiet"],
+  ["observation", null, "quiet"],
+] as const)("a %s violation with fault %s looks %s", (severity, at_fault, tone) => {
+  expect(toneOf({ severity, at_fault })).toBe(tone);
 });
 
 const verdict = (

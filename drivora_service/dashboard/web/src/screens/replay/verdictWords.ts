@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import type { Tone } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 
 type Verdict = Schemas["Verdict"];
@@ -26,6 +27,18 @@ export function blameWords(violation: Violation, until?: number | null): string 
   else if (violation.avoidable === "no") parts.push("not avoidable");
   else if (violation.avoidable === "not_measurable") parts.push("avoidable or not: not measurable");
   return parts.join(", ");
+}
+
+/** Returns the tone of a violation: that of a failure only where the ego is at fault. */
+export function toneOf({
+  severity,
+  at_fault,
+}: {
+  readonly severity?: Schemas["Severity"];
+  readonly at_fault?: boolean | null;
+}): Extract<Tone, "bad" | "lost" | "quiet"> {
+  if (severity === "observation") return "quiet";
+  return at_fault === true ? "bad" : "lost";
 }
 
 const RANK: Readonly<Record<string, number>> = { critical: 0, major: 1, minor: 2, observation: 3 };
