@@ -39,14 +39,29 @@ export function EgoFacts({
   const speed = recording.speed[cell];
   const absent = Number.isNaN(recording.x[cell] ?? Number.NaN);
   const end = recording.ends[ego];
+  const ended = end !== undefined && step >= end.step && (
+    <>
+      <dt>Ended</dt>
+      <dd>
+        {end.end.replaceAll("_", " ")} at {fixed(end.step * recording.stepLength, 2)} s
+      </dd>
+    </>
+  );
+  // It has no values, neither before it comes nor after it has ended.
+  if (absent)
+    return (
+      <dl className="facts ego-facts">
+        {ended || (
+          <>
+            <dt>State</dt>
+            <dd className="quiet">not in the run at this time</dd>
+          </>
+        )}
+      </dl>
+    );
   return (
     <dl className="facts ego-facts">
-      {absent && (
-        <>
-          <dt>State</dt>
-          <dd className="quiet">not in the run at this time</dd>
-        </>
-      )}
+      {ended}
       <dt>Speed</dt>
       <dd>
         {number(speed, 2, "m/s")}
@@ -63,18 +78,10 @@ export function EgoFacts({
       <dt>Route</dt>
       <dd>
         {number(recording.routeS[own], 1, "m")}
-        {!absent && <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>}
+        <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
       </dd>
-      {series && !absent && <Around series={series} step={step} number={number} />}
+      {series?.holds(step) && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}
-      {end && step >= end.step && (
-        <>
-          <dt>Ended</dt>
-          <dd>
-            {end.end.replaceAll("_", " ")} at {fixed(end.step * recording.stepLength, 2)} s
-          </dd>
-        </>
-      )}
       {told && <Told values={told.valuesAt(ego, step)} />}
     </dl>
   );
@@ -135,10 +142,11 @@ function Around({
       <dd>{lane ? <code>{lane}</code> : <span className="quiet">off all lanes</span>}</dd>
       <dt>Light ahead</dt>
       <dd>
-        {Number.isNaN(light) ? (
-          <span className="quiet">none</span>
-        ) : (
+        {light >= 0 ? (
           `${colour || "off"}, ${fixed(light, 1)} m`
+        ) : (
+          // Missing, or below 0: the front is past its stop line.
+          <span className="quiet">none</span>
         )}
       </dd>
     </>

@@ -21,6 +21,11 @@ export class Series {
     return this.column(name)[step - this.first] ?? Number.NaN;
   }
 
+  /** Whether the ego is there at a step of the run. */
+  holds(step: number): boolean {
+    return step >= this.first && step < this.first + this.time.length;
+  }
+
   actor(row: number): string {
     return this.table.head.actors[row] ?? "";
   }
