@@ -1,11 +1,10 @@
-import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
-import { useState } from "react";
-import { api, body, type Schemas } from "../../api/client";
+import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
-import { moment } from "../../components/numbers";
+import { fixed } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
 import { type Pace, type Parting, partingWords } from "./difference";
+import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./compare.css";
 
 type Put = (changes: Record<string, string | undefined>) => void;
@@ -42,6 +41,7 @@ export function CompareLine({
         {other && <span className="quiet">{other.agent}</span>}
       </span>
       {other && <Mark {...lookOfRun(other)} />}
+      {other && <Gravest run={other} />}
       {failure ? (
         <span className="quiet">
           cannot be compared: {failure instanceof Error ? failure.message : String(failure)}
@@ -89,47 +89,28 @@ export function CompareLine({
   );
 }
 
-const MOST = 30;
-
-/** Chooses a run of the same network to compare with; those of the same name come first. */
-export function CompareChoice({ run, put }: { readonly run: Schemas["Run"]; readonly put: Put }) {
-  const [wanted, setWanted] = useState(false);
-  const { data, isPending } = useQuery({
-    queryKey: ["run", "list", "to compare", run.town],
-    queryFn: async () =>
-      body(
-        await api.GET("/api/v1/runs", {
-          params: { query: { town: run.town, status: ["finished"], limit: 200 } },
-        }),
-      ),
-    enabled: wanted,
-  });
-  const found = (data?.items ?? [])
-    .filter((one) => one.id !== run.id && one.trace_sha256)
-    .sort((a, b) => nearness(run, b) - nearness(run, a))
-    .slice(0, MOST);
+/** The gravest violation of the other run, as its verdict says it. */
+function Gravest({ run }: { readonly run: Schemas["Run"] }) {
+  const gravest = gravestFirst(run.verdicts).find(({ severity }) => severity !== "observation");
+  if (!gravest) return null;
+  const { oracle, ego, message, time } = gravest;
+  const blame = blameWords(gravest);
   return (
-    <details className="choice" onToggle={(event) => setWanted(event.currentTarget.open)}>
-      <summary className="button">Compare…</summary>
-      <div className="list">
-        {isPending && wanted && <p className="quiet">Loading</p>}
-        {data && found.length === 0 && <p>No other recorded run on {run.town}.</p>}
-        {found.map((one) => (
-          <button key={one.id} type="button" onClick={() => put({ with: one.id })}>
-            <span>{one.label || one.id}</span>
-            <span className="quiet">
-              {one.agent}, {moment(one.created_at)}
-            </span>
-            <Mark {...lookOfRun(one)} />
-          </button>
-        ))}
-      </div>
-    </details>
+    <span className="gravest">
+      <Mark sign="✕" tone={toneOf(gravest)} text={`${oracleName(oracle)}, ${ego}: ${message}`} />
+      {blame && <strong>{blame}</strong>}
+      {typeof time === "number" && <span className="quiet">{fixed(time, 2)} s</span>}
+    </span>
   );
 }
 
-/** Runs of the same scenario are nearest, then those of the same name. */
-function nearness(run: Schemas["Run"], other: Schemas["RunSummary"]): number {
-  if (run.scenario_sha256 === other.scenario_sha256) return 2;
-  return run.label !== "" && run.label === other.label ? 1 : 0;
+/** Which of two runs a map shows. */
+export function Caption({ place, run }: { readonly place: string; readonly run: Schemas["Run"] }) {
+  return (
+    <>
+      <span className="quiet">{place}</span>
+      <b>{run.label || run.id}</b>
+      <span>{run.agent}</span>
+    </>
+  );
 }

@@ -8,7 +8,8 @@ import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
 import { readState, stretchWords, TRAILS, trailsText } from "./address";
-import { CompareChoice, CompareLine } from "./CompareLine";
+import { CompareChoice } from "./CompareChoice";
+import { Caption, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
@@ -396,15 +397,4 @@ function Player({
 
 function nearEnough(camera: Camera): Camera {
   return { ...camera, scale: Math.max(camera.scale, FOLLOW_SCALE) };
-}
-
-/** Which of two runs a map shows. */
-function Caption({ place, run }: { readonly place: string; readonly run: Schemas["Run"] }) {
-  return (
-    <>
-      <span className="quiet">{place}</span>
-      <b>{run.label || run.id}</b>
-      <span>{run.agent}</span>
-    </>
-  );
 }
