@@ -109,6 +109,15 @@ describe("two runs", () => {
     expect(speed[2]).toBeGreaterThan(speed[3] as number);
     expect(speed[3]).toBeGreaterThan(speed[4] as number);
   });
+  it("are in step by distance up to where the other ended, though it stands there on", () => {
+    const other = run([0, 1, 2, 2, 2]);
+    other.routeS.fill(Number.NaN, 3);
+    const one = run([0, 1, 2, 3, 4]);
+    const times = timesOfOther(one, other, 0, 0, "route");
+    expect([...times].map((time) => Number(time.toFixed(3)))).toEqual([0, 0.1, 0.2, 0.2, 0.2]);
+    const { apart } = differenceOf(one, other, 0, 0, times);
+    expect([...apart]).toEqual([0, 0, 0, Number.NaN, Number.NaN]);
+  });
   it("that roll back do not turn the time of the other back", () => {
     const times = timesOfOther(run([0, 2, 1.5, 3]), run([0, 1, 2, 3]), 0, 0, "route");
     expect([...times].map((time) => Number(time.toFixed(3)))).toEqual([0, 0.2, 0.2, 0.3]);

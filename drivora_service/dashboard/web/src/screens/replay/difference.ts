@@ -75,6 +75,7 @@ export function timesOfOther(
 ): Float64Array {
   const times = new Float64Array(one.steps);
   const end = (other.steps - 1) * other.stepLength;
+  const last = lastDriven(other, otherEgo);
   const come = (step: number) => other.routeS[step * other.egos + otherEgo] as number;
   let step = 0;
   for (let k = 0; k < one.steps; k++) {
@@ -89,7 +90,7 @@ export function timesOfOther(
       continue;
     }
     // A run that has come as far, or as far as it ever comes.
-    while (step < other.loaded - 1 && !(come(step) >= reached)) step++;
+    while (step < last && !(come(step) >= reached)) step++;
     const behind = step > 0 ? come(step - 1) : Number.NaN;
     const share = (reached - behind) / (come(step) - behind);
     const within = share > 0 && share < 1 ? step - 1 + share : step;
@@ -116,7 +117,7 @@ export function differenceOf(
 ): Difference {
   const apart = new Float64Array(one.steps).fill(Number.NaN);
   const speed = new Float64Array(one.steps).fill(Number.NaN);
-  const end = (other.steps - 1) * other.stepLength;
+  const end = lastDriven(other, otherEgo) * other.stepLength;
   for (let k = 0; k < one.steps; k++) {
     const time = times[k] as number;
     // It stands at its end, for it is over: there is no distance to it any more.
@@ -129,6 +130,13 @@ export function differenceOf(
     speed[k] = (one.speed[a] as number) - valueAt(other, other.speed, otherEgo, time);
   }
   return { apart, speed };
+}
+
+/** Returns the last step in which an ego is driven: one that has ended may stand there on. */
+function lastDriven(run: Runs, ego: number): number {
+  let step = run.loaded - 1;
+  while (step > 0 && Number.isNaN(run.routeS[step * run.egos + ego])) step--;
+  return step;
 }
 
 /** Returns the last time that is there of a run. */
