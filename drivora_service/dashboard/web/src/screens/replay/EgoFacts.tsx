@@ -47,7 +47,7 @@ export function EgoFacts({
       </dd>
     </>
   );
-  // It has no values, neither before it comes nor after it has ended.
+  // Who is not there has no values; an ego that has ended stands where it is.
   if (absent)
     return (
       <dl className="facts ego-facts">
@@ -71,15 +71,23 @@ export function EgoFacts({
       </dd>
       <dt>Acceleration</dt>
       <dd>{number(recording.acceleration[cell], 2, "m/s²")}</dd>
-      <dt title="What the agent asks for">Asked</dt>
-      <dd>{number(recording.askedAcceleration[own], 2, "m/s²")}</dd>
-      <dt title="Angle of the front wheels, positive to the left">Steering</dt>
-      <dd>{number((recording.steer[own] ?? Number.NaN) * DEGREES, 1, "°")}</dd>
-      <dt>Route</dt>
-      <dd>
-        {number(recording.routeS[own], 1, "m")}
-        <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
-      </dd>
+      {!ended && (
+        <>
+          <dt title="What the agent asks for">Asked</dt>
+          <dd>{number(recording.askedAcceleration[own], 2, "m/s²")}</dd>
+          <dt title="Angle of the front wheels, positive to the left">Steering</dt>
+          <dd>{number((recording.steer[own] ?? Number.NaN) * DEGREES, 1, "°")}</dd>
+        </>
+      )}
+      {!(ended && Number.isNaN(recording.routeS[own])) && (
+        <>
+          <dt>Route</dt>
+          <dd>
+            {number(recording.routeS[own], 1, "m")}
+            <span className="quiet"> of {fixed(recording.routes[ego]?.length, 0)} m</span>
+          </dd>
+        </>
+      )}
       {series?.holds(step) && <Around series={series} step={step} number={number} />}
       {perceived && <SeenCount perceived={perceived} step={step} />}
       {told && <Told values={told.valuesAt(ego, step)} />}

@@ -61,8 +61,10 @@ function Player({
     recording.actors.slice(0, recording.egos).findIndex(({ id }) => id === state.ego),
     0,
   );
+  // As the address says, until it is moved.
+  const [asked] = useState(() => withinRun(state.stretch, clock.end));
   const [range, setRange] = useState<Range>(() =>
-    holding(withinRun(state.stretch, clock.end), Math.min(state.time, clock.end), clock.end),
+    holding(asked, Math.min(state.time, clock.end), clock.end),
   );
   const series = useSeries(run.id, ego);
   const perception = usePerception(
@@ -113,7 +115,7 @@ function Player({
     () => clock.listen(() => setRange((before) => holding(before, clock.time, clock.end))),
     [clock],
   );
-  const settled = useRef(range);
+  const settled = useRef(asked);
   useEffect(() => {
     if (settled.current === range) return;
     settled.current = range;
