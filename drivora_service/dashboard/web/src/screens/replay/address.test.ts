@@ -15,6 +15,8 @@ describe("the address of a replay", () => {
     const words = stretchWords({ from: 2.71499, to: 8 }, 20);
     expect(words).toEqual({ from: "2.71", to: "8.00" });
     expect(readState(words).stretch).toEqual({ from: 2.71, to: 8 });
+    expect(readState(words).time).toBe(2.71);
+    expect(readState({ ...words, t: "5" }).time).toBe(5);
     expect(stretchWords({ from: 0, to: 20 }, 20)).toEqual({ from: undefined, to: undefined });
   });
   it.each([

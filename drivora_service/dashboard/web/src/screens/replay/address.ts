@@ -27,13 +27,15 @@ export const TRAILS = [0, 3, 10, 1e6] as const;
 const USUAL_TRAILS = 3;
 
 export function readState(search: Search): ReplayState {
-  const time = Number(firstOf(search, "t"));
+  const stretch = readStretch(firstOf(search, "from"), firstOf(search, "to"));
+  // A link to a stretch alone begins with it.
+  const time = Number(firstOf(search, "t") || (stretch?.from ?? 0));
   const trails = firstOf(search, "trails");
   return {
     time: Number.isFinite(time) ? Math.max(time, 0) : 0,
     follow: firstOf(search, "follow"),
     ego: firstOf(search, "ego"),
-    stretch: readStretch(firstOf(search, "from"), firstOf(search, "to")),
+    stretch,
     camera: readCamera(firstOf(search, "camera")),
     trails: trails === "" ? USUAL_TRAILS : trails === "all" ? 1e6 : Number(trails) || 0,
     routes: firstOf(search, "routes") !== "no",
