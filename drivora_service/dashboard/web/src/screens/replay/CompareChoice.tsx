@@ -3,14 +3,30 @@ import { useState } from "react";
 import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
+import { readPages } from "../../lists/readPages";
 import { lookOfRun } from "../runs/status";
-import { choicesOf } from "./compareChoices";
+import { choicesOf, MOST_OFFERED } from "./compareChoices";
 import "./compare.css";
 
 type Summary = Schemas["RunSummary"];
 
-/** Newest runs of the network that are looked through. */
-const LIMIT = 200;
+/** Pages of the newest runs that are looked through for recorded ones: campaigns keep few. */
+const MOST_PAGES = 8;
+
+/** Returns finished runs with a recording, the newest first: as many as are offered. */
+async function recorded(of: { readonly town?: string; readonly scenario_sha256?: string }) {
+  let pages = 0;
+  const { rows } = await readPages<Summary>(async (pageToken) => {
+    const query = { ...of, ...pageToken, status: ["finished" as const], limit: 200 };
+    const page = body(await api.GET("/api/v1/runs", { params: { query } }));
+    pages += 1;
+    return {
+      items: page.items.filter(({ trace_sha256 }) => trace_sha256 !== ""),
+      next_page_token: pages < MOST_PAGES ? page.next_page_token : "",
+    };
+  }, MOST_OFFERED);
+  return rows;
+}
 
 /** Chooses a run to compare with: those of the same scenario come first, however old they are. */
 export function CompareChoice({
@@ -25,14 +41,11 @@ export function CompareChoice({
   const { data, isPending, error } = useQuery({
     queryKey: ["run", "list", "to compare", town, scenario_sha256],
     queryFn: async () => {
-      const query = { status: ["finished" as const], limit: LIMIT };
       const [scenario, network] = await Promise.all([
-        scenario_sha256
-          ? api.GET("/api/v1/runs", { params: { query: { ...query, scenario_sha256 } } }).then(body)
-          : undefined,
-        api.GET("/api/v1/runs", { params: { query: { ...query, town } } }).then(body),
+        scenario_sha256 ? recorded({ scenario_sha256 }) : [],
+        recorded({ town }),
       ]);
-      return { scenario: scenario?.items ?? [], network: network.items };
+      return { scenario, network };
     },
     enabled: wanted,
   });

@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 type Summary = Pick<Schemas["RunSummary"], "id" | "label" | "scenario_sha256" | "trace_sha256">;
 
 /** Runs of a group that are offered. */
-const MOST = 30;
+export const MOST_OFFERED = 30;
 
 /** Returns recorded runs to compare one with: of its scenario, and others of its network. */
 export function choicesOf<Run extends Summary>(
@@ -16,10 +16,10 @@ export function choicesOf<Run extends Summary>(
   const same = new Set(scenario.map(({ id }) => id));
   const likeNamed = ({ label }: Run) => Number(run.label !== "" && label === run.label);
   return {
-    scenario: scenario.slice(0, MOST),
+    scenario: scenario.slice(0, MOST_OFFERED),
     network: ofNetwork
       .filter((one) => usable(one) && !same.has(one.id))
       .sort((a, b) => likeNamed(b) - likeNamed(a))
-      .slice(0, MOST),
+      .slice(0, MOST_OFFERED),
   };
 }
