@@ -1,4 +1,4 @@
-import { useNavigate, useSearch } from "@tanstack/react-router";
+import { useSearch } from "@tanstack/react-router";
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import { Loading, Refused } from "../../components/States";
@@ -19,6 +19,7 @@ import { FOLLOW_SCALE, type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
 import { TimeLine } from "./TimeLine";
 import { holding, isPart, type Range, withinRun } from "./timeScale";
+import { useAddressWriter } from "./useAddressWriter";
 import { useAgentTold } from "./useAgentTold";
 import { usePerception } from "./usePerception";
 import { useRecording } from "./useRecording";
@@ -28,7 +29,6 @@ import { useTimeline } from "./useTimeline";
 import { VerdictLine } from "./VerdictLine";
 import { gravestFirst } from "./verdictWords";
 
-const SETTLED_MS = 350;
 const NONE: readonly Schemas["ViolationMark"][] = [];
 
 /** Loads what a replay needs, and shows it as soon as its first part is there. */
@@ -52,13 +52,14 @@ function Player({
   readonly loaded: number;
   readonly geometry: Schemas["NetworkGeometry"];
 }) {
-  const navigate = useNavigate();
   const search = useSearch({ from: "/runs/$runId" });
   const state = readState(search);
   const clock = useMemo(() => new Clock(recording.duration, recording.stepLength), [recording]);
   const map = useRef<MapHandle>(null);
   const ego = Math.max(
-    recording.actors.slice(0, recording.egos).findIndex(({ id }) => id === state.ego),
+    recording.actors
+      .slice(0, recording.egos)
+      .findIndex(({ id }) => id === (state.ego || state.follow)),
     0,
   );
   // As the address says, until it is moved.
@@ -86,23 +87,7 @@ function Player({
   }
   useEffect(() => () => clock.pause(), [clock]);
 
-  const put = useMemo(() => {
-    let waiting: Record<string, string | string[] | undefined> = {};
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    return (changes: Record<string, string | string[] | undefined>, at_once = false) => {
-      waiting = { ...waiting, ...changes };
-      clearTimeout(timer);
-      const write = () => {
-        const changed = waiting;
-        waiting = {};
-        const search = (before: object) => ({ ...before, ...changed });
-        void navigate({ to: ".", search, replace: true, resetScroll: false });
-      };
-      if (at_once) write();
-      else timer = setTimeout(write, SETTLED_MS);
-      return () => clearTimeout(timer);
-    };
-  }, [navigate]);
+  const put = useAddressWriter();
   useEffect(
     () =>
       clock.listen(() => {
@@ -110,7 +95,6 @@ function Player({
       }),
     [clock, put],
   );
-  useEffect(() => () => put({})(), [put]);
   useEffect(
     () => clock.listen(() => setRange((before) => holding(before, clock.time, clock.end))),
     [clock],
@@ -122,14 +106,16 @@ function Player({
     put(stretchWords(range, clock.end));
   }, [range, clock, put]);
 
-  const egoWord = (row: number) => (row === 0 ? undefined : recording.actors[row]?.id);
+  // Without a word it is the ego that is followed, or the first.
+  const egoWord = (row: number, followed = state.follow) =>
+    row === 0 && !followed ? undefined : recording.actors[row]?.id;
   const follow = (id: string) => {
     const actor = recording.actors.find((one) => one.id === id);
     const camera = (id || state.follow) && map.current?.stage()?.camera;
     put(
       {
         follow: id || undefined,
-        ...(actor && actor.row < recording.egos ? { ego: egoWord(actor.row) } : {}),
+        ...(actor && actor.row < recording.egos ? { ego: egoWord(actor.row, id) } : {}),
         // A link shows as much of the map as is seen now.
         ...(camera ? { camera: cameraText(id ? nearEnough(camera) : camera) } : {}),
       },
