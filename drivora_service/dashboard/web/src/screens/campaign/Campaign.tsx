@@ -134,7 +134,7 @@ function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const told = campaign.document.oracles;
   const oracles = Array.isArray(told) ? told.map(String) : [];
   return (
-    <p className="quiet">
+    <p className="answer quiet">
       {oracles.length > 0
         ? `It counts violations of ${oracles.map((name) => name.replaceAll("_", " ")).join(", ")}. `
         : "It counts violations of all oracles. "}
