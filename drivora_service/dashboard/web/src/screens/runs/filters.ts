@@ -63,7 +63,7 @@ export function runFilters(
       counts: counts?.accountability,
       hint: "The strongest accountability of a run's violations",
     },
-    // Links lead to it; nobody types the hash of a scenario.
+    // Links lead to it: the hash of a scenario is not typed.
     ...(firstOf(search, "scenario_sha256")
       ? [sameScenario(firstOf(search, "scenario_sha256"))]
       : []),
