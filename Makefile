@@ -143,7 +143,7 @@ docs-numbers: $(DEV_STAMP) ## Rewrite the output of commands in README and tutor
 api-examples: $(DEV_STAMP) ## Record the answers in the API's documentation again
 	$(BIN)/python -m tests.api.record_examples
 
-pictures: $(DEV_STAMP) ## Redraw the pictures of the documentation
+pictures: $(DEV_STAMP) $(PAGE_STAMP) $(PAGE_TOOLS_STAMP) kernels ## Redraw the pictures of the documentation
 	$(BIN)/python -m tests.docs.pictures
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again

@@ -73,3 +73,22 @@ it("a page that is open while the service is killed shows the end of all work", 
   for (const { page } of [campaigns, runs])
     expect(await page.evaluate("window.sameDocument")).toBe(true);
 }, 600_000);
+
+it("a screen that is opened for the first time while the service is away is shown later", async () => {
+  const { page } = await open(browser, `${service.url}/session`);
+  await page.locator(".live[data-state=live]").waitFor();
+  // Code that the page has not loaded before it is opened is refused like that of a dead service.
+  await page.route("**/assets/Agents-*.js", (route) => route.abort());
+  await service.kill();
+  await page.locator(".live[data-state=waiting]").waitFor();
+  await page.getByRole("link", { name: "Agents" }).click();
+  await expect.poll(() => new URL(page.url()).pathname).toBe("/agents");
+  await page.waitForTimeout(1500);
+  expect(page.url()).toBe(`${service.url}/agents`);
+  expect(await page.locator(".live").count()).toBe(1);
+
+  await page.unroute("**/assets/Agents-*.js");
+  await service.start();
+  await page.getByRole("heading", { name: "Agents", level: 1 }).waitFor({ timeout: 30_000 });
+  expect(await page.locator("[role=alert]").count()).toBe(0);
+}, 120_000);

@@ -28,7 +28,7 @@ export function Newest({ campaign }: { readonly campaign: Schemas["Campaign"] })
   if (query.data.items.length === 0)
     return <p className="quiet">No failure in {campaign.simulations} simulations.</p>;
   return (
-    <ul className="cards newest">
+    <ul className="cards">
       {query.data.items.map((evaluation) => (
         <Card key={evaluation.number} campaign={campaign.id} evaluation={evaluation} />
       ))}
