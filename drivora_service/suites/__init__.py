@@ -1,0 +1,1 @@
+"""Suites: scenarios with expectations; their gate, comparison, replay and minimisation."""
