@@ -1,7 +1,7 @@
 """The scenarios of a batch: bare documents, or documents with labels.
 
-An item with a label is ``{"label": "crossing-17", "scenario": {…}}``. No scenario has one of these
-keys, so that one of them tells that it is such an item.
+An item with a label is ``{"label": "crossing-17", "scenario": {…}}``, and may have a ``seed``. No
+scenario has one of the first two keys, so that one of them tells that it is such an item.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from drivora_service.scenario.problems import structural_problems
 
 T = TypeVar("T")
 
-_KEYS = tuple(LabelledScenario.model_fields)
+_KEYS = ("label", "scenario")
 _QUOTED = tuple(f'"{key}"'.encode() for key in _KEYS)
 _PLACE = "/scenario"
 
@@ -31,12 +31,14 @@ class BatchScenario:
     Attributes:
         document: The scenario, parsed or not; ``None``: its item has none.
         label: Display name of its run.
+        seed: Seed of its run; ``None``: that of the request, or as documented.
         place: JSON pointer to the document in its item; "" if that is the document itself.
         problems: Problems of the item; the document may have others.
     """
 
     document: bytes | Mapping[str, Any] | None
     label: str = ""
+    seed: int | None = None
     place: str = ""
     problems: tuple[Problem, ...] = ()
 
@@ -96,9 +98,10 @@ def _has_label(content: Mapping[str, Any]) -> bool:
 
 
 def _labelled(content: Mapping[str, Any], problems: list[Problem]) -> BatchScenario:
-    label = ""
+    label, seed = "", None
     try:
-        label = LabelledScenario.model_validate(content).label
+        read = LabelledScenario.model_validate(content)
+        label, seed = read.label, read.seed
     except ValidationError as error:
         odd = {problem.pointer for problem in problems}
         structural = structural_problems(error, LabelledScenario)
@@ -107,6 +110,7 @@ def _labelled(content: Mapping[str, Any], problems: list[Problem]) -> BatchScena
     return BatchScenario(
         document=document if isinstance(document, Mapping) else None,
         label=label,
+        seed=seed,
         place=_PLACE,
         problems=tuple(problems),
     )

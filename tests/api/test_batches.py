@@ -48,12 +48,12 @@ def labelled(scenario: object, label: object = "Town01_route_07") -> dict[str, A
     return {"label": label, "scenario": scenario}
 
 
-def post(offline: Offline, items: list[Any], form: str) -> httpx.Response:
+def post(offline: Offline, items: list[Any], form: str, query: str = "") -> httpx.Response:
     """Posts items as a JSON list or as lines."""
     if form == "list":
-        return offline.client.post("/api/v1/batches", json=items)
+        return offline.client.post(f"/api/v1/batches{query}", json=items)
     lines = "\n".join(json.dumps(item) for item in items)
-    return offline.client.post("/api/v1/batches", content=lines, headers=NDJSON)
+    return offline.client.post(f"/api/v1/batches{query}", content=lines, headers=NDJSON)
 
 
 FORMS = pytest.mark.parametrize("form", ["list", "lines"])
@@ -77,6 +77,17 @@ def test_a_scenario_may_come_with_the_label_of_its_run(
 
 
 @FORMS
+def test_a_scenario_with_a_label_may_have_a_seed_of_its_own(
+    offline: Offline, scenario: dict[str, Any], form: str
+) -> None:
+    items = [{**labelled(scenario, "x"), "seed": seed} for seed in (0, 8, None)]
+    answer = post(offline, [*items, labelled(scenario, "x"), scenario], form, "?seed=5")
+    assert answer.status_code == 202, answer.text
+    jobs = [offline.client.get(f"/api/v1/jobs/{item['job_id']}") for item in answer.json()["items"]]
+    assert [job.json()["seed"] for job in jobs] == [0, 8, 5, 5, 5]
+
+
+@FORMS
 @pytest.mark.parametrize(
     ("item", "found"),
     [
@@ -84,7 +95,9 @@ def test_a_scenario_may_come_with_the_label_of_its_run(
         ({"label": None, "scenario": ...}, {("/label", "string_type")}),
         ({"label": "x" * 201, "scenario": ...}, {("/label", "string_too_long")}),
         ({"label": "a\0b", "scenario": ...}, {("/label", "odd_value")}),
-        ({"label": "x", "scenario": ..., "seed": 1}, {("/seed", "extra_forbidden")}),
+        ({"label": "x", "scenario": ..., "agent": "idm"}, {("/agent", "extra_forbidden")}),
+        ({"label": "x", "scenario": ..., "seed": -1}, {("/seed", "greater_than_equal")}),
+        ({"label": "x", "scenario": ..., "seed": "1"}, {("/seed", "int_type")}),
         ({"scenario": ...}, {("/label", "missing")}),
         ({"label": "x"}, {("/scenario", "missing")}),
         ({"label": "x", "scenario": [1]}, {("/scenario", "dict_type")}),
@@ -94,7 +107,7 @@ def test_a_scenario_may_come_with_the_label_of_its_run(
         ),
     ],
 )
-def test_an_item_with_a_label_has_these_two_keys(
+def test_an_item_with_a_label_has_these_keys_and_no_other(
     offline: Offline,
     scenario: dict[str, Any],
     form: str,

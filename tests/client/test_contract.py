@@ -158,6 +158,17 @@ def test_runs_of_a_batch_have_the_labels_of_its_scenarios(
         client.post_batch([scenario, scenario], labels=["a"])
 
 
+def test_runs_of_a_batch_have_seeds_of_their_own(client: Client, scenario: dict[str, Any]) -> None:
+    labels, seeds = ["a", "a", "a"], [None, 0, 5]
+    submission = client.post_batch([scenario] * 3, labels=labels, seeds=seeds, seed=7)
+    assert [client.job(item.job_id).seed for item in submission.items] == [7, 0, 5]
+    client.cancel_batch(submission.batch.id)
+    with pytest.raises(ValueError, match="found 1 seeds for 2 scenarios"):
+        client.post_batch([scenario] * 2, labels=["a", "b"], seeds=[1])
+    with pytest.raises(ValueError, match="seeds for scenarios without labels"):
+        client.post_batch([scenario], seeds=[1])
+
+
 def test_a_batch_with_a_scenario_that_is_rejected(client: Client, scenario: dict[str, Any]) -> None:
     seen: list[Batch] = []
     submission = client.post_batch([broken(scenario), scenario], priority=Priority.INTERACTIVE)

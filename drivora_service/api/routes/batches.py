@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -63,7 +63,8 @@ def post_batch(
 ) -> Response:
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
 
-    A scenario may come with the label of its run, as `{"label": "…", "scenario": {…}}`.
+    A scenario may come with the label of its run, and with its seed, as `{"label": "…", "seed": 7,
+    "scenario": {…}}`.
 
     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
 
@@ -215,7 +216,8 @@ def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides
         try:
             scenario = read_batch_scenario(document)
             valid = scenario.checked(checker.validated)
-            runs.append(new_run(valid, overrides, item=item, label=scenario.label))
+            own = overrides if scenario.seed is None else replace(overrides, seed=scenario.seed)
+            runs.append(new_run(valid, own, item=item, label=scenario.label))
             checked.notes[item] = valid.notes
             continue
         except InvalidDocument as error:

@@ -10,15 +10,19 @@ from pydantic import Field
 
 from drivora_service.api.problems import ProblemItem
 from drivora_service.api.schemas.base import Schema
+from drivora_service.scenario import fields
 from drivora_service.shapes import Shape, combine
 from drivora_service.store import records
 from drivora_service.store.records import LONGEST_LABEL
 
 
 class LabelledScenario(Schema):
-    """A scenario of a batch, with the label of its run."""
+    """A scenario of a batch, with the label and the seed of its run."""
 
     label: str = Field(strict=True, max_length=LONGEST_LABEL, description="Display name.")
+    seed: fields.Seed | None = Field(
+        None, description="Overrides the seeds of the request and of the scenario."
+    )
     scenario: dict[str, Any] = Field(description="The scenario.")
 
 

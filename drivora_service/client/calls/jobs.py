@@ -117,6 +117,7 @@ def post_batch(
     documents: Sequence[Document],
     *,
     labels: Sequence[str] | None = None,
+    seeds: Sequence[int | None] | None = None,
     name: str = "",
     priority: Priority | None = None,
     agent: str = "",
@@ -128,6 +129,8 @@ def post_batch(
     Args:
         documents: The scenarios, in JSON.
         labels: Display names of their runs, one for each scenario; ``None``: no names.
+        seeds: Seeds of their runs, one for each scenario, for scenarios with labels; ``None``, and
+            for each that is ``None``: ``seed``, or the document's.
         name: Display name.
         priority: Priority of the runs; ``None``: default of the service.
         agent: Drives every ego; "": as documented.
@@ -138,14 +141,14 @@ def post_batch(
         InvalidDocument: None of them can be run; pointers begin with the place of the scenario,
             such as ``/0``, or ``/0/scenario`` where there are labels. Pointers of rejected
             scenarios are into the scenario, or begin with ``/scenario``.
-        ValueError: There are more or fewer labels than scenarios.
+        ValueError: There are more or fewer labels or seeds than scenarios, or seeds and no labels.
     """
     from drivora_service.api.schemas.batches import BatchSubmission
 
     return post(
         f"{PREFIX}/batches",
         BatchSubmission,
-        b"[" + b",".join(_batch_items(documents, labels)) + b"]",
+        b"[" + b",".join(_batch_items(documents, labels, seeds)) + b"]",
         query={"name": name, "priority": priority, **_overrides(agent, agent_parameters, seed)},
     )
 
@@ -207,18 +210,26 @@ def _batch_act(action: str, batch_id: str) -> Call[Batch]:
     return act(f"{PREFIX}/batches/{{batch_id}}:{action}", Batch, batch_id=batch_id)
 
 
-def _batch_items(documents: Sequence[Document], labels: Sequence[str] | None) -> Iterable[bytes]:
+def _batch_items(
+    documents: Sequence[Document],
+    labels: Sequence[str] | None,
+    seeds: Sequence[int | None] | None,
+) -> Iterable[bytes]:
     if labels is None:
+        if seeds is not None:
+            raise ValueError("found seeds for scenarios without labels; give each a label, too")
         return map(document_bytes, documents)
-    if len(labels) != len(documents):
-        raise ValueError(
-            f"found {len(labels)} labels for {len(documents)} scenarios; each needs one"
-        )
-    return map(_labelled, labels, documents)
+    for what, given in (("labels", labels), ("seeds", seeds)):
+        if given is not None and len(given) != len(documents):
+            raise ValueError(
+                f"found {len(given)} {what} for {len(documents)} scenarios; each needs one"
+            )
+    return map(_labelled, labels, documents, seeds or [None] * len(documents))
 
 
-def _labelled(label: str, document: Document) -> bytes:
-    return b'{"label":%b,"scenario":%b}' % (json.dumps(label).encode(), document_bytes(document))
+def _labelled(label: str, document: Document, seed: int | None) -> bytes:
+    beside = {"label": label} if seed is None else {"label": label, "seed": seed}
+    return b'%b,"scenario":%b}' % (json.dumps(beside).encode()[:-1], document_bytes(document))
 
 
 def _overrides(agent: str, agent_parameters: Sequence[str], seed: int | None) -> Query:
