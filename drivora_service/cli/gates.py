@@ -8,13 +8,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drivora_service.errors import ConfigurationError
-from drivora_service.oracles.accountability import Accountability, accountability
+from drivora_service.oracles.accountability import ACCOUNTABLE, Accountability, accountability
 from drivora_service.oracles.verdict import Severity, Verdict
-
-ACCOUNTABLE = frozenset(
-    {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.NOT_JUDGED}
-)
-"""A gate does not count faults of others, unavoidable violations and undetermined faults."""
 
 _RUNS = re.compile(r"[0-9]{1,9}")
 

@@ -40,6 +40,12 @@ AT_FAULT = frozenset(
 )
 """Degrees of an ego that is at fault."""
 
+ACCOUNTABLE = frozenset(
+    {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.NOT_JUDGED}
+)
+"""Degrees that gates and comparisons count: not faults of others, unavoidable violations and
+undetermined faults."""
+
 _RANK = {member: rank for rank, member in enumerate(Accountability)}
 _AT_FAULT = {
     None: Accountability.AVOIDABLE,

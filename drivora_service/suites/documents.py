@@ -1,0 +1,123 @@
+"""The suite document: scenarios with what is expected of an ADS in each."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from drivora_service.campaigns.documents import OracleNames, PluginName
+from drivora_service.scenario import fields
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.entities import EntityDocument
+from drivora_service.studies.documents import Label
+
+MAX_SCENARIOS = 10_000
+"""Greatest number of scenarios of a suite: that of a batch."""
+
+MAX_REPETITIONS = 1000
+
+_TAG_PATTERN = r"^[A-Za-z0-9_.:-]{1,64}$"
+
+
+Tag = Annotated[str, Field(strict=True, pattern=_TAG_PATTERN)]
+Tags = Annotated[tuple[Tag, ...], Field(max_length=100)]
+Repetitions = Annotated[
+    int, Field(strict=True, ge=1, le=MAX_REPETITIONS, json_schema_extra={"x-unit": "1"})
+]
+_Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+
+
+class MetricBoundsDocument(EntityDocument):
+    """The values of a metric that are expected of a run."""
+
+    at_least: _Number | None = Field(None, description="Smallest expected value.")
+    at_most: _Number | None = Field(None, description="Greatest expected value.")
+
+    @model_validator(mode="after")
+    def _has_a_bound(self) -> MetricBoundsDocument:
+        if self.at_least is None and self.at_most is None:
+            raise PydanticCustomError("no_bound", "found no bound; give `at_least` or `at_most`")
+        if None not in (self.at_least, self.at_most) and self.at_least > self.at_most:  # type: ignore[operator]
+            raise PydanticCustomError(
+                "empty_range", "found an `at_least` above `at_most`; no value is between them"
+            )
+        return self
+
+
+MetricBounds = Annotated[
+    dict[str, MetricBoundsDocument],
+    Field(max_length=100, description="Expected values of metrics, by name."),
+]
+
+
+class KnownFailureDocument(EntityDocument):
+    """A failure that is known and does not count."""
+
+    oracle: PluginName | None = Field(None, description="Violated oracle; without it, any.")
+    ego: Annotated[str, Field(strict=True, pattern=fields.ID_PATTERN)] | None = Field(
+        None, description="Id of the ego; without it, any."
+    )
+    counterpart: Annotated[str, Field(strict=True, max_length=256)] | None = Field(
+        None, description="Id of the other actor; without it, any."
+    )
+    agents: Annotated[tuple[fields.AgentName, ...], Field(max_length=1000)] = Field(
+        (), description="ADSs of which it is known; without any, of every one."
+    )
+    reason: Label = Field(description="Why it does not count, for reports.")
+
+
+class DifficultyDocument(EntityDocument):
+    """Which ADSs fail in a scenario; for people, and for choosing scenarios."""
+
+    failed_by: Annotated[tuple[fields.AgentName, ...], Field(max_length=1000)] = Field(
+        (), description="ADSs that fail."
+    )
+    passed_by: Annotated[tuple[fields.AgentName, ...], Field(max_length=1000)] = Field(
+        (), description="ADSs that do not."
+    )
+
+
+class SuiteScenarioDocument(EntityDocument):
+    """A scenario of the suite."""
+
+    name: Label = Field(description="Its name, unique in the suite.")
+    document: ScenarioDocument = Field(description="The scenario.")
+    tags: Tags = Field((), description="Words by which it can be chosen.")
+    oracles: OracleNames | None = Field(
+        None, description="Oracles whose violations count, in place of those of the suite."
+    )
+    metrics: MetricBounds = Field(default_factory=dict)
+    known_failures: Annotated[tuple[KnownFailureDocument, ...], Field(max_length=100)] = Field(
+        (), description="Failures that are known and do not count."
+    )
+    difficulty: DifficultyDocument | None = Field(None, description="Which ADSs fail in it.")
+    comment: Annotated[str, Field(strict=True, max_length=10_000)] = Field(
+        "", description="For people."
+    )
+
+
+class SuiteDocument(EntityDocument):
+    """Scenarios, and what is expected of an ADS in each."""
+
+    version: Literal["1.0"] = Field("1.0", description="Version of this format.")
+    name: Label = Field(description="Display name.")
+    description: Annotated[str, Field(strict=True, max_length=10_000)] = Field(
+        "", description="For people."
+    )
+    scenarios: Annotated[
+        tuple[SuiteScenarioDocument, ...], Field(min_length=1, max_length=MAX_SCENARIOS)
+    ] = Field(description="The scenarios.")
+    repetitions: Repetitions = Field(
+        1,
+        description="Number of runs of each scenario: the first under its own seed, each further "
+        "one under the next.",
+    )
+    tags: Tags = Field((), description="Tags of every scenario.")
+    oracles: OracleNames | None = Field(
+        None,
+        description="Oracles whose violations count; without it, those that the gate names, or "
+        "all but observations.",
+    )
+    metrics: MetricBounds = Field(default_factory=dict)

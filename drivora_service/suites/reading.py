@@ -1,0 +1,153 @@
+"""Reading a suite: the document and all its names, validated together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, Literal
+
+from pydantic import ValidationError
+
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.plain_data import plain_data
+from drivora_service.scenario.problems import in_document_order, structural_problems
+from drivora_service.suites.documents import (
+    MetricBoundsDocument,
+    SuiteDocument,
+    SuiteScenarioDocument,
+)
+from drivora_service.suites.suite import (
+    Difficulty,
+    KnownFailure,
+    MetricBounds,
+    Suite,
+    SuiteScenario,
+)
+
+_MOST_BYTES = 256 << 20
+"""Size of a document, which holds many scenarios."""
+
+
+def read_suite(
+    data: str | bytes | Mapping[str, Any],
+    *,
+    oracles: Collection[str],
+    metrics: Collection[str],
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> Suite:
+    """Reads a suite, its scenarios included; their roads and agents are checked when they are run.
+
+    Args:
+        data: Text, or its parsed content.
+        oracles: Names of the oracles that runs are judged by.
+        metrics: Names of the metrics that describe runs.
+        format: Language of the text; YAML without aliases and tags.
+
+    Raises:
+        InvalidDocument: The document has problems; all are listed, in document order.
+    """
+    content, odd = plain_data(data, format, what="a suite", most_bytes=_MOST_BYTES)
+    try:
+        document = SuiteDocument.model_validate(content)
+    except ValidationError as error:
+        known = {problem.pointer for problem in odd}
+        structural = structural_problems(error, SuiteDocument)
+        problems = [*odd, *(p for p in structural if p.pointer not in known)]
+        raise InvalidDocument(in_document_order(problems, content)) from error
+    problems = [
+        *odd,
+        *_repeated_names(document),
+        *_unknown_names(document, oracles=oracles, metrics=metrics),
+    ]
+    if problems:
+        raise InvalidDocument(in_document_order(problems, content))
+    return Suite(
+        name=document.name,
+        description=document.description,
+        scenarios=tuple(_scenario(document, one) for one in document.scenarios),
+        repetitions=document.repetitions,
+    )
+
+
+def _scenario(suite: SuiteDocument, one: SuiteScenarioDocument) -> SuiteScenario:
+    oracles = suite.oracles if one.oracles is None else one.oracles
+    return SuiteScenario(
+        name=one.name,
+        document=one.document,
+        tags=tuple(dict.fromkeys((*suite.tags, *one.tags))),
+        oracles=None if oracles is None else frozenset(oracles),
+        metrics={
+            name: MetricBounds(at_least=bounds.at_least, at_most=bounds.at_most)
+            for name, bounds in {**suite.metrics, **one.metrics}.items()
+        },
+        known_failures=tuple(
+            KnownFailure(
+                oracle=known.oracle or "",
+                ego=known.ego or "",
+                counterpart=known.counterpart or "",
+                agents=frozenset(known.agents),
+                reason=known.reason,
+            )
+            for known in one.known_failures
+        ),
+        difficulty=None
+        if one.difficulty is None
+        else Difficulty(failed_by=one.difficulty.failed_by, passed_by=one.difficulty.passed_by),
+    )
+
+
+def _repeated_names(document: SuiteDocument) -> Iterator[Problem]:
+    first: dict[str, int] = {}
+    for place, one in enumerate(document.scenarios):
+        if first.setdefault(one.name, place) != place:
+            yield Problem(
+                pointer=f"/scenarios/{place}/name",
+                code="repeated_name",
+                message=f"found {one.name!r} again (first at /scenarios/{first[one.name]}); names "
+                "must be unique",
+            )
+
+
+def _unknown_names(
+    document: SuiteDocument, *, oracles: Collection[str], metrics: Collection[str]
+) -> Iterator[Problem]:
+    yield from _unknown_oracles("", document.oracles or (), oracles)
+    yield from _unknown_metrics("", document.metrics, metrics)
+    for place, one in enumerate(document.scenarios):
+        prefix = f"/scenarios/{place}"
+        yield from _unknown_oracles(prefix, one.oracles or (), oracles)
+        yield from _unknown_metrics(prefix, one.metrics, metrics)
+        for index, known in enumerate(one.known_failures):
+            if known.oracle is not None and known.oracle not in oracles:
+                pointer = f"{prefix}/known_failures/{index}/oracle"
+                yield unknown("oracle", known.oracle, oracles, pointer)
+
+
+def _unknown_oracles(
+    prefix: str, names: Collection[str], known: Collection[str]
+) -> Iterator[Problem]:
+    for index, name in enumerate(names):
+        if name not in known:
+            yield unknown("oracle", name, known, f"{prefix}/oracles/{index}")
+
+
+def _unknown_metrics(
+    prefix: str, bounds: Mapping[str, MetricBoundsDocument], known: Collection[str]
+) -> Iterator[Problem]:
+    for name in bounds:
+        if not is_metric(name, known):
+            yield unknown("metric", name, known, f"{prefix}/metrics/{name}")
+
+
+def is_metric(name: str, known: Collection[str]) -> bool:
+    """Returns whether a name is that of a metric, or of its value for one ego, ``NAME[EGO]``."""
+    metric, bracket, _ = name.partition("[")
+    return metric in known and (not bracket or name.endswith("]"))
+
+
+def unknown(kind: str, name: str, known: Collection[str], pointer: str) -> Problem:
+    """Returns the problem of a name that is not in a catalogue."""
+    return Problem(
+        pointer=pointer,
+        code=f"unknown_{kind}",
+        message=f"unknown {kind} {name[:80]!r}; known: {', '.join(known)}",
+    )

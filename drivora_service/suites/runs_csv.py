@@ -1,0 +1,70 @@
+"""The runs of a suite as CSV: a row for each."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from drivora_service.suites.report import SuiteReport
+
+_COLUMNS = (
+    "scenario",
+    "repetition",
+    "seed",
+    "state",
+    "status",
+    "cause",
+    "run_id",
+    "town",
+    "agents",
+    "violations",
+    "failures",
+    "sim_time_s",
+    "wall_time_s",
+    "trace_sha256",
+)
+# A spreadsheet takes a text that begins with one of these for a formula.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def runs_csv(report: SuiteReport) -> str:
+    """Returns a row for each run, with all metrics in columns of their own.
+
+    Returns:
+        CSV with a header; values that are not measurable are empty.
+    """
+    metrics = sorted({name for run in report.results.runs for name in run.metrics})
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*_COLUMNS, *map(_safe, metrics)])
+    for row in report.rows:
+        for run in row.runs:
+            failures = [
+                one.key.oracle
+                for one in row.failures
+                if one.now is not None and run.seed in one.now.seeds
+            ]
+            values = (
+                row.name,
+                run.repetition,
+                run.seed,
+                row.state,
+                run.status,
+                run.cause,
+                run.run_id,
+                run.town,
+                " ".join(dict.fromkeys(run.agents.values())),
+                " ".join(dict.fromkeys(verdict.oracle for verdict in run.violations)),
+                " ".join(failures),
+                run.sim_time_s,
+                run.wall_time_s,
+                run.trace_sha256,
+            )
+            writer.writerow([*map(_safe, values), *(run.metrics.get(name) for name in metrics)])
+    return text.getvalue()
+
+
+def _safe(value: object) -> object:
+    if isinstance(value, str) and value.startswith(_FORMULA):
+        return f"'{value}"
+    return value

@@ -1,0 +1,84 @@
+"""The results of a suite in short, as Markdown for the summary of a CI job."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from drivora_service.suites.report import SuiteReport
+
+_MOST_ROWS = 50
+
+
+def summary_markdown(report: SuiteReport) -> str:
+    """Returns the decision, its reasons, and what fails, as Markdown."""
+    return "\n".join(_lines(report)) + "\n"
+
+
+def _lines(report: SuiteReport) -> Iterator[str]:
+    decision, results = report.decision, report.results
+    yield f"## {'❌' if decision.fails else '✅'} {_text(results.suite)}: {_text(report.subject)}"
+    yield ""
+    yield f"{_text(decision.sentence)}."
+    for reason in decision.reasons:
+        yield f"- {_text(reason)}"
+    if decision.failures:
+        yield ""
+        rows = [
+            (
+                f"**{one.failure_class}**" if one.fails else str(one.failure_class),
+                one.key.scenario,
+                one.key.oracle.replace("_", " "),
+                one.sentence,
+                one.change,
+            )
+            for one in decision.failures
+        ]
+        yield from _table(("", "scenario", "oracle", "what happened", "how often"), rows)
+    if decision.limits:
+        yield ""
+        yield from _table(
+            ("limit", "value", "allowed", ""),
+            [
+                (
+                    one.what,
+                    "not measurable" if one.value is None else str(one.value),
+                    one.allowed,
+                    "fails" if one.fails else "uncertain" if one.is_uncertain else "holds",
+                )
+                for one in decision.limits
+            ],
+        )
+    gone = [(row.name, reason) for row in report.rows for reason in row.gone]
+    if gone:
+        yield ""
+        yield "Known failures that did not occur:"
+        for name, reason in gone[:_MOST_ROWS]:
+            yield f"- {_text(name)}: {_text(reason)}"
+    for what, names in (
+        ("Not in the baseline, or changed since", decision.not_in_baseline),
+        ("In the baseline, and not run", decision.not_run),
+    ):
+        if names:
+            more = "" if len(names) <= _MOST_ROWS else f" and {len(names) - _MOST_ROWS} more"
+            yield ""
+            yield f"{what}: {_text(', '.join(names[:_MOST_ROWS]))}{more}"
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    yield "| " + " | ".join(columns) + " |"
+    yield "|" + "---|" * len(columns)
+    for row in rows[:_MOST_ROWS]:
+        first, *rest = row
+        # Bold is the only markup of a cell, and only of the first one.
+        bold = first.startswith("**")
+        head = f"**{_text(first.strip('*'))}**" if bold else _text(first)
+        yield "| " + " | ".join((head, *map(_text, rest))) + " |"
+    if len(rows) > _MOST_ROWS:
+        yield f"| | and {len(rows) - _MOST_ROWS} more |" + " |" * (len(columns) - 2)
+
+
+def _text(text: str) -> str:
+    """Escapes what Markdown would read as markup or HTML."""
+    for character in "\\`*_[]<>|#":
+        text = text.replace(character, f"\\{character}")
+    return text.replace("\n", " ")
