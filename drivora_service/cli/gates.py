@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.oracles.accountability import ACCOUNTABLE, Accountability, accountability
+from drivora_service.oracles.failure_facts import is_consequence
 from drivora_service.oracles.verdict import Severity, Verdict
 
 _RUNS = re.compile(r"[0-9]{1,9}")
@@ -16,7 +17,12 @@ _RUNS = re.compile(r"[0-9]{1,9}")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Violation:
-    """A violated oracle as a gate counts it."""
+    """A violated oracle as a gate counts it.
+
+    Attributes:
+        is_observation: It counts only where its oracle is named: it is an observation, or follows
+            from a violation that counts.
+    """
 
     oracle: str
     is_observation: bool
@@ -119,7 +125,7 @@ def violations_of_run(violated: Iterable[Verdict]) -> list[Violation]:
     return [
         Violation(
             oracle=verdict.oracle,
-            is_observation=verdict.severity is Severity.OBSERVATION,
+            is_observation=verdict.severity is Severity.OBSERVATION or is_consequence(verdict),
             accountability=accountability(verdict),
         )
         for verdict in violated

@@ -84,6 +84,24 @@ def read_list_file(path: Path, *, what: str, name_key: str, longest_name: int) -
     )
 
 
+def expand_list(
+    content: Mapping[str, Any], *, folder: Path, name_key: str, longest_name: int
+) -> ListFile:
+    """Puts scenarios in place of the files that a document without a file of its own names.
+
+    Args:
+        content: The document.
+        folder: Folder to which the names of files are relative.
+        name_key: See :func:`read_list_file`.
+        longest_name: See there.
+
+    Raises:
+        InvalidDocument: A scenario file cannot be read.
+    """
+    naming = _Naming(key=name_key, longest=longest_name)
+    return _with_scenarios(content, (), folder=folder, naming=naming)
+
+
 def _with_scenarios(
     content: Mapping[str, Any], problems: Sequence[Problem], *, folder: Path, naming: _Naming
 ) -> ListFile:

@@ -33,6 +33,9 @@ def run_files(
     out: Path | None,
     where: str,
     on_result: Callable[[ScenarioResult], None],
+    seeds: Sequence[int | None] | None = None,
+    batch_name: str = "drivora run",
+    priority: Priority = Priority.INTERACTIVE,
 ) -> list[ScenarioResult]:
     """Runs scenarios as one batch and returns their results in the order of the files.
 
@@ -46,6 +49,9 @@ def run_files(
             are not written.
         where: Options with which other commands find the runs.
         on_result: Called with each result, in any order.
+        seeds: Seed of each file's run in place of ``seed``; ``None``: none has its own.
+        batch_name: Display name of the batch.
+        priority: Priority of the runs.
 
     Raises:
         ConfigurationError: The agent or one of its parameters cannot be used.
@@ -63,8 +69,9 @@ def run_files(
         posted = client.post_batch(
             [document_text(file.document) for file in files],
             labels=[file.name for file in files],
-            name="drivora run",
-            priority=Priority.INTERACTIVE,
+            seeds=seeds,
+            name=batch_name,
+            priority=priority,
             agent=agent,
             agent_parameters=agent_parameters,
             seed=seed,

@@ -23,6 +23,9 @@ _WAYS = ("rule", "front_crossed_on", "reason")
 """Evidence that tells the manoeuvre by one of a few words; the first that an oracle has. The
 ``reason`` of a collision, beside a ``rule``, is a clause of words."""
 
+_JUDGED_ENDS = frozenset({"collision", "stuck", "route_deviation"})
+"""Ends of an ego's part that an oracle of their own judges."""
+
 
 def relation(evidence: Mapping[str, Any]) -> str:
     """Returns the relation of the other actor to the ego from an oracle's evidence, or "".
@@ -49,6 +52,15 @@ def manoeuvre(evidence: Mapping[str, Any]) -> str:
         if told := evidence.get(name):
             return str(told)
     return ""
+
+
+def is_consequence(verdict: Verdict) -> bool:
+    """Returns whether a violation only follows from what another oracle judges.
+
+    It is a destination that the ego missed because a collision, standing or leaving the route ended
+    its part: whether that is a failure of the ego is the other oracle's verdict.
+    """
+    return verdict.oracle == "destination" and verdict.evidence.get("reason") in _JUDGED_ENDS
 
 
 def failure_group(verdict: Verdict) -> str:

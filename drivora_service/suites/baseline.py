@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -168,15 +168,11 @@ def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[st
     )
 
 
-def update_baseline(old: Baseline, new: Baseline) -> Baseline:
-    """Returns a baseline in which the scenarios of a newer one replace those of the older."""
-    return replace(new, scenarios=dict(sorted({**old.scenarios, **new.scenarios}.items())))
-
-
-def baseline_changes(old: Baseline, new: Baseline) -> Iterator[BaselineChange]:
-    """Yields the differences between two baselines, by scenario."""
-    for name in sorted({*old.scenarios, *new.scenarios}):
-        before, after = old.scenarios.get(name), new.scenarios.get(name)
+def baseline_changes(old: Baseline | None, new: Baseline) -> Iterator[BaselineChange]:
+    """Yields the differences between two baselines, by scenario; ``None``: there was none."""
+    known = {} if old is None else old.scenarios
+    for name in sorted({*known, *new.scenarios}):
+        before, after = known.get(name), new.scenarios.get(name)
         if before is None or after is None:
             yield BaselineChange(
                 scenario=name,

@@ -48,7 +48,7 @@ class ClassifiedFailure:
         """What has changed, in words."""
         now = _counted(self.in_runs)
         if not self.in_runs_before.of:
-            return f"fails in {now}; nothing is known of before"
+            return f"fails in {now}"
         before = _counted(self.in_runs_before)
         tested = "" if self.p is None else f" (p {self.p:.2g})"
         return f"fails in {now}, before in {before}{tested}"
@@ -149,6 +149,4 @@ class Decision:
 
 
 def _counted(occurrences: Occurrences) -> str:
-    if occurrences.of == 1:
-        return "its run" if occurrences.runs else "no run"
-    return f"{occurrences.runs} of {occurrences.of} runs"
+    return f"{occurrences.runs} of {occurrences.of} run{'' if occurrences.of == 1 else 's'}"

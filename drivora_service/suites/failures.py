@@ -13,7 +13,7 @@ from drivora_service.oracles.accountability import (
     accountability,
     strongest_of,
 )
-from drivora_service.oracles.failure_facts import failure_sentence
+from drivora_service.oracles.failure_facts import failure_sentence, is_consequence
 from drivora_service.oracles.verdict import Severity, Verdict
 from drivora_service.runs.report import RunStatus
 from drivora_service.suites.results import SuiteResults, SuiteRun
@@ -235,7 +235,7 @@ def _events(
 def _counts(verdict: Verdict, named: frozenset[str] | None) -> bool:
     if named is not None:
         return verdict.oracle in named
-    return verdict.severity is not Severity.OBSERVATION
+    return verdict.severity is not Severity.OBSERVATION and not is_consequence(verdict)
 
 
 def _first_of_each(events: Iterable[_Event]) -> list[_Event]:

@@ -55,7 +55,7 @@ def _add_case(suite: ElementTree.Element, row: ScenarioRow, report: SuiteReport)
         message = "; ".join(_message(one, report) for one in failing)
         failure = ElementTree.SubElement(case, "failure", message=_clean(message))
         failure.set("type", _clean(failing[0].key.oracle))
-        failure.text = _clean("\n".join(_details(one) for one in row.failures))
+        failure.text = _clean("\n".join(_details(one, report) for one in row.failures))
     elif row.state is ScenarioState.NOT_JUDGED:
         run = row.unfinished[0]
         error = ElementTree.SubElement(case, "error", type=_clean(run.cause or run.status))
@@ -88,9 +88,9 @@ def _message(one: ClassifiedFailure, report: SuiteReport) -> str:
     return f"{which}{one.sentence}"
 
 
-def _details(one: ClassifiedFailure) -> str:
+def _details(one: ClassifiedFailure, report: SuiteReport) -> str:
     run = "" if one.now is None else f"\n  run {one.now.run_id}, seeds {list(one.now.seeds)}"
-    return f"{one.failure_class}: {one.key.oracle}: {one.sentence} It {one.change}.{run}"
+    return f"{one.key.oracle}: {_message(one, report)} It {one.change}.{run}"
 
 
 def _clean(text: str) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from drivora_service.oracles.accountability import accountability
+from drivora_service.oracles.failure_facts import is_consequence
 from drivora_service.oracles.verdict import Severity, Verdict
 from drivora_service.suites.baseline import BaselineScenario
 from drivora_service.suites.decision import LimitAnswer
@@ -76,7 +77,7 @@ def _violations_answer(
 
 def _is_limited(verdict: Verdict, limit: LimitDocument) -> bool:
     named = (
-        verdict.severity is not Severity.OBSERVATION
+        verdict.severity is not Severity.OBSERVATION and not is_consequence(verdict)
         if limit.oracles is None
         else verdict.oracle in limit.oracles
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from drivora_service.suites.decision import ClassifiedFailure
 from drivora_service.suites.report import SuiteReport
 
 _MOST_ROWS = 50
@@ -25,7 +26,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         yield ""
         rows = [
             (
-                f"**{one.failure_class}**" if one.fails else str(one.failure_class),
+                _class(one, has_baseline=decision.has_baseline),
                 one.key.scenario,
                 one.key.oracle.replace("_", " "),
                 one.sentence,
@@ -62,6 +63,12 @@ def _lines(report: SuiteReport) -> Iterator[str]:
             more = "" if len(names) <= _MOST_ROWS else f" and {len(names) - _MOST_ROWS} more"
             yield ""
             yield f"{what}: {_text(', '.join(names[:_MOST_ROWS]))}{more}"
+
+
+def _class(one: ClassifiedFailure, *, has_baseline: bool) -> str:
+    if not has_baseline:
+        return ""
+    return f"**{one.failure_class}**" if one.fails else str(one.failure_class)
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:

@@ -18,6 +18,8 @@ class Document(StrEnum):
     SCENARIO = "scenario"
     CAMPAIGN = "campaign"
     STUDY = "study"
+    SUITE = "suite"
+    GATE = "gate"
 
 
 def schema(
@@ -29,24 +31,28 @@ def schema(
     ] = False,
     write: Annotated[bool, typer.Option("--write", help="Write the schema files again.")] = False,
 ) -> None:
-    """Prints the JSON Schema of the OpenScenario document, of the campaign or of the study."""
+    """Prints the JSON Schema of the OpenScenario document, or of another document."""
     from drivora_service.campaigns import schema as campaign_schema
     from drivora_service.scenario import schema as scenario_schema
     from drivora_service.studies import schema as study_schema
+    from drivora_service.suites import schema as suite_schema
 
     if check and write:
         raise ConfigurationError("give one of --check and --write")
     schemas = {
-        Document.SCENARIO: scenario_schema,
-        Document.CAMPAIGN: campaign_schema,
-        Document.STUDY: study_schema,
+        Document.SCENARIO: (scenario_schema.schema_text, scenario_schema.schema_path),
+        Document.CAMPAIGN: (campaign_schema.schema_text, campaign_schema.schema_path),
+        Document.STUDY: (study_schema.schema_text, study_schema.schema_path),
+        Document.SUITE: (suite_schema.suite_schema_text, suite_schema.suite_schema_path),
+        Document.GATE: (suite_schema.gate_schema_text, suite_schema.gate_schema_path),
     }
     if not check and not write:
-        typer.echo(schemas[document].schema_text(), nl=False)
+        text_of, _ = schemas[document]
+        typer.echo(text_of(), nl=False)
         return
     stale = False
-    for module in schemas.values():
-        text, path = module.schema_text(), module.schema_path()
+    for text_of, path_of in schemas.values():
+        text, path = text_of(), path_of()
         if write:
             path.write_text(text)
             typer.echo(f"wrote {path.name}")

@@ -1,0 +1,52 @@
+"""Accepting the failures of results as the baseline of a suite."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from drivora_service.errors import ConfigurationError
+from drivora_service.suites.baseline import Baseline, make_baseline
+from drivora_service.suites.failures import find_failures
+from drivora_service.suites.gate_documents import GateDocument
+from drivora_service.suites.report import SCORE
+from drivora_service.suites.results import SuiteResults
+from drivora_service.suites.suite import Suite
+
+
+def accepted_baseline(
+    results: SuiteResults, suite: Suite, gate: GateDocument, old: Baseline | None
+) -> Baseline:
+    """Returns the baseline that accepts what fails in results.
+
+    Args:
+        results: The results.
+        suite: The suite; scenarios that it no longer has leave the baseline.
+        gate: Says which violations count, and which metrics are compared with the baseline.
+        old: The baseline so far, of which scenarios stay that the results do not have.
+
+    Raises:
+        ConfigurationError: The old baseline is of another suite or ADS.
+    """
+    if old is not None:
+        for what, before, now in (
+            ("suite", old.suite, results.suite),
+            ("ADS", old.agent, results.agent),
+        ):
+            if before != now:
+                raise ConfigurationError(
+                    f"the baseline is of {what} {before!r}, and the results are of {now!r}; give "
+                    "each its own file"
+                )
+    found = find_failures(
+        results,
+        suite.by_name,
+        counted=gate.counts,
+        oracles=None if gate.oracles is None else frozenset(gate.oracles),
+    )
+    metrics = {SCORE, *(one.metric for one in gate.metrics)}
+    new = make_baseline(results, found, metrics=metrics)
+    kept = {} if old is None else old.scenarios
+    scenarios = {**kept, **new.scenarios}
+    return replace(
+        new, scenarios={name: scenarios[name] for name in suite.by_name if name in scenarios}
+    )

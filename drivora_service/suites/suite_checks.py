@@ -1,0 +1,33 @@
+"""Whether results belong to a suite."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivora_service.errors import ConfigurationError
+from drivora_service.suites.results import SuiteResults, scenario_hash
+from drivora_service.suites.suite import Suite
+
+
+def check_results(results: SuiteResults, suite: Suite) -> Iterator[str]:
+    """Yields remarks on results that are not those of a whole suite.
+
+    Raises:
+        ConfigurationError: They have a scenario that the suite does not have, or in another
+            version.
+    """
+    scenarios = suite.by_name
+    for name, sha256 in results.scenarios.items():
+        if name not in scenarios:
+            raise ConfigurationError(
+                f"the results have a scenario {name!r}, and suite {suite.name!r} does not: they "
+                "are of another suite, or of another version of it"
+            )
+        if scenario_hash(scenarios[name].document) != sha256:
+            raise ConfigurationError(
+                f"scenario {name!r} has changed since these results: run the suite again"
+            )
+    missing = [name for name in scenarios if name not in results.scenarios]
+    if missing:
+        shown = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if missing[5:] else "")
+        yield f"{len(missing)} of {len(scenarios)} scenarios were not run: {shown}"
