@@ -141,12 +141,17 @@ class Decision:
             classes = ", ".join(f"{count} {which}" for which, count in self.counts.items() if count)
             found = f"{classes} against the baseline" if classes else "no failure, as before"
         else:
-            found = f"{len(self.failures)} failures" if self.failures else "no failure"
+            found = plural(len(self.failures), "failure") if self.failures else "no failure"
         return (
             f"Gate {word}: {found}; {self.failing_scenarios} of {self.scenarios} scenarios fail "
             f"in {self.judged_runs} judged runs"
         )
 
 
+def plural(count: int, noun: str) -> str:
+    """Returns a number of things in words."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def _counted(occurrences: Occurrences) -> str:
-    return f"{occurrences.runs} of {occurrences.of} run{'' if occurrences.of == 1 else 's'}"
+    return f"{occurrences.runs} of {plural(occurrences.of, 'run')}"

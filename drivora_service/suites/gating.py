@@ -13,7 +13,7 @@ from drivora_service.suites.baseline import (
     accepted_failures,
 )
 from drivora_service.suites.classes import IN_ORDER, FailureClass
-from drivora_service.suites.decision import ClassifiedFailure, Decision, OverallAnswer
+from drivora_service.suites.decision import ClassifiedFailure, Decision, OverallAnswer, plural
 from drivora_service.suites.failures import FailureKey, Found, find_failures
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.limits import limit_answers
@@ -217,8 +217,8 @@ def _reasons(decision: Decision, gate: GateDocument) -> Iterator[str]:
     for which in IN_ORDER:
         named = [str(one.key) for one in failing if one.failure_class is which]
         if named:
-            what = f"{len(named)} {which} failure{'' if len(named) == 1 else 's'}"
-            yield f"{what if decision.has_baseline else what.replace('new ', '')}: " + _few(named)
+            noun = f"{which} failure" if decision.has_baseline else "failure"
+            yield f"{plural(len(named), noun)}: {_few(named)}"
     for limit in decision.limits:
         if limit.fails:
             yield f"{limit.what}: {_value(limit.value)}; allowed: {limit.allowed}"
@@ -231,7 +231,8 @@ def _reasons(decision: Decision, gate: GateDocument) -> Iterator[str]:
         )
     if decision.unfinished and gate.unfinished == "fail":
         named = [f"{run.scenario} ({run.status}: {run.cause})" for run in decision.unfinished]
-        yield f"{len(named)} runs were not judged: {_few(named)}"
+        verb = "was" if len(named) == 1 else "were"
+        yield f"{plural(len(named), 'run')} {verb} not judged: {_few(named)}"
     if not decision.judged_runs:
         yield "no run was judged"
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 
+from drivora_service.oracles.accountability import IN_WORDS
+from drivora_service.suites.decision import ClassifiedFailure
 from drivora_service.suites.report import ScenarioState, SuiteReport
 
 _TEMPLATE = "report.html.jinja"
@@ -26,8 +28,23 @@ def report_html(report: SuiteReport) -> str:
         report=report,
         decision=report.decision,
         rows=sorted(report.rows, key=lambda row: order[row.state]),
+        facts=_facts,
+        shown=[],
         pictures={run_id: _source(svg) for run_id, svg in report.pictures.items()},
     )
+
+
+def _facts(one: ClassifiedFailure) -> str:
+    """Returns how often a failure occurs, and what is known of its first violation, in a line."""
+    parts = [one.change]
+    if one.now is not None:
+        parts.append(IN_WORDS[one.now.accountability])
+        if one.now.time is not None:
+            parts.append(f"at {one.now.time:.1f} s")
+        if one.now.seeds:
+            several = "s" if len(one.now.seeds) > 1 else ""
+            parts.append(f"seed{several} {', '.join(map(str, one.now.seeds))}")
+    return " · ".join(part for part in parts if part)
 
 
 def _source(svg: bytes) -> str:

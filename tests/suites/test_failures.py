@@ -1,0 +1,111 @@
+"""The failures of the runs of a suite."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.verdict import Answer, Severity
+from drivora_service.runs.report import RunStatus
+from drivora_service.suites.failures import Counted, FailureKey, find_failures
+from drivora_service.suites.suite import KnownFailure, MetricBounds
+from tests.suites.made_results import results_of, scenarios_of, suite_run, verdict
+
+
+def test_a_failure_is_found_in_some_runs_of_its_scenario() -> None:
+    results = results_of(
+        [
+            suite_run("a", 0),
+            suite_run("a", 1, verdict(avoidable=Answer.NOT_MEASURABLE)),
+            suite_run("a", 2, verdict(), verdict(), verdict(counterpart="other")),
+            suite_run("b", 0),
+        ]
+    )
+    found = find_failures(results, scenarios_of(results))
+    first = found.failures[
+        FailureKey(scenario="a", oracle="collision", ego="ego", counterpart="npc")
+    ]
+    assert (first.runs, first.of, first.seeds, first.run_id) == (2, 3, (101, 102), "a-1")
+    assert first.accountability is Accountability.AVOIDABLE
+    assert not first.is_steady
+    assert len(found.failures) == 2
+    assert found.judged == {"a": 3, "b": 1}
+
+
+@pytest.mark.parametrize(
+    ("changes", "counted"),
+    [
+        ({}, {"accountable", "at_fault", "any"}),
+        ({"at_fault": None, "avoidable": None}, {"accountable", "at_fault", "any"}),
+        ({"avoidable": Answer.NO}, {"at_fault", "any"}),
+        ({"at_fault": False}, {"any"}),
+        ({"at_fault": None, "undetermined": True}, {"any"}),
+        ({"severity": Severity.OBSERVATION}, set()),
+        ({"oracle": "destination", "evidence": {"reason": "collision"}, "at_fault": None}, set()),
+        (
+            {"oracle": "destination", "evidence": {"reason": "timeout"}, "at_fault": None},
+            {"accountable", "at_fault", "any"},
+        ),
+    ],
+)
+def test_what_counts(changes: dict[str, Any], counted: set[str]) -> None:
+    results = results_of([suite_run("a", 0, verdict(**changes))])
+    for which in Counted:
+        found = find_failures(results, scenarios_of(results), counted=which)
+        assert bool(found.failures) == (which in counted)
+
+
+def test_named_oracles_count_also_if_they_are_observations() -> None:
+    results = results_of(
+        [suite_run("a", 0, verdict("discomfort", severity=Severity.OBSERVATION), verdict())]
+    )
+    scenarios = scenarios_of(results)
+    named = frozenset({"discomfort"})
+    assert [k.oracle for k in find_failures(results, scenarios, oracles=named).failures] == [
+        "discomfort"
+    ]
+    own = scenarios_of(results, oracles=frozenset({"collision"}))
+    assert [k.oracle for k in find_failures(results, own, oracles=named).failures] == ["collision"]
+
+
+def test_known_failures_do_not_count_and_are_told() -> None:
+    runs = [suite_run("a", 0, verdict()), suite_run("a", 1, verdict(), verdict("off_road"))]
+    results = results_of(runs)
+    known = KnownFailure(oracle="collision", counterpart="npc", reason="issue 17")
+    gone = KnownFailure(oracle="red_light", reason="issue 18")
+    others = KnownFailure(agents=frozenset({"pdm-closed"}), reason="issue 19")
+    found = find_failures(results, scenarios_of(results, known_failures=(known, gone, others)))
+    assert [key.oracle for key in found.failures] == ["off_road"]
+    assert [(one.known.reason, one.runs) for one in found.known] == [
+        ("issue 17", 2),
+        ("issue 18", 0),
+    ]
+
+
+def test_an_ads_that_fails_is_a_failure_and_a_lost_worker_is_not() -> None:
+    failed = suite_run(
+        "a", 0, status=RunStatus.AGENT_FAILED, cause="agent_raised", message="No such lane."
+    )
+    lost = suite_run("a", 1, status=RunStatus.INFRASTRUCTURE_FAILED, cause="worker_lost")
+    results = results_of([failed, lost])
+    found = find_failures(results, scenarios_of(results))
+    (failure,) = found.failures.values()
+    assert failure.key.oracle == "agent_failed"
+    assert (failure.runs, failure.of) == (1, 1)
+    assert failure.sentence == "The ADS failed (agent_raised): No such lane."
+    assert found.unfinished == (lost,)
+
+
+def test_metrics_outside_their_bounds_are_failures() -> None:
+    runs = [
+        suite_run("a", number, metrics={"driving_score": value})
+        for number, value in enumerate((60.0, 59.9, None))
+    ]
+    results = results_of(runs)
+    bounds = {"driving_score": MetricBounds(at_least=60.0, at_most=90.0)}
+    found = find_failures(results, scenarios_of(results, metrics=bounds))
+    (failure,) = found.failures.values()
+    assert (failure.key.oracle, failure.runs, failure.of) == ("metric driving_score", 1, 3)
+    assert failure.sentence == "driving_score is 59.9, and at least 60 and at most 90 is expected."

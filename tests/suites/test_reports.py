@@ -1,0 +1,152 @@
+"""Reports of suites: JUnit, HTML, Markdown and CSV, read by other code."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from datetime import UTC, datetime
+from html.parser import HTMLParser
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+from junitparser import JUnitXml, TestCase
+
+from drivora_service.runs.report import RunStatus
+from drivora_service.suites.baseline import make_baseline
+from drivora_service.suites.failures import find_failures
+from drivora_service.suites.gate_documents import GateDocument
+from drivora_service.suites.gating import decide
+from drivora_service.suites.junit import junit_xml
+from drivora_service.suites.report import ScenarioState, SuiteReport, make_report
+from drivora_service.suites.report_html import report_html
+from drivora_service.suites.results import SuiteRun
+from drivora_service.suites.runs_csv import runs_csv
+from drivora_service.suites.suite import KnownFailure, SuiteScenario
+from drivora_service.suites.summary import summary_markdown
+from tests.suites.made_results import DOCUMENT, counted, results_of, suite_run
+
+NASTY = '<script>alert(1)</script> & "x" | `y` \x00\x1b'
+
+
+def report(**changes: Any) -> SuiteReport:
+    """Returns a report in which scenarios are in every state."""
+    lost = suite_run("lost", 0, status=RunStatus.TIMED_OUT, cause="limit", message=NASTY)
+    now: list[SuiteRun] = [
+        *counted("new", 2, 2),
+        *counted("flaky", 1, 2),
+        *counted("same", 2, 2),
+        *counted("fixed", 0, 2),
+        *counted("known", 1, 2),
+        *counted("=passes", 0, 2),
+        lost,
+    ]
+    results = results_of(now)
+    failing = {"new": 0, "flaky": 1, "same": 2, "fixed": 2, "known": 0, "=passes": 0}
+    before = results_of([run for name, count in failing.items() for run in counted(name, count, 2)])
+    scenarios = {
+        name: SuiteScenario(
+            name=name,
+            document=DOCUMENT,
+            tags=("tag",),
+            known_failures=(KnownFailure(oracle="collision", reason=NASTY),)
+            if name == "known"
+            else (),
+        )
+        for name in results.scenarios
+    }
+    baseline = make_baseline(before, find_failures(before, scenarios), metrics=())
+    gate = GateDocument.model_validate({"limits": [{"most_runs": 9}]})
+    decision = decide(results, scenarios, gate, baseline)
+    values: dict[str, Any] = {
+        "created_at": datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),
+        "baseline": "baseline.json",
+    }
+    return make_report(results, scenarios, decision, **(values | changes))
+
+
+def test_scenarios_are_in_their_states() -> None:
+    assert {row.name: row.state for row in report().rows} == {
+        "new": ScenarioState.FAILS_GATE,
+        "flaky": ScenarioState.FLAKY,
+        "same": ScenarioState.FAILS,
+        "fixed": ScenarioState.PASSES,
+        "known": ScenarioState.KNOWN,
+        "=passes": ScenarioState.PASSES,
+        "lost": ScenarioState.NOT_JUDGED,
+    }
+
+
+def test_junit_has_failures_and_errors_where_the_gate_fails() -> None:
+    xml = junit_xml(report())
+    (suite,) = JUnitXml.fromstring(xml)
+    cases: dict[str, TestCase] = {case.name: case for case in suite}
+    told = {name: [type(result).__name__ for result in case.result] for name, case in cases.items()}
+    assert told == {
+        "new": ["Failure"],
+        "flaky": ["Skipped"],
+        "same": ["Skipped"],
+        "fixed": [],
+        "known": ["Skipped"],
+        "=passes": [],
+        "lost": ["Error"],
+        "gate": ["Failure"],
+    }
+    assert (suite.tests, suite.failures, suite.errors, suite.skipped) == (8, 2, 1, 3)
+    assert cases["new"].classname == "made"
+    assert cases["new"].time == pytest.approx(1.0)
+    assert cases["new"].result[0].message.startswith("new: Violated collision")
+    assert cases["lost"].result[0].message.startswith("timed_out: <script>alert(1)</script>")
+    found = ElementTree.fromstring(xml).iter("property")
+    properties = {one.get("name"): one.get("value") for one in found}
+    assert properties == {"agent": "idm", "baseline": "baseline.json"}
+
+
+class _Page(HTMLParser):
+    """Collects the tags, addresses and text of a page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.addresses: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_the_page_needs_nothing_else_and_runs_nothing() -> None:
+    text = report_html(report(pictures={"new-0": b"<svg/>"}))
+    page = _Page()
+    page.feed(text)
+    assert "script" not in page.tags
+    assert page.addresses == ["data:image/svg+xml;base64,PHN2Zy8+"]
+    assert not re.search(r"url\(|@import", text)
+    assert "<script>alert(1)</script>" in page.text
+    for sentence in ("Gate failed", "fails in 2 of 2 runs, before in 0 of 2 runs", "timed out"):
+        assert sentence in page.text
+
+
+def test_the_summary_escapes_markup() -> None:
+    text = summary_markdown(report())
+    assert "<script>" not in text
+    assert r"| **new** | new | collision | Violated collision" in text
+    tables = [line for line in text.splitlines() if line.startswith("|")]
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in tables} == {5, 6}
+    assert "1 run was not judged" in text
+
+
+def test_runs_as_csv_are_safe_for_spreadsheets() -> None:
+    rows = list(csv.DictReader(io.StringIO(runs_csv(report()))))
+    assert len(rows) == 13
+    assert {row["scenario"] for row in rows} >= {"new", "'=passes"}
+    by_run = {row["run_id"]: row for row in rows}
+    assert by_run["new-1"]["failures"] == "collision"
+    assert by_run["flaky-1"]["failures"] == ""
+    assert by_run["known-0"]["violations"] == "collision"
+    assert float(by_run["new-1"]["driving_score"]) == 50.0
