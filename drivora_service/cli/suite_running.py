@@ -13,7 +13,7 @@ from drivora_service.client import Client
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.fields import MAX_SEED
 from drivora_service.store.records import Priority
-from drivora_service.suites.results import SuiteResults, SuiteRun, scenario_hash
+from drivora_service.suites.results import SuiteResults, SuiteRun, driven_document, scenario_hash
 from drivora_service.suites.selection import Shard
 from drivora_service.suites.suite import Suite, SuiteScenario
 
@@ -150,7 +150,7 @@ def _run(
             ScenarioFile(
                 name=one.scenario.name,
                 path=Path(one.scenario.name),
-                document=one.scenario.document,
+                document=driven_document(one.scenario.document),
                 notes=(),
             )
             for one in part

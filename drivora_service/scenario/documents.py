@@ -94,7 +94,7 @@ class ScenarioDocument(EntityDocument):
     ] = Field(
         default_factory=dict,
         description="Free data of other tools, by `vendor:name` or reverse domain name; carried, "
-        "never interpreted.",
+        "never interpreted by a run. Suites keep expectations in `drivora:suite`.",
         json_schema_extra={"additionalProperties": False},
     )
 

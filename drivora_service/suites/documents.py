@@ -18,6 +18,9 @@ MAX_SCENARIOS = 10_000
 
 MAX_REPETITIONS = 1000
 
+EXTENSION = "drivora:suite"
+"""Key of a scenario's extensions that holds its expectations."""
+
 _TAG_PATTERN = r"^[A-Za-z0-9_.:-]{1,64}$"
 
 
@@ -79,11 +82,13 @@ class DifficultyDocument(EntityDocument):
     )
 
 
-class SuiteScenarioDocument(EntityDocument):
-    """A scenario of the suite."""
+class ExpectationsDocument(EntityDocument):
+    """What is expected in a scenario.
 
-    name: Label = Field(description="Its name, unique in the suite.")
-    document: ScenarioDocument = Field(description="The scenario.")
+    A scenario may carry this itself, under `drivora:suite` of its `extensions`, so that a suite can
+    list it by a pattern.
+    """
+
     tags: Tags = Field((), description="Words by which it can be chosen.")
     oracles: OracleNames | None = Field(
         None, description="Oracles whose violations count, in place of those of the suite."
@@ -96,6 +101,16 @@ class SuiteScenarioDocument(EntityDocument):
     comment: Annotated[str, Field(strict=True, max_length=10_000)] = Field(
         "", description="For people."
     )
+
+
+class SuiteScenarioDocument(ExpectationsDocument):
+    """A scenario of the suite.
+
+    What it says is added to what the scenario itself says, or replaces it.
+    """
+
+    name: Label = Field(description="Its name, unique in the suite.")
+    document: ScenarioDocument = Field(description="The scenario.")
 
 
 class SuiteDocument(EntityDocument):

@@ -39,7 +39,7 @@ class Counted(StrEnum):
     """Also those that are the fault of others, or undetermined."""
 
 
-_COUNTED: Mapping[Counted, frozenset[Accountability]] = {
+COUNTED: Mapping[Counted, frozenset[Accountability]] = {
     Counted.ACCOUNTABLE: ACCOUNTABLE,
     Counted.AT_FAULT: ACCOUNTABLE | AT_FAULT,
     Counted.ANY: frozenset(Accountability),
@@ -207,7 +207,7 @@ def _events(
     named = oracles if scenario.oracles is None else scenario.oracles
     for verdict in run.violations:
         degree = accountability(verdict)
-        if _counts(verdict, named) and degree in _COUNTED[counted]:
+        if _counts(verdict, named) and degree in COUNTED[counted]:
             yield _Event(
                 key=FailureKey(
                     scenario=run.scenario,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 from pydantic import ValidationError
@@ -11,6 +12,8 @@ from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.plain_data import plain_data
 from drivora_service.scenario.problems import in_document_order, structural_problems
 from drivora_service.suites.documents import (
+    EXTENSION,
+    ExpectationsDocument,
     MetricBoundsDocument,
     SuiteDocument,
     SuiteScenarioDocument,
@@ -53,31 +56,66 @@ def read_suite(
         structural = structural_problems(error, SuiteDocument)
         problems = [*odd, *(p for p in structural if p.pointer not in known)]
         raise InvalidDocument(in_document_order(problems, content)) from error
-    problems = [
+    carried, problems = _carried(document)
+    problems += [
         *odd,
         *_repeated_names(document),
-        *_unknown_names(document, oracles=oracles, metrics=metrics),
+        *_unknown_names(document, carried, oracles=oracles, metrics=metrics),
     ]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
     return Suite(
         name=document.name,
         description=document.description,
-        scenarios=tuple(_scenario(document, one) for one in document.scenarios),
+        scenarios=tuple(
+            _scenario(document, one, carried[place]) for place, one in enumerate(document.scenarios)
+        ),
         repetitions=document.repetitions,
     )
 
 
-def _scenario(suite: SuiteDocument, one: SuiteScenarioDocument) -> SuiteScenario:
-    oracles = suite.oracles if one.oracles is None else one.oracles
+_NO_EXPECTATIONS = ExpectationsDocument()
+
+
+def _carried(document: SuiteDocument) -> tuple[list[ExpectationsDocument], list[Problem]]:
+    """Reads the expectations that the scenarios carry themselves."""
+    carried: list[ExpectationsDocument] = []
+    problems: list[Problem] = []
+    for place, one in enumerate(document.scenarios):
+        content = one.document.extensions.get(EXTENSION)
+        expectations = _NO_EXPECTATIONS
+        if content is not None:
+            try:
+                expectations = ExpectationsDocument.model_validate(content)
+            except ValidationError as error:
+                problems += [
+                    replace(problem, pointer=_extension_place(place) + problem.pointer)
+                    for problem in structural_problems(error, ExpectationsDocument)
+                ]
+        carried.append(expectations)
+    return carried, problems
+
+
+def _extension_place(place: int) -> str:
+    return f"/scenarios/{place}/document/extensions/{EXTENSION}"
+
+
+def _scenario(
+    suite: SuiteDocument, one: SuiteScenarioDocument, carried: ExpectationsDocument
+) -> SuiteScenario:
+    oracles = next(
+        (given for given in (one.oracles, carried.oracles, suite.oracles) if given is not None),
+        None,
+    )
+    difficulty = one.difficulty or carried.difficulty
     return SuiteScenario(
         name=one.name,
         document=one.document,
-        tags=tuple(dict.fromkeys((*suite.tags, *one.tags))),
+        tags=tuple(dict.fromkeys((*suite.tags, *carried.tags, *one.tags))),
         oracles=None if oracles is None else frozenset(oracles),
         metrics={
             name: MetricBounds(at_least=bounds.at_least, at_most=bounds.at_most)
-            for name, bounds in {**suite.metrics, **one.metrics}.items()
+            for name, bounds in {**suite.metrics, **carried.metrics, **one.metrics}.items()
         },
         known_failures=tuple(
             KnownFailure(
@@ -87,11 +125,11 @@ def _scenario(suite: SuiteDocument, one: SuiteScenarioDocument) -> SuiteScenario
                 agents=frozenset(known.agents),
                 reason=known.reason,
             )
-            for known in one.known_failures
+            for known in (*carried.known_failures, *one.known_failures)
         ),
         difficulty=None
-        if one.difficulty is None
-        else Difficulty(failed_by=one.difficulty.failed_by, passed_by=one.difficulty.passed_by),
+        if difficulty is None
+        else Difficulty(failed_by=difficulty.failed_by, passed_by=difficulty.passed_by),
     )
 
 
@@ -108,18 +146,25 @@ def _repeated_names(document: SuiteDocument) -> Iterator[Problem]:
 
 
 def _unknown_names(
-    document: SuiteDocument, *, oracles: Collection[str], metrics: Collection[str]
+    document: SuiteDocument,
+    carried: Sequence[ExpectationsDocument],
+    *,
+    oracles: Collection[str],
+    metrics: Collection[str],
 ) -> Iterator[Problem]:
     yield from _unknown_oracles("", document.oracles or (), oracles)
     yield from _unknown_metrics("", document.metrics, metrics)
     for place, one in enumerate(document.scenarios):
-        prefix = f"/scenarios/{place}"
-        yield from _unknown_oracles(prefix, one.oracles or (), oracles)
-        yield from _unknown_metrics(prefix, one.metrics, metrics)
-        for index, known in enumerate(one.known_failures):
-            if known.oracle is not None and known.oracle not in oracles:
-                pointer = f"{prefix}/known_failures/{index}/oracle"
-                yield unknown("oracle", known.oracle, oracles, pointer)
+        for prefix, expected in (
+            (f"/scenarios/{place}", one),
+            (_extension_place(place), carried[place]),
+        ):
+            yield from _unknown_oracles(prefix, expected.oracles or (), oracles)
+            yield from _unknown_metrics(prefix, expected.metrics, metrics)
+            for index, known in enumerate(expected.known_failures):
+                if known.oracle is not None and known.oracle not in oracles:
+                    pointer = f"{prefix}/known_failures/{index}/oracle"
+                    yield unknown("oracle", known.oracle, oracles, pointer)
 
 
 def _unknown_oracles(

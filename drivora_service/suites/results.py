@@ -16,6 +16,7 @@ from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunStatus
 from drivora_service.scenario.documents import ScenarioDocument, document_text
 from drivora_service.shapes import Shape, adapter, to_json
+from drivora_service.suites.documents import EXTENSION
 
 VERSION: Literal["1.0"] = "1.0"
 
@@ -106,7 +107,13 @@ class SuiteResults(Shape):
 
 def scenario_hash(document: ScenarioDocument) -> str:
     """Returns the hash by which a changed scenario of a suite is noticed."""
-    return hashlib.sha256(document_text(document).encode()).hexdigest()
+    return hashlib.sha256(document_text(driven_document(document)).encode()).hexdigest()
+
+
+def driven_document(document: ScenarioDocument) -> ScenarioDocument:
+    """Returns a scenario without what it says on expectations: they are no part of a run."""
+    kept = {key: value for key, value in document.extensions.items() if key != EXTENSION}
+    return document.model_copy(update={"extensions": kept})
 
 
 def results_text(results: SuiteResults) -> str:

@@ -197,3 +197,44 @@ def test_scenarios_are_listed_without_a_run(drivora: Drivora, suite: Path) -> No
     ]
     assert "signalised-grid" in drivora("suite", "list", suite / "scenarios").out
     assert "creeping" in drivora("suite", "list", suite / "creeping.json").out
+
+
+def test_failures_of_a_campaign_become_a_suite(
+    drivora: Drivora, tmp_path: Path, repository: Path
+) -> None:
+    campaign = {
+        "name": "found",
+        "tester": {"name": "random"},
+        "agent": {"name": "idm"},
+        "scenario": {"file": str(repository / EXAMPLES / "campaigns/orchard-lane.json")},
+        "space": {"egos": 5, "optional": True, "max_ego_delay": 3.0, "vehicles": 0, "walkers": 0},
+        "budget": {"simulations": 60},
+    }
+    (tmp_path / "campaign.json").write_text(json.dumps(campaign))
+    searched = drivora("campaign", "run", tmp_path / "campaign.json", "--json").json()
+    counting = [
+        one
+        for one in searched["failures"]
+        if one["verdict"]["at_fault"] is not False
+        and not one["verdict"]["undetermined"]
+        and one["verdict"]["avoidable"] != "no"
+    ]
+    assert counting
+    options = ("--suite", tmp_path / "found", "--each", "failure", "--json")
+    exported = drivora("campaign", "export", searched["id"], *options)
+    assert exported.code == 0, exported.err
+    added = exported.json()["added"]
+    assert len(added) == len({one["evaluation"] for one in counting})
+    ended = drivora("suite", "run", tmp_path / "found", "--json")
+    assert ended.code == 1
+    assert set(states(ended).values()) == {"fails the gate"}
+    traces = {run["trace_sha256"] for run in content_of(ended)["runs"]}
+    found = {
+        drivora("campaign", "show", searched["id"], "--evaluation", number, "--json").json()[
+            "trace_sha256"
+        ]
+        for number in {one["evaluation"] for one in counting}
+    }
+    assert traces == found
+    again = drivora("campaign", "export", searched["id"], *options).json()
+    assert (again["added"], again["known"]) == ([], len(added))

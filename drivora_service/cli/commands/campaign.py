@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivora_service.cli.commands.campaign_comparison import compare, report
+from drivora_service.cli.commands.campaign_export import export
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
@@ -232,6 +233,7 @@ def cancel(
 
 app.command()(compare)
 app.command()(report)
+app.command()(export)
 
 
 @contextmanager
