@@ -23,7 +23,7 @@ _Count = Annotated[int, Field(strict=True, ge=0, le=10_000_000, json_schema_extr
 
 
 class LimitDocument(EntityDocument):
-    """The number of runs, or their share, in which certain violations may occur."""
+    """The number of scenarios, or the share of runs, in which certain violations may occur."""
 
     oracles: OracleNames | None = Field(
         None, description="These violated oracles; without it, all but observations."
@@ -35,7 +35,9 @@ class LimitDocument(EntityDocument):
         tuple(degree for degree in Accountability if degree in ACCOUNTABLE),
         description="Violations with these degrees of accountability.",
     )
-    most_runs: _Count | None = Field(None, description="Greatest number of runs.")
+    most_scenarios: _Count | None = Field(
+        None, description="Greatest number of scenarios with such a violation in any of their runs."
+    )
     most_share: _Share | None = Field(
         None,
         description="Greatest share of the runs. With repetitions, the gate fails only if the "
@@ -44,8 +46,8 @@ class LimitDocument(EntityDocument):
 
     @model_validator(mode="after")
     def _has_a_limit(self) -> LimitDocument:
-        if (self.most_runs is None) == (self.most_share is None):
-            raise PydanticCustomError("no_limit", "give one of `most_runs` and `most_share`")
+        if (self.most_scenarios is None) == (self.most_share is None):
+            raise PydanticCustomError("no_limit", "give one of `most_scenarios` and `most_share`")
         return self
 
 
@@ -92,7 +94,7 @@ class GateDocument(EntityDocument):
         description="Classes of failures, against the baseline, with which the gate fails.",
     )
     limits: Annotated[tuple[LimitDocument, ...], Field(max_length=100)] = Field(
-        (), description="Limits on runs with violations."
+        (), description="Limits on violations."
     )
     metrics: Annotated[tuple[MetricLimitDocument, ...], Field(max_length=100)] = Field(
         (), description="Limits on means of metrics."

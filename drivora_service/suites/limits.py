@@ -56,13 +56,13 @@ def _violations_answer(
         for run in runs
     ]
     what = _named(limit)
-    if limit.most_runs is not None:
-        count = sum(failing)
+    if limit.most_scenarios is not None:
+        count = len({run.scenario for run, fails in zip(runs, failing, strict=True) if fails})
         return LimitAnswer(
-            what=f"runs with {what}",
+            what=f"scenarios with {what}",
             value=Interval(mean=float(count)),
-            allowed=f"at most {limit.most_runs}",
-            fails=count > limit.most_runs,
+            allowed=f"at most {limit.most_scenarios}",
+            fails=count > limit.most_scenarios,
         )
     most = limit.most_share or 0.0
     share = _over_repetitions(runs, [float(one) for one in failing], confidence=gate.confidence)

@@ -30,7 +30,7 @@ _EXAMPLE: dict[str, Any] = {
 _GATE_EXAMPLE: dict[str, Any] = {
     "fail_on": ["new", "worse"],
     "limits": [
-        {"oracles": ["collision"], "accountability": ["avoidable"], "most_runs": 0},
+        {"oracles": ["collision"], "accountability": ["avoidable"], "most_scenarios": 0},
         {"severity": ["critical", "major"], "most_share": 0.05},
     ],
     "metrics": [{"metric": "driving_score", "at_least": 70.0, "most_drop": 2.0}],

@@ -146,7 +146,7 @@ def test_repetitions_differ_in_their_seeds(drivora: Drivora, suite: Path) -> Non
 def test_a_gate_file_limits_means_and_shares(drivora: Drivora, suite: Path, tmp_path: Path) -> None:
     gate = tmp_path / "gate.yaml"
     gate.write_text(
-        "fail_on: []\nlimits: [{oracles: [collision], most_runs: 1}]\n"
+        "fail_on: []\nlimits: [{oracles: [collision], most_scenarios: 1}]\n"
         "metrics: [{metric: driving_score, at_least: 100}]\n"
     )
     ended = drivora("suite", "run", suite, "--gate-file", gate, "--json")

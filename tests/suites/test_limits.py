@@ -44,9 +44,9 @@ MIXED = results_of(
         ({"oracles": ["discomfort"]}, 1),
     ],
 )
-def test_runs_with_violations_are_limited(limit: dict[str, Any], runs: int) -> None:
+def test_scenarios_with_violations_are_limited(limit: dict[str, Any], runs: int) -> None:
     for most in range(4):
-        found = answer(MIXED, limits=[{**limit, "most_runs": most}])
+        found = answer(MIXED, limits=[{**limit, "most_scenarios": most}])
         assert found.value is not None
         assert found.value.mean == runs
         assert found.fails == (runs > most)
@@ -54,7 +54,9 @@ def test_runs_with_violations_are_limited(limit: dict[str, Any], runs: int) -> N
 
 def test_known_failures_are_not_limited() -> None:
     known = KnownFailure(oracle="collision", reason="x")
-    gate = GateDocument.model_validate({"limits": [{"oracles": ["collision"], "most_runs": 0}]})
+    gate = GateDocument.model_validate(
+        {"limits": [{"oracles": ["collision"], "most_scenarios": 0}]}
+    )
     (found,) = limit_answers(MIXED, scenarios_of(MIXED, known_failures=(known,)), gate, {})
     assert not found.fails
 

@@ -109,8 +109,8 @@ def test_a_metric_may_be_that_of_one_ego() -> None:
     [
         ("fail_on: [newer]", "/fail_on/0", "enum"),
         ("limits: [{oracles: [collision]}]", "/limits/0", "no_limit"),
-        ("limits: [{most_runs: 1, most_share: 0.1}]", "/limits/0", "no_limit"),
-        ("limits: [{oracles: [x], most_runs: 0}]", "/limits/0/oracles/0", "unknown_oracle"),
+        ("limits: [{most_scenarios: 1, most_share: 0.1}]", "/limits/0", "no_limit"),
+        ("limits: [{oracles: [x], most_scenarios: 0}]", "/limits/0/oracles/0", "unknown_oracle"),
         ("limits: [{most_share: 1.5}]", "/limits/0/most_share", "less_than_equal"),
         ("metrics: [{metric: comfort}]", "/metrics/0", "no_limit"),
         ("metrics: [{metric: x, at_least: 1}]", "/metrics/0/metric", "unknown_metric"),

@@ -57,7 +57,7 @@ def report(**changes: Any) -> SuiteReport:
         for name in results.scenarios
     }
     baseline = make_baseline(before, find_failures(before, scenarios), metrics=())
-    gate = GateDocument.model_validate({"limits": [{"most_runs": 9}]})
+    gate = GateDocument.model_validate({"limits": [{"most_scenarios": 9}]})
     decision = decide(results, scenarios, gate, baseline)
     values: dict[str, Any] = {
         "created_at": datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),
