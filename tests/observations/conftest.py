@@ -11,7 +11,12 @@ STEPS = 80
 
 @pytest.fixture
 def full_trace() -> Trace:
-    """A trace with everything in it: two egos, all roles, comings and goings, lights and logs."""
+    """A trace with everything in it."""
+    return make_full_trace()
+
+
+def make_full_trace() -> Trace:
+    """Makes one: two egos, all roles, comings and goings, lights and logs."""
     rng = np.random.default_rng(7)
     k = np.arange(STEPS)
     egos = [
