@@ -17,6 +17,7 @@ from drivora_service.cli.commands import (
     oracles,
     plot,
     rejudge,
+    replay,
     run,
     runs,
     schema,
@@ -72,6 +73,7 @@ app.command("serve", epilog=EPILOG)(serve.serve)
 app.command("validate", epilog=EPILOG)(validate.validate)
 app.command("plot", epilog=EPILOG)(plot.plot)
 app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
+app.command("replay", epilog=EPILOG)(replay.replay)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
 app.add_typer(runs.app, name="runs", epilog=EPILOG)

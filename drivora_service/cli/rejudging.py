@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,28 +11,13 @@ from typing import Any
 from drivora_service.errors import ConfigurationError, DrivoraError, NetworkError
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.observations.trace_file import read_trace
-from drivora_service.oracles.accountability import IN_WORDS, accountable
 from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.oracles.verdict import Answer, Verdict
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdict_changes import VerdictChange, verdict_changes
 from drivora_service.oracles.verdict_json import verdict_content
 
 _TRACE = ".trace.parquet"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """An oracle whose verdict on an ego has changed.
-
-    Attributes:
-        before: In words; ``not judged`` if there was no such oracle.
-        after: In words; ``not judged`` if there is no such oracle any more.
-    """
-
-    oracle: str
-    ego: str
-    before: str
-    after: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +35,7 @@ class Rejudged:
     error: str = ""
     compared: bool = False
     verdicts: tuple[Verdict, ...] = ()
-    changes: tuple[Change, ...] = ()
+    changes: tuple[VerdictChange, ...] = ()
 
 
 def find_traces(paths: Sequence[Path]) -> tuple[Path, ...]:
@@ -95,7 +79,7 @@ def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) ->
         trace=path,
         compared=True,
         verdicts=verdicts,
-        changes=tuple(_changes(_in_words(before), _in_words(after))),
+        changes=verdict_changes(before, after),
     )
 
 
@@ -107,43 +91,3 @@ def _reported(path: Path) -> list[dict[str, Any]] | None:
         return list(content["verdicts"]) if content["status"] == "finished" else None
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-
-
-def _in_words(verdicts: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
-    """Returns the verdicts of each oracle on each ego in words, several violations counted."""
-    said: dict[tuple[str, str], Counter[str]] = {}
-    for verdict in verdicts:
-        key = (str(verdict["oracle"]), str(verdict["ego"]))
-        said.setdefault(key, Counter())[_words(verdict)] += 1
-    return {
-        key: ", ".join(
-            words if count == 1 else f"{count} times {words}"
-            for words, count in sorted(counted.items())
-        )
-        for key, counted in said.items()
-    }
-
-
-def _words(verdict: Mapping[str, Any]) -> str:
-    outcome = str(verdict["outcome"])
-    text = outcome.replace("_", " ")
-    if outcome != "violated":
-        return text
-    avoidable = verdict.get("avoidable")
-    words = IN_WORDS[
-        accountable(
-            verdict.get("at_fault"),
-            None if avoidable is None else Answer(avoidable),
-            undetermined=bool(verdict.get("undetermined")),
-        )
-    ]
-    return f"{text} ({words})" if words else text
-
-
-def _changes(
-    before: Mapping[tuple[str, str], str], after: Mapping[tuple[str, str], str]
-) -> Iterable[Change]:
-    for oracle, ego in dict.fromkeys((*after, *before)):
-        old, new = (said.get((oracle, ego), "not judged") for said in (before, after))
-        if old != new:
-            yield Change(oracle=oracle, ego=ego, before=old, after=new)

@@ -82,7 +82,9 @@ def run_files(
             raise ConfigurationError(str(error.problems[0].message)) from error
         refused = [
             ScenarioResult(
-                scenario=file.name, problems=_of_item(error.problems, item), notes=file.notes
+                scenario=file.name,
+                problems=problems_of_item(error.problems, item),
+                notes=file.notes,
             )
             for item, file in enumerate(files)
         ]
@@ -93,7 +95,7 @@ def run_files(
     for item in posted.items:
         if item.result is ItemResult.REJECTED:
             tell(results[item.item])
-    with _named_when_stopped(posted.batch.id, where):
+    with named_when_stopped(posted.batch.id, where):
         for run in client.wait_for_batch(posted.batch.id):
             trace = ""
             if out is not None and run.observations_url:
@@ -114,7 +116,7 @@ def write_report(folder: Path, result: ScenarioResult) -> None:
 
 
 @contextmanager
-def _named_when_stopped(batch_id: str, where: str) -> Iterator[None]:
+def named_when_stopped(batch_id: str, where: str) -> Iterator[None]:
     """Prints how to find the runs of a batch if the command does not wait for all of them."""
     try:
         yield
@@ -134,7 +136,7 @@ def _posted(item: BatchItem, file: ScenarioFile) -> ScenarioResult:
     )
 
 
-def _of_item(problems: Sequence[Problem], item: int) -> tuple[Problem, ...]:
+def problems_of_item(problems: Sequence[Problem], item: int) -> tuple[Problem, ...]:
     """Returns the problems of one scenario of a batch; those of the whole belong to each."""
     prefix = f"/{item}"
     return tuple(

@@ -86,6 +86,7 @@ def run_of_evaluation(session: Session, wanted: EvaluationId) -> RunRecord:
         revision=campaign.revision,
         error=report.failure,
         step_cost_us=report.step_cost_us if report.steps else None,
+        simulation_sha256=report.trace_sha256,
     )
 
 

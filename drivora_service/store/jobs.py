@@ -85,8 +85,15 @@ class JobRepository:
         report = self.report(job_id) if summary.status.is_final else None
         if report is None:
             return combine(RunRecord, summary, **known)
-        cost = report.step_cost_us if report.steps else None
-        return combine(RunRecord, summary, report, **known, error=report.failure, step_cost_us=cost)
+        return combine(
+            RunRecord,
+            summary,
+            report,
+            **known,
+            error=report.failure,
+            step_cost_us=report.step_cost_us if report.steps else None,
+            simulation_sha256=report.trace_sha256,
+        )
 
     def page(
         self,

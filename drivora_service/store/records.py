@@ -180,6 +180,8 @@ class RunRecord(RunSummary):
         tries: Every attempt at the run, first to last.
         campaign_id: Campaign of which it is a run; empty without one.
         evaluation: Number of the campaign's evaluation; null without a campaign.
+        simulation_sha256: Hash of the trace, also where none was recorded or it was removed; empty
+            unless the run was simulated to its end.
     """
 
     error: RunFailure | None = None
@@ -194,6 +196,7 @@ class RunRecord(RunSummary):
     tries: tuple[Attempt, ...] = ()
     campaign_id: str = ""
     evaluation: int | None = None
+    simulation_sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
