@@ -30,7 +30,9 @@ def find_run(transaction: Transaction, run_id: str) -> RunRecord:
         if evaluation is None:
             raise
         return transaction.campaign_views.run(evaluation)
-    if evaluation is None or found.trace_sha256 or not found.violations:
+    # A campaign may count observations as failures.
+    has_failure = bool(found.violations or found.observations)
+    if evaluation is None or found.trace_sha256 or not has_failure:
         return found
     with suppress(UnknownName):
         again = transaction.campaign_views.run(evaluation)
