@@ -10,6 +10,7 @@ import { MeasureHelp } from "../../help/MeasureHelp";
 import { OracleHelp } from "../../help/OracleHelp";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { replayUpTo } from "../replay/address";
+import { replayCommand } from "../replay/againCommand";
 import { type Change, changesBetween } from "./changes";
 import { type Evaluation, evaluationQuery, useEvaluation } from "./evaluation";
 import { Measured } from "./Measured";
@@ -60,23 +61,17 @@ function One({
   if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
   return (
     <>
-      <Verdicts campaign={campaign.id} evaluation={query.data} />
+      <Verdicts evaluation={query.data} />
       <Lineage campaign={campaign.id} evaluation={query.data} />
       <Measured evaluation={query.data} />
     </>
   );
 }
 
-function Verdicts({
-  campaign,
-  evaluation,
-}: {
-  readonly campaign: string;
-  readonly evaluation: Evaluation;
-}) {
+function Verdicts({ evaluation }: { readonly evaluation: Evaluation }) {
   const { failures, failure_kinds, accountability, number, status, cause, run_id, run_url } =
     evaluation;
-  const scenario = `drivora campaign scenario ${campaign} ${number} | drivora run -`;
+  const command = replayCommand(run_id, window.location.origin);
   return (
     <section className="panel">
       <header>
@@ -107,7 +102,9 @@ function Verdicts({
               Replay
             </Link>
           )}
-          <Copy text={scenario} label="Copy the command that drives it again" />
+          {evaluation.scenario_url && (
+            <Copy text={command} label="Copy the command that runs it again" />
+          )}
         </p>
       </div>
     </section>

@@ -6,6 +6,7 @@ import { moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
 import { replayUpTo } from "../replay/address";
+import { replayCommand } from "../replay/againCommand";
 import { ACCOUNTABILITY } from "./words";
 
 /** Why a failure has no picture. */
@@ -18,9 +19,7 @@ export function whyNone({ confirmation }: Schemas["FoundFailure"]): string {
 /** A failure: its picture, its sentence, and where it comes from. */
 export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailure"] }) {
   const { verdict, campaign_id, evaluation, accountability } = failure;
-  const command = campaign_id
-    ? `drivora campaign scenario ${campaign_id} ${evaluation} | drivora run -`
-    : "";
+  const command = failure.run_id && replayCommand(failure.run_id, window.location.origin);
   return (
     <section className="panel failure-card" aria-live="polite">
       <Picture
@@ -89,7 +88,7 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
               Replay
             </Link>
           )}
-          {command && <Copy text={command} label="Copy the command" />}
+          {command && <Copy text={command} label="Copy the command that runs it again" />}
         </p>
       </div>
     </section>

@@ -8,18 +8,11 @@ import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
 import { lookOfRun } from "../runs/status";
+import { againCommand } from "./againCommand";
 import { Replay } from "./Replay";
 import { runQuery } from "./runQuery";
 import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
-
-/** Returns the command that drives the scenario of a run again. */
-function againCommand(id: string): string {
-  return (
-    `drivora runs scenario ${id} --server ${window.location.origin} --out ${id}.json && ` +
-    `drivora run ${id}.json`
-  );
-}
 
 /** A run: its replay, or why there is none. */
 export function Run() {
@@ -42,7 +35,10 @@ export function Run() {
         </p>
         <div className="actions">
           <Copy text={run.id} label="Copy the id" />
-          <Copy text={againCommand(run.id)} label="Copy the command that runs it again" />
+          <Copy
+            text={againCommand(run, window.location.origin)}
+            label="Copy the command that runs it again"
+          />
           <a className="button" href={`/api/v1/runs/${run.id}/scenario`}>
             Scenario
           </a>
@@ -112,17 +108,20 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
         <Verdicts verdicts={run.verdicts} />
         <Empty
           title="The run was not recorded, or its recording was pruned"
-          command={againCommand(run.id)}
+          command={againCommand(run, window.location.origin)}
         >
-          <p>Its verdicts are kept. The command drives it again, with the same result.</p>
+          <p>Its verdicts are kept. The command runs it again and compares both.</p>
         </Empty>
       </>
     );
   return (
-    <Empty title={`Not judged: ${lookOfRun(run).text}`} command={againCommand(run.id)}>
+    <Empty
+      title={`Not judged: ${lookOfRun(run).text}`}
+      command={againCommand(run, window.location.origin)}
+    >
       {run.cause && <p>{run.cause.replaceAll("_", " ")}</p>}
       {run.error && <p>{run.error.message}</p>}
-      <p>A run like this neither passes nor fails. The command drives its scenario again.</p>
+      <p>A run like this neither passes nor fails. The command runs it again.</p>
     </Empty>
   );
 }
