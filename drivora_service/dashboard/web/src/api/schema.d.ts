@@ -41,7 +41,8 @@ export interface paths {
          * Post Batch
          * @description Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
          *
-         *     A scenario may come with the label of its run, as `{"label": "…", "scenario": {…}}`.
+         *     A scenario may come with the label of its run, and with its seed, as `{"label": "…", "seed": 7,
+         *     "scenario": {…}}`.
          *
          *     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
          *
@@ -3420,7 +3421,7 @@ export interface components {
         JsonValue: unknown;
         /**
          * LabelledScenario
-         * @description A scenario of a batch, with the label of its run.
+         * @description A scenario of a batch, with the label and the seed of its run.
          */
         LabelledScenario: {
             /**
@@ -3429,6 +3430,12 @@ export interface components {
              */
             label: string;
             scenario: components["schemas"]["ScenarioDocument"];
+            /**
+             * Seed
+             * @description Overrides the seeds of the request and of the scenario.
+             * @default null
+             */
+            seed: number | null;
         };
         /**
          * LaneCoverage
@@ -4596,6 +4603,12 @@ export interface components {
              * @description Simulated seconds.
              */
             sim_time_s: number | null;
+            /**
+             * Simulation Sha256
+             * @description Hash of the trace, also where none was recorded or it was removed; empty unless the run was simulated to its end.
+             * @default
+             */
+            simulation_sha256: string;
             /** Started At */
             started_at: string | null;
             status: components["schemas"]["RunStatus"];
