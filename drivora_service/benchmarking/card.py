@@ -6,11 +6,12 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from statistics import fmean, median
+from statistics import median
 
 import numpy as np
 
 from drivora_service.agents.entry import AgentEntry
+from drivora_service.metrics.aggregates import benchmark_scores
 from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.report import RunStatus
@@ -97,9 +98,15 @@ class Figures:
         avoidable_collisions: Runs with a collision at the ego's fault that a careful and competent
             driver avoids.
         red_lights: Runs in which the ego ran a red light.
-        driving_score: Mean of Leaderboard 2.1, per cent. A run in which the agent failed counts 0,
-            one that failed because of the machine is omitted.
-        route_completion: Mean of judged runs, per cent.
+        driving_score: Mean of Leaderboard 2.1, per cent. In this and the following means, a run in
+            which the agent failed counts 0, one that failed because of the machine is omitted.
+        driving_score_deviation: Its sample standard deviation; ``None`` for fewer than two runs.
+        driving_score_1_0: Mean of Leaderboard 1.0, per cent.
+        driving_score_2_0: Mean of Leaderboard 2.0, per cent.
+        route_completion: Mean, per cent.
+        success_rate: Bench2Drive, 0..1.
+        nuplan_closed_loop: Mean of nuPlan's closed-loop score, 0..1.
+        efficiency: Mean of Bench2Drive's driving efficiency, of judged runs, per cent.
         comfort: Mean share of segments within the bounds of comfort, of judged runs.
         comfortable: Judged runs entirely within the bounds of comfort.
         step_cost_median_us: Wall microseconds of a whole step, simulation and agent: median of the
@@ -117,7 +124,13 @@ class Figures:
     avoidable_collisions: int
     red_lights: int
     driving_score: float | None
+    driving_score_deviation: float | None
+    driving_score_1_0: float | None
+    driving_score_2_0: float | None
     route_completion: float | None
+    success_rate: float | None
+    nuplan_closed_loop: float | None
+    efficiency: float | None
     comfort: float | None
     comfortable: int
     step_cost_median_us: float | None
@@ -234,6 +247,7 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     at_fault = [run for run in judged if run.violated(COLLISION, at_fault=True)]
     arrivals = [run for run in judged if run.arrived]
     failed = sum(run.record.status in _AGENTS_OWN for run in runs)
+    scores = benchmark_scores([run.record.metrics for run in judged], missing=failed)
     return Figures(
         runs=len(runs),
         judged=len(judged),
@@ -243,10 +257,16 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
         at_fault_collisions=len(at_fault),
         avoidable_collisions=sum(run.collided_avoidably for run in judged),
         red_lights=sum(run.violated(RED_LIGHT) for run in judged),
-        driving_score=_mean([*_values(judged, "driving_score"), *[0.0] * failed]),
-        route_completion=_mean(_values(judged, "route_completion")),
-        comfort=_mean(_values(judged, "comfort")),
-        comfortable=sum(value == 1.0 for value in _values(judged, "comfort")),
+        driving_score=scores.driving_score.mean,
+        driving_score_deviation=scores.driving_score.deviation,
+        driving_score_1_0=scores.driving_score_1_0.mean,
+        driving_score_2_0=scores.driving_score_2_0.mean,
+        route_completion=scores.route_completion.mean,
+        success_rate=scores.success_rate.mean,
+        nuplan_closed_loop=scores.nuplan_closed_loop.mean,
+        efficiency=scores.efficiency.mean,
+        comfort=scores.comfort.mean,
+        comfortable=sum(run.metric("comfort") == 1.0 for run in judged),
         step_cost_median_us=None if typical is None else float(typical),
         step_cost_p95_us=None if p95 is None else float(p95),
         agent_cost_median_us=median(own) if own else None,
@@ -306,12 +326,3 @@ def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
         for (status, cause), failed in groups.items()
     ]
     return tuple(sorted(told, key=lambda failure: (-failure.runs, failure.status, failure.cause)))
-
-
-def _values(runs: Iterable[BenchmarkRun], metric: str) -> list[float]:
-    """Returns a metric of the runs in which it was measurable."""
-    return [value for run in runs if (value := run.metric(metric)) is not None]
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return fmean(values) if values else None

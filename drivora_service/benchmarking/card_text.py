@@ -124,6 +124,7 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
         f"{card.total.runs} runs",
         f"- Within the bounds of comfort all the time: {card.total.comfortable} of "
         f"{card.total.judged} judged runs",
+        *_scores(card.total),
     ]
     lines += [f"- {line}" for line in setting(runs)]
     lines += ["", HOW_TO_READ, ""]
@@ -135,6 +136,21 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
         lines += ["", "## A run", "", _about(card.shown), ""]
         lines += [f"![{agent.name} on {card.shown.name}]({picture})"]
     return "\n".join(lines) + "\n"
+
+
+def _scores(figures: Figures) -> list[str]:
+    """Returns the scores of benchmarks; not measurable ones are a dash."""
+    deviation = _number(figures.driving_score_deviation, 1)
+    return [
+        f"- CARLA Leaderboard: driving score {_number(figures.driving_score, 1)} with a standard "
+        f"deviation of {deviation} (2.1), {_number(figures.driving_score_2_0, 1)} (2.0), "
+        f"{_number(figures.driving_score_1_0, 1)} (1.0); route completion "
+        f"{_number(figures.route_completion, 1)}",
+        f"- Bench2Drive: success rate {_number(figures.success_rate, 2)}, efficiency "
+        f"{_number(figures.efficiency, 1)}, comfort {_number(figures.comfort, 2)}",
+        f"- nuPlan: closed-loop score {_number(figures.nuplan_closed_loop, 2)}, with a computed "
+        "free drive in place of an expert's log",
+    ]
 
 
 def _wrongs(card: AgentCard) -> list[str]:

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 from drivora_service.metrics.closed_loop import closed_loop
 from drivora_service.metrics.comfort import comfort
-from drivora_service.metrics.driving_score import Version, driving_score
+from drivora_service.metrics.driving_score import Version, infraction_penalty
+from drivora_service.metrics.infractions import infractions_of
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.metrics.measured import Combine, Measured
+from drivora_service.metrics.route_completion import route_completion
 from drivora_service.metrics.safety import safety
 from drivora_service.metrics.success import success
 from drivora_service.metrics.traffic_pace import efficiency
@@ -52,21 +54,25 @@ def measure(
 def all_measured(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
     """Measures every quantity of a run, given the judgement of each ego, in their order."""
     pairs = list(zip(run.egos, judgements, strict=True))
-    scores = {
-        version: [driving_score(ego, judgement, version) for ego, judgement in pairs]
+    completions = [route_completion(ego, judgement) for ego, judgement in pairs]
+    charged = [infractions_of(ego, judgement) for ego, judgement in pairs]
+    penalties = {
+        version: [None if one is None else infraction_penalty(one, version) for one in charged]
         for version in Version
     }
-    newest = scores[Version.V2_1]
+    scores = {
+        version: [
+            None if done is None or penalty is None else done * penalty
+            for done, penalty in zip(completions, penalties[version], strict=True)
+        ]
+        for version in Version
+    }
     return (
-        _mean("driving_score", [None if s is None else s.score for s in newest]),
-        _mean("route_completion", [None if s is None else s.completion for s in newest]),
-        _mean("infraction_penalty", [None if s is None else s.penalty for s in newest]),
-        *(
-            _mean(
-                f"driving_score_{name}", [None if s is None else s.score for s in scores[version]]
-            )
-            for name, version in (("1_0", Version.V1_0), ("2_0", Version.V2_0))
-        ),
+        _mean("driving_score", scores[Version.V2_1]),
+        _mean("route_completion", completions),
+        _mean("infraction_penalty", penalties[Version.V2_1]),
+        _mean("driving_score_1_0", scores[Version.V1_0]),
+        _mean("driving_score_2_0", scores[Version.V2_0]),
         Measured(
             name="success",
             values=tuple(success(judgement) for _, judgement in pairs),

@@ -14,11 +14,13 @@ SEGMENT = 20
 def comfort(ego: EgoView) -> float | None:
     """Returns the share of 20-row segments in which all six signals keep to their bounds.
 
-    Rows after the last whole segment are ignored; ``None`` without a whole segment.
+    Rows after the last whole segment are ignored; a drive shorter than a segment is one. ``None``
+    if it is too short for the filters.
     """
-    segments = ego.count // SEGMENT
-    if ego.motion is None or not segments:
+    if ego.motion is None:
         return None
     rough = np.any(list(Discomfort().broken(ego.motion).values()), axis=0)
-    whole = rough[: segments * SEGMENT].reshape(segments, SEGMENT)
+    length = min(SEGMENT, len(rough))
+    segments = len(rough) // length
+    whole = rough[: segments * length].reshape(segments, length)
     return float(1.0 - whole.any(axis=1).mean())

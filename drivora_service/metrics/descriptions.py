@@ -74,7 +74,8 @@ METRICS = (
     ),
     _metric(
         "success",
-        "One if the ego arrived without an infraction, else zero; slowness is none.",
+        "One if the ego arrived without an infraction, else zero; slowness is none, nor is what "
+        "only the oracles off_road and wrong_way forbid.",
         unit=SHARE,
         better=Better.HIGHER,
         several_egos="least",
@@ -92,12 +93,22 @@ METRICS = (
     _metric(
         "efficiency",
         "The speed of the ego as a percentage of that of the moving vehicles around it, averaged "
-        "over 20 sections of the route.",
+        "over those of 20 sections of the route that it has left.",
         unit=_PER_CENT,
         better=Better.HIGHER,
         several_egos="mean",
-        threshold="vehicles within 50 m",
+        threshold="vehicles within 50 m; sections above 1,000 % are left out",
         source="Bench2Drive",
+    ),
+    _metric(
+        "nuplan_closed_loop",
+        "The product of the multipliers (no collision at fault, drivable area, driving direction, "
+        "making progress) times the weighted mean of progress (5), time to collision (5), speed "
+        "limit (4) and comfort (2), with a computed free drive in place of the expert's log.",
+        unit=SHARE,
+        better=Better.HIGHER,
+        several_egos="mean",
+        source="nuPlan, closed loop, with a free drive as the reference",
     ),
     _metric(
         "nuplan_no_at_fault_collision",
@@ -126,13 +137,35 @@ METRICS = (
         source="nuPlan, closed loop",
     ),
     _metric(
-        "nuplan_time_to_collision",
-        "One if the time to collision with actors that are not behind never became short, else "
-        "zero.",
+        "nuplan_making_progress",
+        "One if the ego advanced along its route at least by a share of what a computed free drive "
+        "does in the same time, else zero.",
         unit=SHARE,
         better=Better.HIGHER,
         several_egos="mean",
-        threshold="0.95 s",
+        threshold="a fifth of the free drive's progress",
+        source="nuPlan, closed loop, with a free drive as the reference",
+    ),
+    _metric(
+        "nuplan_progress_to_free_flow",
+        "What the ego advanced along its route, as a share of what a computed drive at the speed "
+        "limits, without other actors, does in the same time, which stands in for the expert's log "
+        "of nuPlan; both stop at the signals at which the ego stood, without counting that time.",
+        unit=SHARE,
+        better=Better.HIGHER,
+        several_egos="mean",
+        threshold="up to 2 m count as 2 m; at most 1",
+        source="nuPlan, closed loop, with a free drive as the reference",
+    ),
+    _metric(
+        "nuplan_time_to_collision",
+        "One if the box of the ego would have met no other ahead within a short time at constant "
+        "velocities (in junctions, between lanes and off the road also none beside), and the ego "
+        "had no collision at fault, else zero.",
+        unit=SHARE,
+        better=Better.HIGHER,
+        several_egos="mean",
+        threshold="0.95 s, sampled every 0.1 s",
         source="nuPlan, closed loop",
     ),
     _metric(

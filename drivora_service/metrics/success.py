@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+from drivora_service.metrics.infractions import counted_collisions
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.oracles.verdict import Outcome
 
-RULES = (
-    "collision",
-    "red_light",
-    "stop_sign",
-    "off_road",
-    "wrong_way",
-    "lane_keeping",
-    "route_deviation",
-    "blocked",
-)
-"""Oracles whose violation is an infraction in Bench2Drive's sense; slowness is not."""
+RULES = ("red_light", "stop_sign", "lane_keeping", "route_deviation", "blocked")
+"""Oracles whose violation is an infraction of Bench2Drive, beside counted collisions.
+
+Slowness is none. ``off_road`` and ``wrong_way`` judge more strictly than the benchmark, whose test
+of driving outside the lanes is ``lane_keeping``.
+"""
 
 
 def success(judgement: Judgement) -> float | None:
@@ -31,7 +27,7 @@ def success(judgement: Judgement) -> float | None:
         return None
     if arrival[0].outcome is Outcome.VIOLATED:
         return 0.0
-    found = [judgement.violations(rule) for rule in RULES]
+    found = [counted_collisions(judgement), *(judgement.violations(rule) for rule in RULES)]
     if any(found):
         return 0.0
     return None if any(violations is None for violations in found) else 1.0

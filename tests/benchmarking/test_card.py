@@ -32,7 +32,8 @@ def test_counts_are_of_runs() -> None:
     assert figures.red_lights == 1
     assert figures.comfortable == 3
     assert figures.comfort == pytest.approx(3.5 / 4)
-    assert figures.route_completion == pytest.approx(90.0)
+    assert figures.route_completion == pytest.approx(360.0 / 5)
+    assert figures.efficiency is None
 
 
 def test_unavoidable_collisions_are_counted_apart() -> None:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from drivora_service.metrics.built_in import measure
-from drivora_service.metrics.driving_score import TARIFFS, Version, infraction_penalty
+from drivora_service.metrics.driving_score import Version, infraction_penalty
+from drivora_service.metrics.infractions import infractions_of
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.metrics.success import success
 from drivora_service.observations.run_view import RunView
@@ -60,7 +61,7 @@ def _measure(trace: Trace) -> dict[str, float | None]:
 
 
 def standing(role: Role, place: float = 40.0) -> SyntheticActor:
-    return SyntheticActor(motion=Motion.steady(place, 0.0, steps=STEPS), role=role)
+    return SyntheticActor(id=role, motion=Motion.steady(place, 0.0, steps=STEPS), role=role)
 
 
 CRASH = Contact(step=89, ego=0, other=1)
@@ -72,8 +73,14 @@ def test_a_drive_without_fault() -> None:
         assert values[name] == 100.0
     for name in ("infraction_penalty", "success", "comfort"):
         assert values[name] == 1.0
-    parts = [value for name, value in values.items() if name.startswith("nuplan_")]
-    assert parts == [1.0] * 6
+    parts = {name: value for name, value in values.items() if name.startswith("nuplan_")}
+    # The limit is 10 m/s: a free drive gains 2 m/s within 1.11 s and 10 m, and takes 8 s for the
+    # other 80 m. The ego, at 8 m/s, has driven 72.9 m of the 90 m by then.
+    progress = parts.pop("nuplan_progress_to_free_flow")
+    assert progress == pytest.approx(8.0 * (2.0 / 1.8 + 8.0) / 90.0)
+    assert parts.pop("nuplan_closed_loop") == pytest.approx((5.0 * progress + 11.0) / 16.0)
+    assert parts == dict.fromkeys(parts, 1.0)
+    assert len(parts) == 7
     assert values["mean_speed_mps"] == pytest.approx(SPEED)
     assert values["distance_m"] == pytest.approx(SPEED * (STEPS - 1) * 0.05)
 
@@ -135,8 +142,10 @@ def test_a_stop_sign_costs_what_the_leaderboard_takes() -> None:
     judgement = Judgement.of("ego", verdicts)
     assert len(judgement.violations("stop_sign") or ()) == 1
     assert success(judgement) == 0.0
+    charged = infractions_of(view.egos[0], judgement)
+    assert charged is not None
     penalties = [
-        infraction_penalty(view.egos[0], judgement, TARIFFS[version])
+        infraction_penalty(charged, version)
         for version in (Version.V1_0, Version.V2_0, Version.V2_1)
     ]
     assert penalties == pytest.approx([0.8, 0.8, 1.0 / 1.25])
@@ -147,8 +156,9 @@ def test_slowness_against_the_traffic_around() -> None:
     values = measured(driver(), others=[fast])
     assert values["efficiency"] == pytest.approx(50.0, rel=1e-3)
     assert values["driving_score_1_0"] == 100.0
-    assert values["driving_score_2_0"] == pytest.approx(100.0 * (1.0 - 0.3 * 0.5), rel=1e-3)
-    assert values["driving_score"] == pytest.approx(100.0 / (1.0 + 0.4 * 0.5), rel=1e-3)
+    # Four sections of the route, each at half the speed of the traffic.
+    assert values["driving_score_2_0"] == pytest.approx(100.0 * (1.0 - 0.3 * 0.5) ** 4)
+    assert values["driving_score"] == pytest.approx(100.0 / (1.0 + 4 * 0.4 * 0.5))
 
 
 def test_being_faster_than_the_traffic_is_efficient_but_earns_nothing() -> None:
@@ -173,16 +183,16 @@ def test_distance_outside_the_lanes_is_taken_off() -> None:
         route_s=0.4 * np.arange(STEPS),
     )
     values = measured(ego)
-    way = 139 * 0.4 + np.hypot(0.4, 4.0)
-    assert values["infraction_penalty"] == pytest.approx(1.0 - way / 90.0)
-    assert values["driving_score_1_0"] == pytest.approx(100.0 * (1.0 - way / 90.0))
+    way, driven = 139 * 0.4 + np.hypot(0.4, 4.0), 238 * 0.4 + np.hypot(0.4, 4.0)
+    assert values["infraction_penalty"] == pytest.approx(1.0 - way / driven)
+    assert values["driving_score_1_0"] == pytest.approx(100.0 * (1.0 - way / driven))
 
 
 def test_a_stationary_ego_that_is_hit_is_charged_nothing() -> None:
     waiting = driver(motion=Motion.steady(0.0, 0.0, steps=STEPS), end=TerminalEvent.COLLISION)
     rammer = SyntheticActor(motion=Motion.steady(-40.0, 0.0, steps=STEPS, speed=SPEED))
     values = measured(waiting, others=[rammer], contacts=[CRASH])
-    assert values["infraction_penalty"] == pytest.approx(1.0 / (1.0 + 0.4))  # no pace at all
+    assert values["infraction_penalty"] == 1.0  # it never left the first section of its route
     assert values["driving_score_1_0"] == 0.0
     assert values["nuplan_no_at_fault_collision"] == 1.0
 
@@ -190,6 +200,9 @@ def test_a_stationary_ego_that_is_hit_is_charged_nothing() -> None:
 def test_nuplan_halves_for_one_object_and_ends_for_more() -> None:
     one = measured(driver(), others=[standing(Role.NPC_OBSTACLE)], contacts=[CRASH])
     assert one["nuplan_no_at_fault_collision"] == 0.5
+    two = [standing(Role.NPC_OBSTACLE), standing(Role.NPC_OBSTACLE, 60.0)]
+    both = measured(driver(), others=two, contacts=[CRASH, Contact(step=140, ego=0, other=2)])
+    assert both["nuplan_no_at_fault_collision"] == 0.0
     walker = measured(driver(), others=[standing(Role.NPC_WALKER)], contacts=[CRASH])
     assert walker["nuplan_no_at_fault_collision"] == 0.0
 

@@ -11,16 +11,13 @@ import numpy as np
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
 from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.interface import AgentContext, Observation
-from drivora_service.agents.speed_profile import slow_down_in_time
+from drivora_service.agents.speed_profile import free_speeds
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.lane_route import LaneRoute, LaneRun
 from drivora_service.networks.line_tracking import track_line
 
 STANDING_SPEED = 0.2
 LONGEST_WAIT = 10.0
-_SIDE_ACCELERATION = 2.2
-_PLANNED_BRAKING = 1.8
-_SMOOTHING = 5
 _JOIN_REACH = 15.0
 """Metres along the next lane run, before and after the change window, in which the ego
 is searched."""
@@ -136,17 +133,4 @@ def _goal(run: LaneRun) -> FloatArray:
 @lru_cache(maxsize=256)
 def speed_profile(run: LaneRun, speed_factor: float, friction: float) -> FloatArray:
     """Returns the speed to drive at each point of a lane run, (n,) m/s; must not be changed."""
-    step = np.diff(run.line, axis=0)
-    heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)
-    turn = np.abs(np.diff(heading))
-    bend = np.zeros(len(run.line))
-    bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
-    if len(bend) >= _SMOOTHING:
-        bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
-    side = _SIDE_ACCELERATION * friction
-    speed = np.minimum(run.speed_limits * speed_factor, np.sqrt(side / np.maximum(bend, 1e-4)))
-    speed = np.maximum(speed, 2.0)
-    brake = _PLANNED_BRAKING * friction
-    slow_down_in_time(speed, run.arc, brake)
-    return speed
+    return free_speeds(run.line, run.arc, run.speed_limits * speed_factor, friction)

@@ -30,6 +30,17 @@ def at_fault(
         return True
     if impact.face is Face.REAR:
         return impact.ego_forward < -standing_speed
+    return is_beside_lane(ego, k, off_road)
+
+
+def is_beside_lane(ego: EgoView, k: int, off_road: float) -> bool:
+    """Returns whether the ego reaches over the edge of its lane, or is off the road.
+
+    Args:
+        ego: The ego.
+        k: Its row.
+        off_road: Metres outside the drivable area from which on the ego is off the road.
+    """
     return bool(ego.lanes[k] < 0 or ego.outside[k] > off_road or _straddles(ego, k))
 
 
