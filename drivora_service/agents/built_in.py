@@ -48,7 +48,7 @@ def import_agents() -> None:
 def _idm(parameters: IdmParameters) -> Agent:
     from drivora_service.agents.idm.agent import IdmAgent
 
-    return IdmAgent(parameters.speed_factor)
+    return IdmAgent(parameters.speed_factor, parameters.reaction_time)
 
 
 def _idm_mobil(parameters: MobilParameters) -> Agent:

@@ -10,6 +10,7 @@ path tracking algorithm* (1992).
 from __future__ import annotations
 
 from drivora_service.agents.idm.driver import IdmDriver
+from drivora_service.agents.idm.reaction import ReactionDelay
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 
@@ -17,17 +18,24 @@ from drivora_service.agents.interface import AccelerationControl, AgentContext, 
 class IdmAgent:
     """The agent. One object drives one ego through one run."""
 
-    def __init__(self, speed_factor: float = 1.0) -> None:
-        """Args: speed_factor: As in ``IdmParameters``."""
+    def __init__(self, speed_factor: float = 1.0, reaction_time: float = 0.0) -> None:
+        """Args: as in ``IdmParameters``."""
         self._speed_factor = speed_factor
+        self._reaction_time = reaction_time
 
     def setup_env(self, context: AgentContext) -> None:
         """Prepares speed profiles and conflict zones along the route."""
         self._runs = RunFollower(context, self._speed_factor)
         self._driver = IdmDriver(context)
+        self._delayed = (
+            ReactionDelay(self._reaction_time, context.step_length, 0.5 * context.model.length)
+            if self._reaction_time > 0.0
+            else None
+        )
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
-        self._runs.wait(observation.speed)
-        self._runs.change_when_possible(observation)
-        return self._driver.drive(observation, self._runs)
+        seen = observation if self._delayed is None else self._delayed(observation)
+        self._runs.wait(seen.speed)
+        self._runs.change_when_possible(seen)
+        return self._driver.drive(seen, self._runs)
