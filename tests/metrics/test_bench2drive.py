@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.metrics.comfort import comfort
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.metrics.success import success
@@ -16,10 +17,10 @@ from tests.metrics.streets import ego_on_road, straight, view_of
 INFRACTIONS = ("collision", "red_light", "stop_sign", "lane_keeping", "route_deviation", "blocked")
 
 
-def judged(arrived: bool = True, **outcomes: Outcome) -> Judgement:
+def judged(outcomes: dict[str, Outcome] | None = None, *, arrived: bool = True) -> Judgement:
     told = dict.fromkeys(INFRACTIONS, Outcome.PASSED)
     told["destination"] = Outcome.PASSED if arrived else Outcome.VIOLATED
-    told.update(outcomes)
+    told.update(outcomes or {})
     evidence = {"ego_speed": 3.0}
     return Judgement(
         verdicts=tuple(
@@ -33,20 +34,20 @@ def test_success_is_arrival_without_infraction() -> None:
     assert success(judged()) == 1.0
     assert success(judged(arrived=False)) == 0.0
     for oracle in INFRACTIONS:
-        assert success(judged(**{oracle: Outcome.VIOLATED})) == 0.0
-        assert success(judged(**{oracle: Outcome.NOT_MEASURABLE})) is None
-        assert success(judged(arrived=False, **{oracle: Outcome.NOT_MEASURABLE})) == 0.0
-    assert success(judged(destination=Outcome.NOT_MEASURABLE)) is None
+        assert success(judged({oracle: Outcome.VIOLATED})) == 0.0
+        assert success(judged({oracle: Outcome.NOT_MEASURABLE})) is None
+        assert success(judged({oracle: Outcome.NOT_MEASURABLE}, arrived=False)) == 0.0
+    assert success(judged({"destination": Outcome.NOT_MEASURABLE})) is None
 
 
 @pytest.mark.parametrize(
     "oracle", ["off_road", "wrong_way", "speeding", "near_miss", "minimum_speed", "discomfort"]
 )
 def test_what_the_benchmark_does_not_count_is_no_infraction(oracle: str) -> None:
-    assert success(judged(**{oracle: Outcome.VIOLATED})) == 1.0
+    assert success(judged({oracle: Outcome.VIOLATED})) == 1.0
 
 
-def with_signals(steps: int, **columns: float | np.ndarray) -> Motion:  # type: ignore[type-arg]  # (n,)
+def with_signals(steps: int, **columns: float | FloatArray) -> Motion:
     """An eastward motion with these values in columns of its states."""
     motion = straight(8.0, steps)
     for name, values in columns.items():

@@ -77,6 +77,7 @@ def test_a_drive_without_fault() -> None:
     # The limit is 10 m/s: a free drive gains 2 m/s within 1.11 s and 10 m, and takes 8 s for the
     # other 80 m. The ego, at 8 m/s, has driven 72.9 m of the 90 m by then.
     progress = parts.pop("nuplan_progress_to_free_flow")
+    assert progress is not None
     assert progress == pytest.approx(8.0 * (2.0 / 1.8 + 8.0) / 90.0)
     assert parts.pop("nuplan_closed_loop") == pytest.approx((5.0 * progress + 11.0) / 16.0)
     assert parts == dict.fromkeys(parts, 1.0)
