@@ -164,19 +164,19 @@ def test_idm_on_an_empty_road_keeps_up_with_the_free_drive(
 
 
 def projected(other: SyntheticActor, *, speed: float = 10.0, **fields: Any) -> bool:
-    return contact_projected(view_of(ego_on_road(straight(speed, 2), 100.0, **fields), other))
+    return contact_projected(view_of(ego_on_road(straight(speed, 1), 100.0, **fields), other))
 
 
 def other_at(x: float, y: float = 0.0, speed: float = 0.0, **more: Any) -> SyntheticActor:
     yaw = more.pop("yaw", 0.0)
-    return SyntheticActor(motion=Motion.steady(x, y, steps=2, speed=speed, yaw=yaw), **more)
+    return SyntheticActor(motion=Motion.steady(x, y, steps=1, speed=speed, yaw=yaw), **more)
 
 
 def test_boxes_that_meet_within_nine_tenths_of_a_second() -> None:
-    # At 10 m/s: 13.4 m between the centres leave 8.9 m and 0.89 s, and 0.4 m less one step later.
+    # At 10 m/s: 13.4 m between the centres leave 8.9 m and 0.89 s.
     assert projected(other_at(13.4))
-    # 0.97 s, and 0.92 s a step later: sampled at 0.9 s they have not met yet, at 1.0 s it is late.
-    assert not projected(other_at(4.5 + 9.7))
+    # 0.94 s: at 0.9 s they have not met yet, and 1.0 s is beyond the bound.
+    assert not projected(other_at(4.5 + 9.4))
     assert not projected(other_at(13.4, speed=10.0))
     assert projected(other_at(13.4 + 8.0, speed=10.0, yaw=math.pi))
 
@@ -205,6 +205,25 @@ def test_those_beside_count_only_between_lanes_off_the_road_and_in_junctions() -
     assert not projected(beside, lane_lateral=0.8)
     behind = other_at(-9.0, 0.0, speed=30.0)
     assert not projected(behind, lane=CROSSING)
+
+
+def test_behind_is_150_degrees_from_the_heading_seen_from_the_rear_axle() -> None:
+    found = []
+    for degrees in (148.0, 152.0):
+        x = 8.0 * math.cos(math.radians(degrees)) - 4.5 * 1.461 / 5.176
+        y = 8.0 * math.sin(math.radians(degrees))
+        # Beside the ego's own 10 m/s it comes at 12 m/s straight to its centre.
+        vx, vy = 10.0 - 12.0 * x / math.hypot(x, y), -12.0 * y / math.hypot(x, y)
+        other = other_at(x, y, speed=math.hypot(vx, vy), yaw=math.atan2(vy, vx))
+        found.append(projected(other, lane=CROSSING))
+    assert found == [True, False]
+
+
+def test_places_are_sampled_every_tenth_of_a_second() -> None:
+    # A small one at 40 m/s is in the ego's way for 0.058 s: from 0.371 s on, or from 0.421 s on.
+    small = {"speed": 40.0, "yaw": math.pi / 2, "length": 0.5, "width": 0.5}
+    for y, counts in ((-16.0, True), (-18.0, False)):
+        assert projected(other_at(6.0, y, **small), lane=CROSSING) is counts
 
 
 def test_ahead_is_seen_from_the_rear_axle() -> None:

@@ -71,6 +71,7 @@ def test_traffic_is_the_mean_of_the_moments_means_while_there_is_some() -> None:
 )
 def test_without_traffic_there_is_no_pace(other: SyntheticActor) -> None:
     view = view_of(ego_on_road(straight(8.0, STEPS), 96.0), other)
+    assert len(pace_ratios(view, 1)) == 0
     assert slow_sections(view) == ()
     assert efficiency(view) is None
 
@@ -81,6 +82,15 @@ def test_sections_beyond_a_thousand_per_cent_are_left_out() -> None:
     motion = Motion.along(np.cumsum(speeds) * 0.05 + 20.0, 3.5, yaw=0.0)
     view = view_of(ego_on_road(straight(8.0, STEPS), 96.0), SyntheticActor(motion=motion))
     assert efficiency(view) == pytest.approx(100.0 * 8.0 / 9.0, rel=0.02)
+
+
+def test_efficiency_is_the_mean_of_twenty_sections() -> None:
+    # The first 20 m of 400 m at 20 m/s, the others at 8 m/s, beside one at 8 m/s.
+    steps = 20 + 951
+    motion = at_speeds([20.0] * 20 + [8.0] * 951)
+    other = SyntheticActor(motion=straight(8.0, steps, y=3.5))
+    view = view_of(ego_on_road(motion, 400.0), other)
+    assert efficiency(view) == pytest.approx(100.0 * (2.5 + 19.0) / 20.0, rel=5e-3)
 
 
 def test_four_slow_sections_are_four_infractions() -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-STATE = ("x", "y", "yaw", "vx", "vy", "z")
+STATE = ("x", "y", "yaw", "vx", "vy", "ax", "ay", "yaw_rate", "z")
 EGO = ("lane", "light", "ego_light_distance", "ego_route_s", "ego_speed_limit")
 
 
@@ -32,6 +32,9 @@ class Drive:
         first: Step of the first row.
         x, y, z: (n,) metres.
         yaw: (n,) radians.
+        vx, vy: (n,) m/s.
+        ax, ay: (n,) m/s².
+        yaw_rate: (n,) rad/s.
         speed: (n,) m/s over ground.
         moved: (n,) metres since the row before.
         lanes: SUMO's id of the lane in each row, "" off every lane.
@@ -55,6 +58,11 @@ class Drive:
     y: Floats
     z: Floats
     yaw: Floats
+    vx: Floats
+    vy: Floats
+    ax: Floats
+    ay: Floats
+    yaw_rate: Floats
     speed: Floats
     moved: Floats
     lanes: tuple[str, ...]
@@ -153,6 +161,11 @@ def _drive(
         y=y,
         z=states["z"][rows, ego],
         yaw=states["yaw"][rows, ego],
+        vx=states["vx"][rows, ego],
+        vy=states["vy"][rows, ego],
+        ax=states["ax"][rows, ego],
+        ay=states["ay"][rows, ego],
+        yaw_rate=states["yaw_rate"][rows, ego],
         speed=np.hypot(states["vx"][rows, ego], states["vy"][rows, ego]),
         moved=np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])),
         lanes=tuple("" if np.isnan(lane) else lane_ids[int(lane)] for lane in lanes),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from tests.recomputation.recording import Drive, Floats, Recording
+from tests.recomputation.recording import Drive, Flags, Floats, Recording
 
 FAR = 30.0
 BESIDE = 15.0
@@ -70,6 +69,13 @@ def deviation_row(drive: Drive, progress: Progress) -> int | None:
     return int(np.argmax(left)) if left.any() else None
 
 
+def waits_at_signal(drive: Drive, progress: Progress) -> Flags:
+    """Tells the (n,) rows in which the ego stands before a signal that is not green."""
+    with np.errstate(invalid="ignore"):
+        waits = (drive.light >= 2.0) & (drive.light_distance < QUEUE) & (drive.speed < 0.1)
+    return np.asarray(waits & (progress.beside <= OWN_ROAD))
+
+
 def arrived(run: Recording, drive: Drive, progress: Progress) -> bool:
     """Returns whether the ego came to its goal within its time limit.
 
@@ -81,9 +87,7 @@ def arrived(run: Recording, drive: Drive, progress: Progress) -> bool:
         # SUMO takes the vehicles that it drives off the road at the end of their last edge.
         return drive.end == "arrived"
     row = int(np.argmax(there))
-    with np.errstate(invalid="ignore"):
-        waits = (drive.light >= 2.0) & (drive.light_distance < QUEUE) & (drive.speed < 0.1)
-    waits &= progress.beside <= OWN_ROAD
+    waits = waits_at_signal(drive, progress)
     allowed = 0.8 * drive.arc[-1] + 5.0 + np.count_nonzero(waits[: row + 1]) * run.step_length
     seconds = row * run.step_length
     return bool(seconds <= min(allowed, run.head["max_sim_time"] - drive.start_time) + 1e-6)
@@ -100,31 +104,33 @@ def route_completion(run: Recording, drive: Drive, progress: Progress) -> float:
     return 100.0 * min(float(done.max()) / float(drive.arc[-1]), 1.0)
 
 
-def traffic_pace(run: Recording, drive: Drive, progress: Progress) -> float | None:
-    """Returns the ego's speed in per cent of that of the vehicles within 50 m, at most 100.
+def traffic_pace(run: Recording, drive: Drive, progress: Progress, sections: int) -> list[float]:
+    """Returns the ego's speed over that of the vehicles within 50 m, by section of the route.
 
-    It is the mean over twenty sections of the route, of those with moving vehicles around.
+    A section is compared once the ego has left it, the last one once 95 % of the route are driven,
+    if vehicles were around that moved.
     """
     rows = slice(drive.first, drive.first + drive.count)
-    own: dict[int, list[float]] = {}
-    theirs: dict[int, list[float]] = {}
     vehicles = [
         i
         for i, actor in enumerate(run.head["actors"])
         if actor["role"] in ("ego", "npc_vehicle", "background") and i != drive.actor
     ]
     x, y, vx, vy = (run.states[name][rows][:, vehicles] for name in ("x", "y", "vx", "vy"))
+    moments: dict[int, list[tuple[float, float]]] = {}
     for k in range(drive.count):
-        section = math.floor(20.0 * progress.along[k] / drive.arc[-1])
-        if not 0 <= section < 20:
-            continue
-        own.setdefault(section, []).append(float(drive.speed[k]))
         with np.errstate(invalid="ignore"):
             near = (x[k] - drive.x[k]) ** 2 + (y[k] - drive.y[k]) ** 2 <= 50.0**2
-        theirs.setdefault(section, []).extend(np.hypot(vx[k][near], vy[k][near]).tolist())
-    shares = [
-        min(float(np.mean(own[section])) / float(np.mean(speeds)), 1.0)
-        for section, speeds in theirs.items()
-        if speeds and np.mean(speeds) > 0.1
-    ]
-    return 100.0 * float(np.mean(shares)) if shares else None
+        if near.any():
+            section = min(int(sections * progress.along[k] / drive.arc[-1]), sections - 1)
+            theirs = float(np.hypot(vx[k][near], vy[k][near]).mean())
+            moments.setdefault(section, []).append((float(drive.speed[k]), theirs))
+    driven = float(progress.along.max(initial=0.0)) / float(drive.arc[-1])
+    ratios = []
+    for section, pairs in sorted(moments.items()):
+        last = section == sections - 1
+        left = driven > 0.95 if last else driven * sections >= section + 1
+        own, theirs = (float(np.mean(values)) for values in zip(*pairs, strict=True))
+        if left and theirs > 0.1:
+            ratios.append(own / theirs)
+    return ratios

@@ -40,14 +40,8 @@ def penalties(
         stops: Stop signs run.
         margin: Metres beyond the lanes that count as within.
     """
-    roles = {actor["id"]: actor["role"] for actor in run.head["actors"]}
-    events = ["red"] * reds + ["stop"] * stops
-    for other, step in touched.items():
-        if impact_speed(run, drive, step, other) >= 0.1:
-            role = roles[other]
-            events.append(role if role in ("npc_walker", "npc_obstacle") else "vehicle")
-    pace = traffic_pace(run, drive, progress)
-    slow = 0.0 if pace is None else 1.0 - pace / 100.0
+    events = ["red"] * reds + ["stop"] * stops + charged(run, drive, touched)
+    slow = [1.0 - pace for pace in traffic_pace(run, drive, progress, 4) if pace < 1.0]
     stays = stretches(outside_lanes(run.head["network"], drive, margin))
     wrong = sum(
         distance
@@ -55,13 +49,34 @@ def penalties(
         if (distance := float(drive.moved[first : last + 1].sum())) >= LEAST_DISTANCE
         and (last + 1 - first) * run.step_length >= LEAST_TIME - 1e-9
     )
-    within = 1.0 - min(wrong / float(drive.arc[-1]), 1.0)
+    driven = float(drive.moved.sum())
+    within = 1.0 - wrong / driven if wrong else 1.0
     product = math.prod(FACTORS[event] for event in events) * within
     return {
         "1_0": product,
-        "2_0": product * (1.0 - 0.3 * slow),
-        "2_1": within / (1.0 + sum(COSTS[event] for event in events) + 0.4 * slow),
+        "2_0": product * math.prod(1.0 - 0.3 * cost for cost in slow),
+        "2_1": within / (1.0 + sum(COSTS[event] for event in events) + 0.4 * sum(slow)),
     }
+
+
+def charged(run: Recording, drive: Drive, touched: dict[str, int]) -> list[str]:
+    """Returns the kind of each collision that is counted.
+
+    Not those of an ego that stands, and of several within 5 m the first one.
+    """
+    roles = {actor["id"]: actor["role"] for actor in run.head["actors"]}
+    kinds: list[str] = []
+    place: tuple[float, float] | None = None
+    for other, step in sorted(touched.items(), key=lambda item: item[1]):
+        k = step - drive.first
+        here = (float(drive.x[k]), float(drive.y[k]))
+        if impact_speed(run, drive, step, other) < 0.1:
+            continue
+        if place is not None and math.dist(place, here) <= 5.0:
+            continue
+        place, role = here, roles[other]
+        kinds.append(role if role in ("npc_walker", "npc_obstacle") else "vehicle")
+    return kinds
 
 
 def mean(values: list[float]) -> float:

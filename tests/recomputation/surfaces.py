@@ -91,19 +91,34 @@ def lane_errors(town: str, drive: Drive) -> Floats:
     return errors
 
 
+def lane_headings(town: str, drive: Drive) -> Floats:
+    """Returns the (n,) directions of the lane that the ego is on, beside it; NaN off all lanes."""
+    found = np.full(drive.count, np.nan)
+    names = np.array(drive.lanes)
+    for name in set(drive.lanes) - {""}:
+        here = np.flatnonzero(names == name)
+        found[here] = _headings(read_town(town).lanes[name].line, drive.x[here], drive.y[here])
+    return found
+
+
+def lane_offsets(town: str, drive: Drive) -> Floats:
+    """Returns the (n,) metres from the ego's centre to the line of its lane; NaN off all lanes."""
+    found = np.full(drive.count, np.nan)
+    names = np.array(drive.lanes)
+    for name in set(drive.lanes) - {""}:
+        here = np.flatnonzero(names == name)
+        line = shapely.LineString(read_town(town).lanes[name].line)
+        found[here] = shapely.distance(line, shapely.points(drive.x[here], drive.y[here]))
+    return found
+
+
 def against(town: str, drive: Drive) -> Flags:
     """Tells the (n,) rows in which the ego heads against the lane that it is on, on a road."""
     lanes = read_town(town).lanes
-    wrong = np.zeros(drive.count, dtype=np.bool_)
-    names = np.array(drive.lanes)
-    for name in set(drive.lanes) - {""}:
-        lane = lanes[name]
-        if lane.inside:
-            continue
-        here = np.flatnonzero(names == name)
-        headings = _headings(lane.line, drive.x[here], drive.y[here])
-        wrong[here] = np.cos(drive.yaw[here] - headings) < 0.0
-    return wrong
+    on_road = np.array([bool(name) and not lanes[name].inside for name in drive.lanes])
+    with np.errstate(invalid="ignore"):
+        wrong = np.cos(drive.yaw - lane_headings(town, drive)) < 0.0
+    return np.asarray(on_road & wrong, dtype=np.bool_)
 
 
 def _headings(line: Floats, x: Floats, y: Floats) -> Floats:

@@ -22,6 +22,7 @@ from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
 from drivora_service.worker.setup import WorkerSetup
 from tests.recomputation.comparing import Comparison, Disagreement, Recomputed
+from tests.recomputation.comparing_scores import NUPLAN, ScoreComparison
 from tests.recomputation.mixed_runs import TOWNS, Document, mixed_documents
 
 RULES = (
@@ -33,6 +34,8 @@ RULES = (
     Comparison.stop_signs,
     Comparison.completion,
     Comparison.scores,
+    ScoreComparison.bench2drive,
+    ScoreComparison.nuplan,
 )
 FEW = ("several_egos-2", "off_the_road-1", "at_signals-7", "with_walkers-0", "at_stop_signs-3")
 
@@ -56,8 +59,8 @@ def _performed(documents: Mapping[str, Document], folder: Path) -> dict[str, Run
     return {name: reports[name] for name in documents}
 
 
-def _compared(reports: Iterable[RunReport], folder: Path) -> list[Comparison]:
-    return [Comparison(report, folder / f"{report.run_id}.parquet") for report in reports]
+def _compared(reports: Iterable[RunReport], folder: Path) -> list[ScoreComparison]:
+    return [ScoreComparison(report, folder / f"{report.run_id}.parquet") for report in reports]
 
 
 def _text(disagreements: Iterable[Disagreement]) -> str:
@@ -67,7 +70,7 @@ def _text(disagreements: Iterable[Disagreement]) -> str:
     )
 
 
-def _check(runs: list[Comparison]) -> None:
+def _check(runs: list[ScoreComparison]) -> None:
     wrong = [d for rule in RULES for run in runs for d in rule(run)]
     assert not wrong, f"{len(wrong)} disagreements:\n{_text(wrong)}"
 
@@ -155,6 +158,9 @@ def test_a_wrong_verdict_is_found(
         ("driving_score", Comparison.scores),
         ("driving_score_1_0", Comparison.scores),
         ("driving_score_2_0", Comparison.scores),
+        *((metric, ScoreComparison.bench2drive) for metric in ("success", "efficiency", "comfort")),
+        ("nuplan_closed_loop", ScoreComparison.nuplan),
+        *((f"nuplan_{part}", ScoreComparison.nuplan) for part in NUPLAN),
     ],
 )
 def test_a_wrong_metric_is_found(
@@ -171,9 +177,14 @@ def test_a_wrong_metric_is_found(
         )
         for report in reports.values()
     ]
+    compared = 0
     for run in _compared(changed, folder):
         found = list(getattr(run, rule.__name__)())  # type: ignore[attr-defined]  # a method by its name
-        assert len({d.ego for d in found}) == len(run.egos)
+        names = [metric if len(run.egos) == 1 else f"{metric}[{ego.drive.id}]" for ego in run.egos]
+        measured = [name for name in names if run.report.metrics[name] is not None]
+        assert len({d.ego for d in found}) == len(measured)
+        compared += len(measured)
+    assert compared >= 3
 
 
 @pytest.mark.slow(seconds=40)
@@ -204,6 +215,29 @@ def test_a_hundred_runs_agree(tmp_path: Path) -> None:
     assert sum(ego.completion == 100.0 for ego in egos) >= 20
     assert len({round(score, 3) for ego in egos for score in ego.scores().values()}) >= 100
     assert sum(ego.drive.start_time > 0.0 for ego in egos) >= 5
+    values = {metric: _values(runs, metric) for metric in runs[0].report.metrics}
+    for metric in ("success", *(f"nuplan_{part}" for part in NUPLAN)):
+        least = 1 if metric == "nuplan_making_progress" else 3
+        assert sum(value < 1.0 for value in values[metric]) >= least, metric
+        assert values[metric].count(1.0) >= 15, metric
+    assert values["nuplan_no_at_fault_collision"].count(0.5) >= 3
+    for metric in ("efficiency", "comfort", "nuplan_closed_loop", "nuplan_progress_to_free_flow"):
+        assert len({round(value, 4) for value in values[metric]}) >= 30, metric
+    widths = [high - low for run in runs for low, high in map(run.progress_bounds, run.egos)]
+    assert sum(width < 1e-9 for width in widths) >= 80
+    assert sum(width < 0.1 for width in widths) >= 110
+
+
+def _values(runs: Iterable[ScoreComparison], metric: str) -> list[float]:
+    """Returns the values of all egos that have one."""
+    return [
+        value
+        for run in runs
+        for name, value in run.report.metrics.items()
+        if name
+        in ([metric] if len(run.egos) == 1 else [f"{metric}[{e.drive.id}]" for e in run.egos])
+        and value is not None
+    ]
 
 
 def _roles_hit(egos: Iterable[Recomputed]) -> Iterator[str]:
