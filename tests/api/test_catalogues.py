@@ -25,9 +25,11 @@ def test_agents_and_oracles(offline: Offline) -> None:
     agents = {item["name"]: item for item in offline.client.get("/api/v1/agents").json()["items"]}
     assert agents["idm"]["installed"] is True
     assert (agents["idm"]["privileged"], agents["sumo-idm"]["privileged"]) == (False, True)
-    (parameter,) = agents["idm"]["parameters"]
-    assert (parameter["name"], parameter["default"]) == ("speed_factor", 1.0)
-    assert parameter["values"] == {"type": "number", "minimum": 0.1, "maximum": 2.0}
+    speed, reaction = agents["idm"]["parameters"]
+    assert (speed["name"], speed["default"]) == ("speed_factor", 1.0)
+    assert speed["values"] == {"type": "number", "minimum": 0.1, "maximum": 2.0}
+    assert (reaction["name"], reaction["default"]) == ("reaction_time", 0.0)
+    assert reaction["values"] == {"type": "number", "minimum": 0.0, "maximum": 3.0}
     assert agents["fop"]["parameters"] == []
     oracles = {o["name"]: o for o in offline.client.get("/api/v1/oracles").json()["items"]}
     assert {"collision", "red_light", "off_road"} <= set(oracles)

@@ -66,7 +66,9 @@ def test_parameters_of_agents_are_taken_from_the_request(
     assert posted.status_code == 202, posted.text
     job = wait_until_final(http, posted.json()["id"])
     run = http.get(f"/api/v1/runs/{job['id']}").json()
-    assert run["agents"] == {"ego": {"name": "idm", "parameters": {"speed_factor": 0.6}}}
+    assert run["agents"] == {
+        "ego": {"name": "idm", "parameters": {"speed_factor": 0.6, "reaction_time": 0.0}}
+    }
     document = http.get(run["scenario_url"]).json()
     assert document["ego_vehicles"][0]["agent"]["parameters"] == {"speed_factor": 0.6}
     driven = {"agent": "sumo-idm", "agent_parameter": "lane_change_model=SL2015"}

@@ -36,6 +36,15 @@ def test_cards_are_written_as_a_table_pages_and_data(tmp_path: Path) -> None:
     assert "Licence: none stated" in page
 
 
+def test_a_page_has_the_scores_of_benchmarks() -> None:
+    runs = [finished(n, score=score, comfort=0.5) for n, score in ((1, 100.0), (2, 40.0))]
+    page = card_markdown(card_of(AGENT, runs), runs=2)
+    # The deviation of 100 and 40 is the root of 2 · 30² over 1.
+    assert "driving score 70.0 with a standard deviation of 42.4 (2.1), - (2.0), - (1.0)" in page
+    assert "success rate -, efficiency -, comfort 0.50" in page
+    assert "- nuPlan: closed-loop score -, with a computed free drive" in page
+
+
 def test_what_programs_said_stays_in_its_cell() -> None:
     page = card_markdown(card_of(AGENT, (finished(1, HIT),)), runs=1)
     assert "| collision | 1 | 1 | tee-town-01: hit \\| npc_1 with its front |" in page

@@ -53,11 +53,12 @@ def test_parameters_of_agents_are_set_and_kept_with_the_trace(
     setting = ("--agent-parameter", "speed_factor=0.5", "--agent-parameter", "ego:speed_factor=0.6")
     ended = drivora("run", scenario_file, *setting, "--out", out, "--json")
     assert ended.code == 0, ended.err
-    agents = {"ego": {"name": "idm", "parameters": {"speed_factor": 0.6}}}
+    agents = {"ego": {"name": "idm", "parameters": {"speed_factor": 0.6, "reaction_time": 0.0}}}
     assert ended.json()["agents"] == agents
     assert read_trace(out / "crossing.trace.parquet").meta["agents"] == agents
     usual = drivora("run", scenario_file, "--json").json()
-    assert usual["agents"] == {"ego": {"name": "idm", "parameters": {"speed_factor": 1.0}}}
+    default = {"speed_factor": 1.0, "reaction_time": 0.0}
+    assert usual["agents"] == {"ego": {"name": "idm", "parameters": default}}
     assert usual["sim_time_s"] < ended.json()["sim_time_s"]
 
     wrong = drivora("run", scenario_file, "--agent-parameter", "speed=1", "--json")
