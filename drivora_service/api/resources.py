@@ -22,6 +22,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("scenarios", "/scenarios:.*"),
         ("jobs", "/jobs([/:].*)?"),
         ("batches", "/batches([/:].*)?"),
+        ("batch_comparisons", "/batches:compare"),
         ("runs", "/runs([/:].*)?"),
         ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
         ("campaigns", "/campaigns(:validate|/[^/]*)?"),

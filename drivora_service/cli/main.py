@@ -12,6 +12,7 @@ import typer
 from drivora_service.cli.commands import (
     agents,
     campaign,
+    compare,
     demo,
     networks,
     oracles,
@@ -69,6 +70,7 @@ app = Commands(
     pretty_exceptions_enable=False,
 )
 app.command("run", epilog=EPILOG)(run.run)
+app.command("compare", epilog=EPILOG)(compare.compare)
 app.command("serve", epilog=EPILOG)(serve.serve)
 app.command("validate", epilog=EPILOG)(validate.validate)
 app.command("plot", epilog=EPILOG)(plot.plot)

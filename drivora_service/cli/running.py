@@ -19,6 +19,8 @@ from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.documents import document_text
 from drivora_service.store.records import Priority
 
+RUN_BATCH = "drivora run"
+"""Name of a batch of ``drivora run``, unless the user gives one."""
 _SCENARIO = "/scenario"
 """Place of a scenario in an item of a batch with labels."""
 
@@ -34,8 +36,9 @@ def run_files(
     where: str,
     on_result: Callable[[ScenarioResult], None],
     seeds: Sequence[int | None] | None = None,
-    batch_name: str = "drivora run",
+    batch_name: str = RUN_BATCH,
     priority: Priority = Priority.INTERACTIVE,
+    on_posted: Callable[[str], None] = lambda _batch_id: None,
 ) -> list[ScenarioResult]:
     """Runs scenarios as one batch and returns their results in the order of the files.
 
@@ -52,6 +55,7 @@ def run_files(
         seeds: Seed of each file's run in place of ``seed``; ``None``: none has its own.
         batch_name: Display name of the batch.
         priority: Priority of the runs.
+        on_posted: Called with the id of the batch once it is queued.
 
     Raises:
         ConfigurationError: The agent or one of its parameters cannot be used.
@@ -91,6 +95,7 @@ def run_files(
         for result in refused:
             tell(result)
         return refused
+    on_posted(posted.batch.id)
     results = {item.item: _posted(item, files[item.item]) for item in posted.items}
     for item in posted.items:
         if item.result is ItemResult.REJECTED:

@@ -143,6 +143,7 @@ class Operations:
     post_batch = Answered(job_calls.post_batch)
     batches = Listed(job_calls.batches)
     batch = Answered(job_calls.batch)
+    compare_batches = Answered(job_calls.compare_batches)
     cancel_batch = Answered(job_calls.cancel_batch)
     pause_batch = Answered(job_calls.pause_batch)
     resume_batch = Answered(job_calls.resume_batch)

@@ -70,6 +70,23 @@ class BatchRepository:
         """
         return self._records([self._row(batch_id)])[0]
 
+    def find(self, wanted: str) -> Batch:
+        """Returns the batch of an id, or the newest one of a name.
+
+        Raises:
+            UnknownName: There is neither.
+        """
+        query = (
+            select(BatchRow)
+            .where(BatchRow.name == wanted, ~BatchRow.id.startswith(SINGLE_JOBS))
+            .order_by(BatchRow.seq.desc())
+            .limit(1)
+        )
+        row = self._by_id(wanted) or (self._session.scalar(query) if wanted else None)
+        if row is None:
+            raise UnknownName("batch", wanted, ())
+        return self._records([row])[0]
+
     def page(
         self, *, priorities: Collection[Priority] = (), limit: int = 50, page_token: str = ""
     ) -> Page[Batch]:
@@ -169,12 +186,15 @@ class BatchRepository:
         return self.get(batch_id)
 
     def _row(self, batch_id: str) -> BatchRow:
-        row = self._session.scalar(
-            select(BatchRow).where(BatchRow.id == batch_id, ~BatchRow.id.startswith(SINGLE_JOBS))
-        )
+        row = self._by_id(batch_id)
         if row is None:
             raise UnknownName("batch", batch_id, ())
         return row
+
+    def _by_id(self, batch_id: str) -> BatchRow | None:
+        return self._session.scalar(
+            select(BatchRow).where(BatchRow.id == batch_id, ~BatchRow.id.startswith(SINGLE_JOBS))
+        )
 
     def _fair_start(self, priority: Priority) -> int:
         """Returns the share with which a new batch starts, level with the least served one."""

@@ -161,6 +161,16 @@ class JobRepository:
             reports.update((job_id, report_from_json(body)) for job_id, body in rows)
         return reports
 
+    def documents(self, sha256s: Sequence[str]) -> dict[str, str]:
+        """Returns the scenarios of hashes as JSON text; those that are not stored are left out."""
+        found: dict[str, str] = {}
+        for chunk in batched(sha256s, 500):
+            query = select(DocumentRow.sha256, DocumentRow.body).where(
+                DocumentRow.sha256.in_(chunk)
+            )
+            found.update((sha256, body) for sha256, body in self._session.execute(query))
+        return found
+
     def attempts(self, job_id: str) -> tuple[Attempt, ...]:
         """Returns every attempt at a job's run, first to last."""
         query = (

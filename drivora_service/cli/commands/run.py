@@ -55,6 +55,14 @@ def run(
     seed: Annotated[
         int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed, overrides the documents'.")
     ] = None,
+    name: Annotated[
+        str,
+        typer.Option(
+            metavar="TEXT",
+            help="Name of the batch of runs, for the page and `drivora compare` [default: drivora "
+            "run].",
+        ),
+    ] = "",
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write a trace and a report of each run there."),
@@ -76,14 +84,14 @@ def run(
     """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
 
     With --json, one scenario prints one object: the run as the API shows it, with `scenario`,
-    `trace` and `notes`; several print {"runs": […]}.
+    `trace` and `notes`; several print {"batch_id": …, "runs": […]}.
     """
     chosen = _gate(gate_oracle or ()) if gate or gate_oracle else None
     check_folder(out)
     where = location(server, data_dir)
     with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli import run_results
-        from drivora_service.cli.running import run_files, write_report
+        from drivora_service.cli.running import RUN_BATCH, run_files, write_report
         from drivora_service.cli.scenario_files import read_files
         from drivora_service.runs.report import RunStatus
 
@@ -96,6 +104,7 @@ def run(
         if out is not None:
             for result in done:
                 write_report(out, result)
+        batches: list[str] = []
         with _progress(len(files), shown=len(files) > 1) as step:
             done += run_files(
                 client,
@@ -106,14 +115,19 @@ def run(
                 out=out,
                 where=where,
                 on_result=step,
+                batch_name=name or RUN_BATCH,
+                on_posted=batches.append,
             )
+    batch_id = "".join(batches)
     if as_json:
         told = [result.content() for result in done]
-        print_json(told[0] if len(told) == 1 else {"runs": told})
+        print_json(told[0] if len(told) == 1 else {"batch_id": batch_id, "runs": told})
     elif len(done) == 1:
         run_results.print_result(done[0], where=where)
     else:
         run_results.print_results(done)
+        if batch_id:
+            note(f"batch {batch_id}")
     if any(result.status is not RunStatus.FINISHED for result in done):
         raise typer.Exit(ExitCode.NOT_DONE)
     if chosen is not None:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.jobs import Job
     from drivora_service.api.schemas.service import Validation
     from drivora_service.store.records import JobFilter, Priority, RunSummary
+    from drivora_service.suites.paired.comparison import BatchComparison
+    from drivora_service.suites.paired.counting import Counting, Unfinished
 
 
 def validate_scenario(
@@ -165,6 +167,40 @@ def batch(batch_id: str) -> Call[Batch]:
     from drivora_service.api.schemas.batches import Batch
 
     return get(f"{PREFIX}/batches/{{batch_id}}", Batch, batch_id=batch_id)
+
+
+def compare_batches(
+    a: str,
+    b: str,
+    *,
+    counting: Counting | None = None,
+    unfinished: Unfinished | None = None,
+    oracles: Sequence[str] = (),
+    metrics: Sequence[str] = (),
+) -> Call[BatchComparison]:
+    """Compares two batches on the same scenarios: failures, metrics, and every pair of runs.
+
+    Args:
+        a: Id of batch A, or its name: the newest batch of this name.
+        b: Id or name of batch B.
+        counting: The violations that are failures; ``None``: those that an ego is accountable for.
+        unfinished: The runs without a judgement that are failures; ``None``: those that the ADS
+            ended.
+        oracles: The only oracles that count, observations included; empty: all but observations.
+        metrics: Metrics to compare, and to show of each run; empty: all are compared, and the
+            driving score is shown.
+    """
+    from drivora_service.suites.paired.comparison import BatchComparison
+
+    query = {
+        "a": a,
+        "b": b,
+        "counting": counting,
+        "unfinished": unfinished,
+        "oracle": tuple(oracles),
+        "metric": tuple(metrics),
+    }
+    return get(f"{PREFIX}/batches:compare", BatchComparison, query=query)
 
 
 def cancel_batch(batch_id: str) -> Call[Batch]:

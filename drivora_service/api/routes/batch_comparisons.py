@@ -1,0 +1,71 @@
+"""Two batches compared on the same scenarios."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Query, Request, Response
+
+from drivora_service.api import examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import Context
+from drivora_service.api.documentation import answers
+from drivora_service.api.resource_router import resource_router
+from drivora_service.api.security import reader
+from drivora_service.errors import UnknownName
+from drivora_service.suites.paired.comparison import BatchComparison
+from drivora_service.suites.paired.counting import Counting, Rules, Unfinished
+
+router = resource_router("batches", Depends(reader))
+
+
+@router.get(
+    "/batches:compare",
+    response_model=BatchComparison,
+    responses=answers(examples.BATCH_COMPARISON, 401, 403, 404, 422),
+)
+def compare_batches(
+    request: Request,
+    context: Context,
+    a: Annotated[
+        str, Query(max_length=200, description="Id of batch A, or the name: its newest batch.")
+    ],
+    b: Annotated[str, Query(max_length=200, description="Id or name of batch B.")],
+    counting: Annotated[
+        Counting, Query(description="The violations that are failures.")
+    ] = Counting.ACCOUNTABLE,
+    unfinished: Annotated[
+        Unfinished, Query(description="The runs without a judgement that are failures.")
+    ] = Unfinished.AGENT,
+    oracle: Annotated[
+        list[str] | None,
+        Query(
+            max_length=100,
+            description="Only failures by this oracle count, observations included; may be "
+            "repeated.",
+        ),
+    ] = None,
+    metric: Annotated[
+        list[str] | None,
+        Query(
+            max_length=100,
+            description="Metric to compare, and to show of each run; may be repeated. Without it, "
+            "all are compared, and the driving score is shown.",
+        ),
+    ] = None,
+) -> Response:
+    """Compares two batches on the same scenarios: failures, metrics, and every pair of runs."""
+    from drivora_service.suites.paired.reading import compare_stored_batches
+
+    known = context.oracles.names()
+    for name in oracle or ():
+        if name not in known:
+            raise UnknownName("oracle", name, tuple(known))
+    comparison = compare_stored_batches(
+        context.database,
+        a,
+        b,
+        rules=Rules(counting=counting, unfinished=unfinished, oracles=frozenset(oracle or ())),
+        metrics=tuple(metric or ()),
+    )
+    return json_answer(request, BatchComparison, comparison)

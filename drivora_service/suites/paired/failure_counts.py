@@ -1,0 +1,136 @@
+"""Failures of pairs, counted over scenarios.
+
+The unit is the scenario: runs of one scenario with several seeds are not independent. A scenario
+tells A from B if one of them fails in more of its pairs than the other; with one pair a scenario
+this is McNemar's test of pairs, with several it is the sign test of scenarios.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from drivora_service.runs.report import RunStatus
+from drivora_service.studies.statistics import holm
+from drivora_service.suites.paired.comparison import (
+    SIGNIFICANT,
+    Cell,
+    FailureComparison,
+    Judgement,
+)
+from drivora_service.suites.paired.counting import Judged
+from drivora_service.suites.paired.mcnemar import compare_shares
+from drivora_service.suites.paired.pairing import Pair
+
+_STATUSES = frozenset(map(str, RunStatus))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedPair:
+    """A pair whose runs both count."""
+
+    pair: Pair
+    a: Judged
+    b: Judged
+
+    @property
+    def cell(self) -> Cell:
+        """Which of A and B fails."""
+        return cell(bool(self.a.failures), bool(self.b.failures))
+
+
+Scenarios = Mapping[str, Sequence[JudgedPair]]
+"""Pairs by the content of their scenario."""
+
+
+def cell(failing_a: int, failing_b: int) -> Cell:
+    """Returns which of A and B fails more often."""
+    if failing_a == failing_b:
+        return Cell.BOTH if failing_a else Cell.NEITHER
+    return Cell.A_ONLY if failing_a > failing_b else Cell.B_ONLY
+
+
+def scenario_cell(pairs: Sequence[JudgedPair]) -> Cell:
+    """Returns which of A and B fails in more pairs of a scenario."""
+    return cell(sum(bool(p.a.failures) for p in pairs), sum(bool(p.b.failures) for p in pairs))
+
+
+def compare_failures(scenarios: Scenarios) -> FailureComparison:
+    """Compares in how many scenarios A and B fail, whatever the oracle."""
+    counts = Counter(scenario_cell(pairs) for pairs in scenarios.values())
+    every = [pair for pairs in scenarios.values() for pair in pairs]
+    return _comparison(
+        "",
+        counts,
+        runs_a=sum(bool(pair.a.failures) for pair in every),
+        runs_b=sum(bool(pair.b.failures) for pair in every),
+        not_measurable=0,
+    )
+
+
+def compare_oracles(scenarios: Scenarios) -> tuple[FailureComparison, ...]:
+    """Compares the failures by each oracle that has one, the most frequent first."""
+    every = [pair for pairs in scenarios.values() for pair in pairs]
+    frequent = Counter(name for pair in every for one in (pair.a, pair.b) for name in one.failures)
+    found = [
+        _by_oracle(scenarios, name)
+        for name, _ in sorted(frequent.items(), key=lambda item: (-item[1], item[0]))
+    ]
+    corrected = holm([one.p for one in found])
+    return tuple(_judged(one, p) for one, p in zip(found, corrected, strict=True))
+
+
+def _by_oracle(scenarios: Scenarios, oracle: str) -> FailureComparison:
+    counts: Counter[Cell] = Counter()
+    runs_a = runs_b = left_out = 0
+    for pairs in scenarios.values():
+        known = [p for p in pairs if _is_measured(p.a, oracle) and _is_measured(p.b, oracle)]
+        left_out += len(pairs) - len(known)
+        if not known:
+            continue
+        a = sum(oracle in pair.a.failures for pair in known)
+        b = sum(oracle in pair.b.failures for pair in known)
+        counts[cell(a, b)] += 1
+        runs_a, runs_b = runs_a + a, runs_b + b
+    return _comparison(oracle, counts, runs_a=runs_a, runs_b=runs_b, not_measurable=left_out)
+
+
+def _is_measured(judged: Judged, oracle: str) -> bool:
+    """Whether it is known if a run failed by an oracle."""
+    if oracle in _STATUSES or oracle in judged.failures:
+        return True
+    return oracle in judged.oracles and oracle not in judged.not_measurable
+
+
+def _comparison(
+    oracle: str, counts: Mapping[Cell, int], *, runs_a: int, runs_b: int, not_measurable: int
+) -> FailureComparison:
+    a_only, b_only = counts.get(Cell.A_ONLY, 0), counts.get(Cell.B_ONLY, 0)
+    shares = compare_shares(a_only=a_only, b_only=b_only, scenarios=sum(counts.values()))
+    p = 1.0 if shares is None else shares.p
+    compared = FailureComparison(
+        oracle=oracle,
+        a_only=a_only,
+        b_only=b_only,
+        both=counts.get(Cell.BOTH, 0),
+        neither=counts.get(Cell.NEITHER, 0),
+        not_measurable=not_measurable,
+        runs_a=runs_a,
+        runs_b=runs_b,
+        difference=None if shares is None else shares.difference,
+        low=None if shares is None else shares.low,
+        high=None if shares is None else shares.high,
+        p=p,
+        p_holm=p,
+        judgement=Judgement.UNDECIDED,
+    )
+    return _judged(compared, p)
+
+
+def _judged(compared: FailureComparison, p_holm: float) -> FailureComparison:
+    judgement = Judgement.UNDECIDED
+    if p_holm < SIGNIFICANT:
+        fewer = compared.b_only < compared.a_only
+        judgement = Judgement.BETTER if fewer else Judgement.WORSE
+    return replace(compared, p_holm=p_holm, judgement=judgement)

@@ -1,0 +1,142 @@
+"""Paired differences of metrics, scenario by scenario."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivora_service.errors import UnknownName
+from drivora_service.metrics.descriptions import METRICS
+from drivora_service.oracles.descriptions import Better
+from drivora_service.studies.statistics import holm
+from drivora_service.suites.paired.bootstrap import mean_intervals
+from drivora_service.suites.paired.comparison import SIGNIFICANT, Judgement, MetricComparison
+from drivora_service.suites.paired.pairing import Pair
+from drivora_service.suites.paired.runs import PairedRun
+from drivora_service.suites.paired.sign_flips import flip_p_values
+
+_DESCRIBED = {metric.name: metric for metric in METRICS}
+_EGO = "["
+"""In the name of a metric, begins the id of an ego."""
+
+Values = NDArray[np.float64]
+
+
+def metric_names(runs: Sequence[PairedRun]) -> tuple[str, ...]:
+    """Returns the metrics of runs, without those of single egos, in the order of the catalogue."""
+    found = dict.fromkeys(name for run in runs for name in run.metrics if _EGO not in name)
+    known = [name for name in _DESCRIBED if name in found]
+    return (*known, *(name for name in found if name not in _DESCRIBED))
+
+
+def check_metrics(wanted: Sequence[str], known: Sequence[str]) -> None:
+    """Checks that metrics exist, in the catalogue or in runs.
+
+    Raises:
+        UnknownName: There is no metric of that name.
+    """
+    names = tuple(dict.fromkeys((*_DESCRIBED, *known)))
+    for name in wanted:
+        if name not in names:
+            raise UnknownName("metric", name, names)
+
+
+def compare_metrics(
+    scenarios: Mapping[str, Sequence[Pair]], metrics: Sequence[str]
+) -> tuple[MetricComparison, ...]:
+    """Compares metrics over scenarios; each scenario has the same weight, whatever its pairs.
+
+    Args:
+        scenarios: Pairs by the content of their scenario.
+        metrics: Names of the metrics.
+    """
+    if not metrics:
+        return ()
+    every = [pair for pairs in scenarios.values() for pair in pairs]
+    group = {pair.a.id: row for row, pairs in enumerate(scenarios.values()) for pair in pairs}
+    rows = np.array([group[pair.a.id] for pair in every], dtype=np.int64)
+    a = _values([pair.a for pair in every], metrics)
+    b = _values([pair.b for pair in every], metrics)
+    known = np.isfinite(a) & np.isfinite(b)
+    mean_a, mean_b = (_by_scenario(values, known, rows, len(scenarios)) for values in (a, b))
+    differences = mean_b - mean_a
+    intervals = mean_intervals(differences)
+    p_values = flip_p_values(differences)
+    compared = [
+        _compared(name, known[:, column], mean_a[:, column], mean_b[:, column], interval, p)
+        for column, (name, interval, p) in enumerate(zip(metrics, intervals, p_values, strict=True))
+    ]
+    # A metric without any difference cannot be significant: it needs no correction.
+    differing = [row for row in compared if row.p < 1.0]
+    corrected = dict(
+        zip((row.metric for row in differing), holm([row.p for row in differing]), strict=True)
+    )
+    return tuple(_judged(row, corrected.get(row.metric, 1.0)) for row in compared)
+
+
+def _values(runs: Sequence[PairedRun], metrics: Sequence[str]) -> Values:
+    values = np.full((len(runs), len(metrics)), np.nan)
+    for row, run in enumerate(runs):
+        for column, name in enumerate(metrics):
+            value = run.metrics.get(name)
+            if value is not None and math.isfinite(value):
+                values[row, column] = value
+    return values
+
+
+def _by_scenario(
+    values: Values, known: NDArray[np.bool_], rows: NDArray[np.int64], scenarios: int
+) -> Values:
+    """Returns the means of the known values of each scenario; NaN where it has none."""
+    sums = np.zeros((scenarios, values.shape[1]))
+    counts = np.zeros_like(sums)
+    np.add.at(sums, rows, np.where(known, values, 0.0))
+    np.add.at(counts, rows, known)
+    return np.where(counts > 0.0, sums / np.maximum(counts, 1.0), np.nan)
+
+
+def _compared(
+    name: str,
+    known: NDArray[np.bool_],
+    mean_a: Values,
+    mean_b: Values,
+    interval: tuple[float, float] | None,
+    p: float,
+) -> MetricComparison:
+    described = _DESCRIBED.get(name)
+    measured = np.isfinite(mean_a)
+    count = int(measured.sum())
+    a = float(mean_a[measured].mean()) if count else None
+    b = float(mean_b[measured].mean()) if count else None
+    return MetricComparison(
+        metric=name,
+        unit="" if described is None else described.unit,
+        better=Better.NEITHER if described is None else described.better,
+        scenarios=count,
+        pairs=int(known.sum()),
+        not_measurable=int((~known).sum()),
+        mean_a=a,
+        mean_b=b,
+        difference=None if a is None or b is None else b - a,
+        low=None if interval is None else interval[0],
+        high=None if interval is None else interval[1],
+        p=p,
+        p_holm=p,
+        judgement=Judgement.UNDECIDED,
+    )
+
+
+def _judged(row: MetricComparison, p_holm: float) -> MetricComparison:
+    judgement = Judgement.UNDECIDED
+    if p_holm < SIGNIFICANT and row.difference:
+        rises = row.difference > 0.0
+        if row.better is Better.NEITHER:
+            judgement = Judgement.HIGHER if rises else Judgement.LOWER
+        else:
+            improves = rises is (row.better is Better.HIGHER)
+            judgement = Judgement.BETTER if improves else Judgement.WORSE
+    return replace(row, p_holm=p_holm, judgement=judgement)

@@ -1,0 +1,69 @@
+"""Remarks on a comparison of two batches: what is not compared, and what limits it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from drivora_service.suites.paired.comparison import LeftOut, SettingDifference
+from drivora_service.suites.paired.failure_counts import JudgedPair
+from drivora_service.suites.paired.pairing import LeftOutReason
+
+if TYPE_CHECKING:
+    from drivora_service.suites.paired.comparing import BatchRuns
+
+_FEW = 20
+"""Scenarios below which intervals are known to be too narrow."""
+
+_REASONS = {
+    LeftOutReason.ONLY_A: "only A has a run of the scenario",
+    LeftOutReason.ONLY_B: "only B has a run of the scenario",
+    LeftOutReason.SCENARIO_DIFFERS: "the scenarios of one label differ in more than the agent",
+    LeftOutReason.SEED_DIFFERS: "the seeds differ",
+    LeftOutReason.NOT_ENDED: "a run has not ended",
+    LeftOutReason.NOT_JUDGED: "a run ended without a judgement",
+}
+
+
+def notes(
+    first: BatchRuns,
+    second: BatchRuns,
+    scenarios: Mapping[str, Sequence[JudgedPair]],
+    left_out: Sequence[LeftOut],
+    differences: Sequence[SettingDifference],
+) -> tuple[str, ...]:
+    """Returns the remarks on a comparison."""
+    return tuple(_notes(first, second, scenarios, left_out, differences))
+
+
+def _notes(
+    first: BatchRuns,
+    second: BatchRuns,
+    scenarios: Mapping[str, Sequence[JudgedPair]],
+    left_out: Sequence[LeftOut],
+    differences: Sequence[SettingDifference],
+) -> Iterator[str]:
+    if left_out:
+        counts = Counter(one.reason for one in left_out)
+        told = "; ".join(
+            f"{counts[reason]}: {_REASONS[reason]}" for reason in _REASONS if counts[reason]
+        )
+        yield f"{len(left_out)} left out ({told})"
+    for name, side in (("A", first), ("B", second)):
+        gone = side.batch.size - len(side.runs)
+        if gone > 0:
+            yield f"{gone} of the {side.batch.size} runs of {name} are not stored any more"
+    if not differences and (first.runs and second.runs):
+        yield "the batches do not differ in agents, parameters or versions"
+    pairs = [pair for one in scenarios.values() for pair in one]
+    if any(len(one) > 1 for one in scenarios.values()):
+        yield (
+            f"{len(pairs)} pairs of {len(scenarios)} scenarios: a scenario counts once, for the "
+            "one of A and B that fails in more of its pairs"
+        )
+    same = sum(pair.pair.same_trace for pair in pairs)
+    if same:
+        yield f"in {same} of {len(pairs)} pairs both runs are the same, step by step"
+    if 0 < len(scenarios) < _FEW:
+        yield (f"intervals of {len(scenarios)} scenarios are too narrow; compare on {_FEW} or more")
