@@ -291,6 +291,8 @@ class _Recording:
     def state(self) -> None:
         """Records the figures of the service, and what it says when its traces have gone."""
         self._keep(examples.METRICS, _steady_metrics(self._client.get("/metrics").text))
+        # After all else, so that the ids of the other examples stay.
+        self._keep(examples.BATCH_COMPARISON, self._two_batches())
         traces = self._data / "traces"
         traces.rename(self._data / "gone")
         traces.touch()
@@ -299,6 +301,17 @@ class _Recording:
             assert time.monotonic() < until
             time.sleep(0.2)
         self._keep(examples.NOT_READY, answer.json(), most=_ALL)
+
+    def _two_batches(self) -> Any:
+        """Returns the comparison of two agents on the same scenarios."""
+        scenarios = {"crossing-17": _CRASH, "crossing-18": examples.SCENARIO}
+        items = [{"label": label, "scenario": one} for label, one in scenarios.items()]
+        batches = []
+        for name, agent in (("nightly", "scripted"), ("candidate", "idm")):
+            posted = self._post(f"/batches?name={name}&agent={agent}", items)
+            batches.append(posted["batch"]["id"])
+            self._wait(f"/batches/{batches[-1]}", lambda found: found["done"])
+        return self._get(f"/batches:compare?a={batches[0]}&b={batches[1]}&metric=driving_score")
 
     @contextmanager
     def _busy_worker(self) -> Iterator[None]:

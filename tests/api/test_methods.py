@@ -17,6 +17,7 @@ METHODS = {
     JOB: "GET, HEAD",
     f"{JOB}:cancel": "POST",
     "/api/v1/campaigns/0:resume": "POST",
+    "/api/v1/batches:compare": "GET, HEAD",
     "/api/v1/campaigns:compare": "GET, HEAD",
     "/api/v1/campaigns:validate": "POST",
     "/api/v1/networks/tee-town/geometry": "GET, HEAD",
