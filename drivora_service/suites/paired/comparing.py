@@ -9,19 +9,19 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.store.records import Batch
 from drivora_service.suites.paired.comparison import (
     BatchComparison,
-    Cell,
+    ComparedBatch,
     FailureComparison,
     LeftOut,
     PairResult,
     RunResult,
-    Side,
+    WhichFails,
 )
 from drivora_service.suites.paired.counting import Judged, Rules
 from drivora_service.suites.paired.failure_counts import (
     JudgedPair,
     compare_failures,
     compare_oracles,
-    scenario_cell,
+    scenario_fails,
 )
 from drivora_service.suites.paired.metric_differences import (
     check_metrics,
@@ -43,7 +43,7 @@ from drivora_service.suites.paired.sides import agents_in_words, setting_differe
 HEADLINE = "driving_score"
 """Metric of the rows of pairs if none is chosen."""
 
-_ORDER = (Cell.B_ONLY, Cell.A_ONLY, Cell.BOTH, Cell.NEITHER)
+_ORDER = (WhichFails.B_ONLY, WhichFails.A_ONLY, WhichFails.BOTH, WhichFails.NEITHER)
 """Order of the pairs: what B has made worse comes first."""
 _WORDS = {
     LeftOutReason.ONLY_A: "B has no run of this scenario",
@@ -179,8 +179,8 @@ def _state(run: PairedRun) -> str:
     return f"{status} ({run.cause.replace('_', ' ')})" if run.cause else status
 
 
-def _side(side: BatchRuns, words: str, agents: tuple[str, ...], *, failing: int) -> Side:
-    return Side(
+def _side(side: BatchRuns, words: str, agents: tuple[str, ...], *, failing: int) -> ComparedBatch:
+    return ComparedBatch(
         batch=side.batch.id,
         name=side.batch.name,
         title=words,
@@ -199,7 +199,7 @@ def _results(
     metrics: Sequence[str],
 ) -> tuple[PairResult, ...]:
     frequent = {row.oracle: rank for rank, row in enumerate(by_oracle)}
-    cells = {content: scenario_cell(pairs) for content, pairs in scenarios.items()}
+    of_scenario = {content: scenario_fails(pairs) for content, pairs in scenarios.items()}
 
     def result(run: PairedRun, found: Judged) -> RunResult:
         failures = sorted(found.failures.values(), key=lambda one: frequent[one.oracle])
@@ -215,12 +215,12 @@ def _results(
             scenario=one.pair.scenario,
             seed=one.pair.a.seed,
             town=one.pair.a.scenario.town,
-            cell=one.cell,
-            scenario_cell=cells[one.pair.a.scenario.content],
+            fails=one.fails,
+            scenario_fails=of_scenario[one.pair.a.scenario.content],
             same_trace=one.pair.same_trace,
             a=result(one.pair.a, one.a),
             b=result(one.pair.b, one.b),
         )
         for one in judged
     ]
-    return tuple(sorted(results, key=lambda row: _ORDER.index(row.cell)))
+    return tuple(sorted(results, key=lambda row: _ORDER.index(row.fails)))

@@ -16,7 +16,7 @@ from drivora_service.suites.paired.pairing import LeftOutReason
 SIGNIFICANT = 0.05
 
 
-class Cell(StrEnum):
+class WhichFails(StrEnum):
     """Which of A and B fails in a scenario; with several seeds, which fails more often."""
 
     A_ONLY = "a_only"
@@ -26,7 +26,7 @@ class Cell(StrEnum):
     NEITHER = "neither"
 
 
-class Judgement(StrEnum):
+class PairedJudgement(StrEnum):
     """How B stands against A."""
 
     BETTER = "better"
@@ -39,7 +39,7 @@ class Judgement(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side(Shape):
+class ComparedBatch(Shape):
     """One of the two batches.
 
     Attributes:
@@ -111,7 +111,7 @@ class FailureComparison(Shape):
     high: float | None
     p: float
     p_holm: float
-    judgement: Judgement
+    judgement: PairedJudgement
 
     @property
     def scenarios(self) -> int:
@@ -153,7 +153,7 @@ class MetricComparison(Shape):
     high: float | None
     p: float
     p_holm: float
-    judgement: Judgement
+    judgement: PairedJudgement
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,16 +178,16 @@ class PairResult(Shape):
 
     Attributes:
         scenario: Label of the runs; without one, the town and the beginning of the scenario's hash.
-        cell: Which of A and B fails in this pair.
-        scenario_cell: Which of them fails more often over all pairs of the scenario.
+        fails: Which of A and B fails in this pair.
+        scenario_fails: Which of them fails more often over all pairs of the scenario.
         same_trace: Whether both runs recorded the same trace.
     """
 
     scenario: str
     seed: int
     town: str
-    cell: Cell
-    scenario_cell: Cell
+    fails: WhichFails
+    scenario_fails: WhichFails
     same_trace: bool
     a: RunResult
     b: RunResult
@@ -233,8 +233,8 @@ class BatchComparison(Shape):
     """
 
     sentence: str
-    a: Side
-    b: Side
+    a: ComparedBatch
+    b: ComparedBatch
     counting: Counting
     unfinished: Unfinished
     oracles: tuple[str, ...]

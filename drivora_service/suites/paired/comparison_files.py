@@ -16,7 +16,7 @@ from drivora_service.suites.paired.comparison import (
 )
 from drivora_service.suites.paired.comparison_text import comparison_markdown, failure_rows
 
-_PAIR_COLUMNS = ("scenario", "seed", "town", "cell", "scenario_cell", "same_trace")
+_PAIR_COLUMNS = ("scenario", "seed", "town", "fails", "scenario_fails", "same_trace")
 _RUN_COLUMNS = ("run", "status", "failures", "sentences")
 _LEFT_OUT_COLUMNS = ("reason", "scenario", "seed", "a", "b", "message")
 

@@ -7,19 +7,24 @@ from collections.abc import Iterator, Sequence
 from drivora_service.suites.paired.comparison import (
     SIGNIFICANT,
     BatchComparison,
-    Cell,
+    ComparedBatch,
     FailureComparison,
     MetricComparison,
     PairResult,
     RunResult,
-    Side,
+    WhichFails,
 )
 from drivora_service.suites.paired.sentence import probability
 
 FAILURE_COLUMNS = ("failure", "A only", "B only", "both", "neither", "B-A [95%]", "p", "B is")
 METRIC_COLUMNS = ("metric", "unit", "A", "B", "B-A [95%]", "p", "B is", "n")
 FAILURES_OF_PAIR = "failures, A → B"
-_FAILS = {Cell.A_ONLY: "A", Cell.B_ONLY: "B", Cell.BOTH: "both", Cell.NEITHER: "-"}
+_FAILS = {
+    WhichFails.A_ONLY: "A",
+    WhichFails.B_ONLY: "B",
+    WhichFails.BOTH: "both",
+    WhichFails.NEITHER: "-",
+}
 
 
 def comparison_markdown(comparison: BatchComparison) -> str:
@@ -143,7 +148,7 @@ def pair_cells(comparison: BatchComparison, pair: PairResult) -> tuple[str, ...]
     both = (pair.a, pair.b)
     measured = (value(run.metrics[name]) for name in _chosen(comparison) for run in both)
     seed = (str(pair.seed),) if _has_repetitions(comparison) else ()
-    fails = _FAILS[pair.cell]
+    fails = _FAILS[pair.fails]
     failures = " → ".join(failures_in_words(run) for run in both)
     return (pair.scenario, *seed, fails, pair.a.run, pair.b.run, *measured, failures)
 
@@ -158,7 +163,7 @@ def value(number: float | None) -> str:
     return "-" if number is None else f"{number:.4g}"
 
 
-def _side(side: Side) -> str:
+def _side(side: ComparedBatch) -> str:
     what = f" {side.title}," if side.title else ""
     judged = f"{side.finished} of {side.runs} runs finished"
     return f"{what} batch {side.batch} ({side.name or 'no name'}), {judged}".strip()

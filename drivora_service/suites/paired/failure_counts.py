@@ -15,9 +15,9 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.studies.statistics import holm
 from drivora_service.suites.paired.comparison import (
     SIGNIFICANT,
-    Cell,
     FailureComparison,
-    Judgement,
+    PairedJudgement,
+    WhichFails,
 )
 from drivora_service.suites.paired.counting import Judged
 from drivora_service.suites.paired.mcnemar import compare_shares
@@ -35,30 +35,32 @@ class JudgedPair:
     b: Judged
 
     @property
-    def cell(self) -> Cell:
+    def fails(self) -> WhichFails:
         """Which of A and B fails."""
-        return cell(bool(self.a.failures), bool(self.b.failures))
+        return which_fails(bool(self.a.failures), bool(self.b.failures))
 
 
 Scenarios = Mapping[str, Sequence[JudgedPair]]
 """Pairs by the content of their scenario."""
 
 
-def cell(failing_a: int, failing_b: int) -> Cell:
+def which_fails(failing_a: int, failing_b: int) -> WhichFails:
     """Returns which of A and B fails more often."""
     if failing_a == failing_b:
-        return Cell.BOTH if failing_a else Cell.NEITHER
-    return Cell.A_ONLY if failing_a > failing_b else Cell.B_ONLY
+        return WhichFails.BOTH if failing_a else WhichFails.NEITHER
+    return WhichFails.A_ONLY if failing_a > failing_b else WhichFails.B_ONLY
 
 
-def scenario_cell(pairs: Sequence[JudgedPair]) -> Cell:
+def scenario_fails(pairs: Sequence[JudgedPair]) -> WhichFails:
     """Returns which of A and B fails in more pairs of a scenario."""
-    return cell(sum(bool(p.a.failures) for p in pairs), sum(bool(p.b.failures) for p in pairs))
+    return which_fails(
+        sum(bool(p.a.failures) for p in pairs), sum(bool(p.b.failures) for p in pairs)
+    )
 
 
 def compare_failures(scenarios: Scenarios) -> FailureComparison:
     """Compares in how many scenarios A and B fail, whatever the oracle."""
-    counts = Counter(scenario_cell(pairs) for pairs in scenarios.values())
+    counts = Counter(scenario_fails(pairs) for pairs in scenarios.values())
     every = [pair for pairs in scenarios.values() for pair in pairs]
     return _comparison(
         "",
@@ -82,7 +84,7 @@ def compare_oracles(scenarios: Scenarios) -> tuple[FailureComparison, ...]:
 
 
 def _by_oracle(scenarios: Scenarios, oracle: str) -> FailureComparison:
-    counts: Counter[Cell] = Counter()
+    counts: Counter[WhichFails] = Counter()
     runs_a = runs_b = left_out = 0
     for pairs in scenarios.values():
         known = [p for p in pairs if _is_measured(p.a, oracle) and _is_measured(p.b, oracle)]
@@ -91,7 +93,7 @@ def _by_oracle(scenarios: Scenarios, oracle: str) -> FailureComparison:
             continue
         a = sum(oracle in pair.a.failures for pair in known)
         b = sum(oracle in pair.b.failures for pair in known)
-        counts[cell(a, b)] += 1
+        counts[which_fails(a, b)] += 1
         runs_a, runs_b = runs_a + a, runs_b + b
     return _comparison(oracle, counts, runs_a=runs_a, runs_b=runs_b, not_measurable=left_out)
 
@@ -104,17 +106,17 @@ def _is_measured(judged: Judged, oracle: str) -> bool:
 
 
 def _comparison(
-    oracle: str, counts: Mapping[Cell, int], *, runs_a: int, runs_b: int, not_measurable: int
+    oracle: str, counts: Mapping[WhichFails, int], *, runs_a: int, runs_b: int, not_measurable: int
 ) -> FailureComparison:
-    a_only, b_only = counts.get(Cell.A_ONLY, 0), counts.get(Cell.B_ONLY, 0)
+    a_only, b_only = counts.get(WhichFails.A_ONLY, 0), counts.get(WhichFails.B_ONLY, 0)
     shares = compare_shares(a_only=a_only, b_only=b_only, scenarios=sum(counts.values()))
     p = 1.0 if shares is None else shares.p
     compared = FailureComparison(
         oracle=oracle,
         a_only=a_only,
         b_only=b_only,
-        both=counts.get(Cell.BOTH, 0),
-        neither=counts.get(Cell.NEITHER, 0),
+        both=counts.get(WhichFails.BOTH, 0),
+        neither=counts.get(WhichFails.NEITHER, 0),
         not_measurable=not_measurable,
         runs_a=runs_a,
         runs_b=runs_b,
@@ -123,14 +125,14 @@ def _comparison(
         high=None if shares is None else shares.high,
         p=p,
         p_holm=p,
-        judgement=Judgement.UNDECIDED,
+        judgement=PairedJudgement.UNDECIDED,
     )
     return _judged(compared, p)
 
 
 def _judged(compared: FailureComparison, p_holm: float) -> FailureComparison:
-    judgement = Judgement.UNDECIDED
+    judgement = PairedJudgement.UNDECIDED
     if p_holm < SIGNIFICANT:
         fewer = compared.b_only < compared.a_only
-        judgement = Judgement.BETTER if fewer else Judgement.WORSE
+        judgement = PairedJudgement.BETTER if fewer else PairedJudgement.WORSE
     return replace(compared, p_holm=p_holm, judgement=judgement)

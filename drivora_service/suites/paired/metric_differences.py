@@ -14,7 +14,7 @@ from drivora_service.metrics.descriptions import METRICS
 from drivora_service.oracles.descriptions import Better
 from drivora_service.studies.statistics import holm
 from drivora_service.suites.paired.bootstrap import mean_intervals
-from drivora_service.suites.paired.comparison import SIGNIFICANT, Judgement, MetricComparison
+from drivora_service.suites.paired.comparison import SIGNIFICANT, MetricComparison, PairedJudgement
 from drivora_service.suites.paired.pairing import Pair
 from drivora_service.suites.paired.runs import PairedRun
 from drivora_service.suites.paired.sign_flips import flip_p_values
@@ -126,17 +126,17 @@ def _compared(
         high=None if interval is None else interval[1],
         p=p,
         p_holm=p,
-        judgement=Judgement.UNDECIDED,
+        judgement=PairedJudgement.UNDECIDED,
     )
 
 
 def _judged(row: MetricComparison, p_holm: float) -> MetricComparison:
-    judgement = Judgement.UNDECIDED
+    judgement = PairedJudgement.UNDECIDED
     if p_holm < SIGNIFICANT and row.difference:
         rises = row.difference > 0.0
         if row.better is Better.NEITHER:
-            judgement = Judgement.HIGHER if rises else Judgement.LOWER
+            judgement = PairedJudgement.HIGHER if rises else PairedJudgement.LOWER
         else:
             improves = rises is (row.better is Better.HIGHER)
-            judgement = Judgement.BETTER if improves else Judgement.WORSE
+            judgement = PairedJudgement.BETTER if improves else PairedJudgement.WORSE
     return replace(row, p_holm=p_holm, judgement=judgement)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from drivora_service.suites.paired.comparison import FailureComparison, Judgement
+from drivora_service.suites.paired.comparison import FailureComparison, PairedJudgement
 
 _ANSWERS = {
-    Judgement.BETTER: "B fails less",
-    Judgement.WORSE: "B fails more",
-    Judgement.UNDECIDED: "no difference is shown",
+    PairedJudgement.BETTER: "B fails less",
+    PairedJudgement.WORSE: "B fails more",
+    PairedJudgement.UNDECIDED: "no difference is shown",
 }
 
 

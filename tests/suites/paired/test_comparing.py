@@ -12,7 +12,7 @@ from drivora_service.errors import UnknownName
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
 from drivora_service.suites.paired.comparing import compare_runs
-from drivora_service.suites.paired.comparison import BatchComparison, Cell, Judgement
+from drivora_service.suites.paired.comparison import BatchComparison, PairedJudgement, WhichFails
 from drivora_service.suites.paired.comparison_files import write_batch_comparison
 from drivora_service.suites.paired.comparison_text import comparison_markdown, telling_pairs
 from drivora_service.suites.paired.counting import Rules, Unfinished
@@ -53,17 +53,19 @@ def test_the_table_and_the_sentence() -> None:
 @pytest.mark.parametrize(
     ("table", "end", "judgement"),
     [
-        ((20, 4, 0, 0), "B fails less.", Judgement.BETTER),
-        ((0, 8, 0, 0), "B fails more.", Judgement.WORSE),
+        ((20, 4, 0, 0), "B fails less.", PairedJudgement.BETTER),
+        ((0, 8, 0, 0), "B fails more.", PairedJudgement.WORSE),
         (
             (0, 0, 3, 2),
             "fail in the same 3 of 5 scenarios: no difference is shown.",
-            Judgement.UNDECIDED,
+            PairedJudgement.UNDECIDED,
         ),
-        ((0, 0, 0, 1), "do not fail in any of 1 scenario.", Judgement.UNDECIDED),
+        ((0, 0, 0, 1), "do not fail in any of 1 scenario.", PairedJudgement.UNDECIDED),
     ],
 )
-def test_other_sentences(table: tuple[int, int, int, int], end: str, judgement: Judgement) -> None:
+def test_other_sentences(
+    table: tuple[int, int, int, int], end: str, judgement: PairedJudgement
+) -> None:
     found = failing(*table)
     assert found.sentence.endswith(end)
     assert found.failures.judgement is judgement
@@ -94,9 +96,9 @@ def test_repeated_seeds_count_as_one_scenario() -> None:
     table = found.failures
     assert (table.a_only, table.b_only, table.both, table.neither) == (1, 0, 1, 1)
     assert (found.scenarios, len(found.pairs), table.runs_a, table.runs_b) == (3, 9, 4, 2)
-    cells = {(pair.scenario, pair.seed): (pair.cell, pair.scenario_cell) for pair in found.pairs}
-    assert cells["often", 0] == (Cell.BOTH, Cell.A_ONLY)
-    assert cells["tie", 1] == (Cell.B_ONLY, Cell.BOTH)
+    cells = {(pair.scenario, pair.seed): (pair.fails, pair.scenario_fails) for pair in found.pairs}
+    assert cells["often", 0] == (WhichFails.BOTH, WhichFails.A_ONLY)
+    assert cells["tie", 1] == (WhichFails.B_ONLY, WhichFails.BOTH)
     assert "fails more often than A in none of 3 scenarios" in found.sentence
     assert any("9 pairs of 3 scenarios" in note for note in found.notes)
 
@@ -155,9 +157,9 @@ def test_metrics_are_paired_by_scenario() -> None:
     assert score.high is not None
     # The spread of the scenarios is no part of a paired interval.
     assert 2.0 < score.low < 3.0 < score.high < 4.0
-    assert score.judgement is Judgement.BETTER
+    assert score.judgement is PairedJudgement.BETTER
     assert (drac.pairs, drac.not_measurable, drac.difference) == (20, 10, -1.0)
-    assert drac.judgement is Judgement.BETTER
+    assert drac.judgement is PairedJudgement.BETTER
     assert found.pairs[0].a.metrics.keys() == {"driving_score"}
     chosen = compare_runs(batch(first), batch(second), metrics=["max_drac_mps2", "max_drac_mps2"])
     assert [row.metric for row in chosen.metrics] == ["max_drac_mps2"]
@@ -179,7 +181,7 @@ def test_what_only_describes_a_run_is_neither_better_nor_worse() -> None:
     first = [run(f"s{n}", metrics={"duration_s": 20.0 + n}) for n in range(20)]
     second = [run(f"s{n}", metrics={"duration_s": 18.0 + n}) for n in range(20)]
     (row,) = compare_runs(batch(first), batch(second)).metrics
-    assert row.judgement is Judgement.LOWER
+    assert row.judgement is PairedJudgement.LOWER
 
 
 def test_in_what_the_batches_differ_is_named() -> None:
@@ -217,12 +219,12 @@ def test_removed_runs_and_few_scenarios_are_told() -> None:
 
 def test_what_b_has_made_worse_comes_first() -> None:
     found = failing(1, 2, 1, 1)
-    assert [pair.cell for pair in found.pairs] == [
-        Cell.B_ONLY,
-        Cell.B_ONLY,
-        Cell.A_ONLY,
-        Cell.BOTH,
-        Cell.NEITHER,
+    assert [pair.fails for pair in found.pairs] == [
+        WhichFails.B_ONLY,
+        WhichFails.B_ONLY,
+        WhichFails.A_ONLY,
+        WhichFails.BOTH,
+        WhichFails.NEITHER,
     ]
     assert len(telling_pairs(found)) == 3
 
