@@ -46,10 +46,9 @@ def _notes(
 ) -> Iterator[str]:
     if left_out:
         counts = Counter(one.reason for one in left_out)
-        told = "; ".join(
-            f"{counts[reason]}: {_REASONS[reason]}" for reason in _REASONS if counts[reason]
-        )
-        yield f"{len(left_out)} left out ({told})"
+        told = [f"{counts[reason]}: {_REASONS[reason]}" for reason in _REASONS if counts[reason]]
+        why = f": {_REASONS[left_out[0].reason]}" if len(told) == 1 else f" ({'; '.join(told)})"
+        yield f"{len(left_out)} left out{why}"
     for name, side in (("A", first), ("B", second)):
         gone = side.batch.size - len(side.runs)
         if gone > 0:

@@ -67,6 +67,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/compare/batches",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/paired/PairedBatches"), "PairedBatches"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/failures",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/failures/Failures"), "Failures"),

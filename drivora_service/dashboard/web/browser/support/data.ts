@@ -15,6 +15,8 @@ export interface Made {
   readonly batches: readonly string[];
   /** A batch with collisions for which egos are and are not at fault. */
   readonly collisions: string;
+  /** Two batches of the same scenarios, driven by other agents: what was, and what is new. */
+  readonly paired: readonly [string, string];
   readonly campaign: string;
   /** It and others, of two methods with two seeds each. */
   readonly compared: readonly string[];
@@ -39,13 +41,29 @@ function scenario(...path: string[]): Record<string, unknown> {
   return JSON.parse(readFileSync(join(EXAMPLES, ...path), "utf8")) as Record<string, unknown>;
 }
 
-/** Returns scenarios of collisions, with a name of each. */
-function collisions(count: number): readonly Record<string, unknown>[] {
+/** Returns the files of scenarios of collisions, of different kinds. */
+function collisionFiles(count: number): readonly string[] {
   return readdirSync(join(EXAMPLES, "responsibility"))
     .filter((name) => name.endsWith(".json") && name !== "cases.json")
     .sort()
-    .filter((_, place, all) => place % Math.floor(all.length / count) === 0)
-    .map((name) => scenario("responsibility", name));
+    .filter((_, place, all) => place % Math.floor(all.length / count) === 0);
+}
+
+function collisions(count: number): readonly Record<string, unknown>[] {
+  return collisionFiles(count).map((name) => scenario("responsibility", name));
+}
+
+/** Posts the same scenarios with their names twice: as they are, and driven by another agent. */
+async function postPaired(api: Api): Promise<readonly [string, string]> {
+  const items = collisionFiles(26).map((name) => ({
+    label: name.replace(".json", ""),
+    scenario: scenario("responsibility", name),
+  }));
+  return [
+    await postBatch(api, "as scripted", items),
+    // One scenario is in the first batch alone.
+    await postBatch(api, "candidate", items.slice(1), { agent: "idm" }),
+  ];
 }
 
 /** Several egos of one ADS meet at an all-way stop: some collide. */
@@ -87,8 +105,9 @@ export async function postBatch(
   api: Api,
   name: string,
   scenarios: readonly Record<string, unknown>[],
+  overrides: Readonly<Record<string, string>> = {},
 ): Promise<string> {
-  const words = new URLSearchParams({ name, priority: "interactive" });
+  const words = new URLSearchParams({ name, priority: "interactive", ...overrides });
   return (await api.post<Posted>(`/batches?${words}`, scenarios)).batch.id;
 }
 
@@ -104,6 +123,7 @@ export async function makeData(api: Api): Promise<Made> {
     scenario("three-drivers.json"),
     scenario("signalised-grid.json"),
   ]);
+  const paired = await postPaired(api);
   const compared: string[] = [];
   for (const [name, seed] of [
     ["doppeltest", 1],
@@ -122,7 +142,7 @@ export async function makeData(api: Api): Promise<Made> {
   const [campaign] = compared;
   if (campaign === undefined) throw new Error("no campaign was posted");
   const study = await api.post<{ id: string }>("/studies", smallStudy());
-  for (const batch of [struck, examples]) {
+  for (const batch of [struck, examples, ...paired]) {
     await api.until<Progress>(`/batches/${batch}`, ({ done }) => done === true);
   }
   for (const id of compared) {
@@ -135,6 +155,7 @@ export async function makeData(api: Api): Promise<Made> {
   return {
     batches: [struck, examples],
     collisions: struck,
+    paired,
     campaign,
     compared,
     study: study.id,

@@ -25,6 +25,11 @@ export function screens(made: Made): readonly Screen[] {
       name: "compare",
       at: `/compare?${made.compared.map((id) => `campaign=${id}`).join("&")}`,
     },
+    {
+      route: "/compare/batches",
+      name: "compare-batches",
+      at: `/compare/batches?a=${made.paired[0]}&b=${made.paired[1]}`,
+    },
     { route: "/failures", name: "failures", at: "/failures" },
     { route: "/studies", name: "studies", at: "/studies" },
     { route: "/studies/$id", name: "study", at: `/studies/${made.study}` },

@@ -5,12 +5,15 @@ import type { Search } from "../address";
 export function Choice({
   name,
   title,
+  label,
   value,
   options,
   search,
 }: {
   readonly name: string;
   readonly title: string;
+  /** What it is called where there is no title before it. */
+  readonly label?: string;
   readonly value: string;
   readonly options: readonly { readonly value: string; readonly text: string }[];
   readonly search: Search;
@@ -20,6 +23,7 @@ export function Choice({
     <label className="one">
       {title}
       <select
+        aria-label={label}
         value={value}
         onChange={(event) =>
           void navigate({

@@ -9,6 +9,7 @@ import { Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
 import { STATUS_WORDS } from "../runs/status";
 import { BatchActions } from "./BatchActions";
+import { BatchChoice } from "./BatchChoice";
 import { BatchParts } from "./BatchParts";
 import { type Batch, lookOfBatch, sharesOf, standingOf } from "./batch";
 import { OracleMatrix } from "./OracleMatrix";
@@ -35,6 +36,7 @@ export function BatchScreen() {
         <Answer batch={batch} />
         <div className="actions">
           <BatchActions batch={batch} />
+          <BatchChoice batch={batch} />
           <Link to="/runs" search={{ batch: batch.id }} className="button">
             All its runs
           </Link>

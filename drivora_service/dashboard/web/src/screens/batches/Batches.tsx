@@ -7,6 +7,7 @@ import { type Column, DataTable } from "../../components/DataTable";
 import { Filters } from "../../components/Filters";
 import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
+import { SelectedTwo } from "../../components/SelectedTwo";
 import { Shares } from "../../components/Shares";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
@@ -19,6 +20,7 @@ import {
   type Batch,
   isPriority,
   lookOfBatch,
+  olderFirst,
   PRIORITIES,
   sharesOf,
   standingOf,
@@ -118,6 +120,7 @@ export function Batches() {
   const priority = valuesOf(search, "priority").filter(isPriority);
   const filters = priority.length > 0 ? { priority } : {};
   const [held, setHeld] = useState(false);
+  const [selected, setSelected] = useState<ReadonlySet<string>>(new Set());
   const { query, rows, left, news, insertNews, more } = useLiveList<Batch>({
     key: ["batch", "list", filters],
     kind: "batch",
@@ -131,11 +134,26 @@ export function Batches() {
     held,
     newestFirst: true,
   });
+  const compare = (ids: readonly string[]) => {
+    const chosen = rows.filter(({ id }) => ids.includes(id));
+    const [a, b, third] = chosen.toSorted(olderFirst);
+    if (a && b && !third) void navigate({ to: "/compare/batches", search: { a: a.id, b: b.id } });
+  };
   return (
     <>
       <div className="head">
         <h1>Batches</h1>
         <Answer />
+        <div className="actions">
+          {selected.size > 0 && (
+            <SelectedTwo
+              number={selected.size}
+              what="batches"
+              onCompare={() => compare([...selected])}
+              onClear={() => setSelected(new Set())}
+            />
+          )}
+        </div>
       </div>
       <Filters filters={FILTERS} search={search} />
       {query.isPending ? (
@@ -159,6 +177,9 @@ export function Batches() {
             idOf={idOf}
             left={left}
             onHold={setHeld}
+            selected={selected}
+            onSelect={setSelected}
+            onCompare={compare}
             onEnd={more}
             onOpen={({ id }) => void navigate({ to: "/batches/$batchId", params: { batchId: id } })}
             height="calc(100vh - 170px)"

@@ -1,5 +1,13 @@
 import { describe, expect, it } from "vitest";
-import { actionsOf, type Batch, isPriority, lookOfBatch, sharesOf, standingOf } from "./batch";
+import {
+  actionsOf,
+  type Batch,
+  isPriority,
+  lookOfBatch,
+  olderFirst,
+  sharesOf,
+  standingOf,
+} from "./batch";
 
 const batch = (part: Partial<Batch>) =>
   ({
@@ -35,6 +43,13 @@ describe("a batch", () => {
     expect(actionsOf(batch({ state: "paused" }))).toEqual(["resume", "cancel"]);
     expect(actionsOf(batch({ state: "cancelled" }))).toEqual([]);
     expect(actionsOf(batch({ done: true }))).toEqual([]);
+  });
+  it("is compared with a newer one, which is B", () => {
+    const [a, b] = [
+      batch({ id: "1", created_at: "2026-03-02T09:30:00Z" }),
+      batch({ id: "0", created_at: "2026-03-01T23:59:59Z" }),
+    ].toSorted(olderFirst);
+    expect([a?.id, b?.id]).toEqual(["0", "1"]);
   });
   it("is paused only as long as runs wait", () => {
     expect(lookOfBatch(batch({ state: "paused" })).text).toBe("paused");

@@ -69,3 +69,8 @@ export function actionsOf(batch: Batch): readonly BatchAction[] {
   if (batch.done || batch.state === "cancelled") return [];
   return batch.state === "paused" ? ["resume", "cancel"] : ["pause", "cancel"];
 }
+
+/** The order in which batches are compared: the older one is A. */
+export function olderFirst(a: Batch, b: Batch): number {
+  return a.created_at.localeCompare(b.created_at) || a.id.localeCompare(b.id);
+}

@@ -6,6 +6,7 @@ import { api, body } from "../../api/client";
 import { DataTable } from "../../components/DataTable";
 import { Filters } from "../../components/Filters";
 import { askedBy } from "../../components/filterValues";
+import { SelectedTwo } from "../../components/SelectedTwo";
 import { Empty, Loading, Refused } from "../../components/States";
 import { ColumnMenu } from "../../lists/ColumnMenu";
 import { useColumns } from "../../lists/columns";
@@ -18,7 +19,6 @@ import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
 import { GIVEN_VIEWS, runFilters } from "./filters";
 import { type Pointed, RunPreview } from "./RunPreview";
 import { RunsAnswer } from "./RunsAnswer";
-import { SelectedRuns } from "./SelectedRuns";
 import { useRunNames } from "./useRunNames";
 
 const PAGE = 200;
@@ -84,8 +84,9 @@ export function Runs() {
         {counts.data && <RunsAnswer counts={counts.data} search={search} />}
         <div className="actions">
           {selected.size > 0 && (
-            <SelectedRuns
+            <SelectedTwo
               number={selected.size}
+              what="runs"
               onCompare={() => compare([...selected])}
               onClear={() => setSelected(new Set())}
             />
