@@ -25,13 +25,19 @@ def write_batch_comparison(comparison: BatchComparison, folder: Path) -> tuple[P
     """Writes a comparison into a folder, which is made if it does not exist.
 
     Returns:
-        The files: ``comparison.md``, ``failures.csv``, ``metrics.csv``, ``pairs.csv`` and
+        The files: ``comparison.md``, ``failures.csv``, ``metric-differences.csv``, ``pairs.csv`` and
         ``left-out.csv``.
     """
     folder.mkdir(parents=True, exist_ok=True)
     text, failures, metrics, pairs, left_out = (
         folder / name
-        for name in ("comparison.md", "failures.csv", "metrics.csv", "pairs.csv", "left-out.csv")
+        for name in (
+            "comparison.md",
+            "failures.csv",
+            "metric-differences.csv",
+            "pairs.csv",
+            "left-out.csv",
+        )
     )
     text.write_text(comparison_markdown(comparison))
     _write_rows(failures, FailureComparison, failure_rows(comparison))

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-FLIPS = 10_000
+FLIPS = 5_000
 SEED = 2
 """The same data gives the same p-values."""
 _VALUES_AT_ONCE = 4_000_000

@@ -244,7 +244,7 @@ def test_files_hold_what_was_compared(tmp_path: Path) -> None:
     assert [path.name for path in written] == [
         "comparison.md",
         "failures.csv",
-        "metrics.csv",
+        "metric-differences.csv",
         "pairs.csv",
         "left-out.csv",
     ]
@@ -254,7 +254,13 @@ def test_files_hold_what_was_compared(tmp_path: Path) -> None:
         path.stem: list(csv.DictReader(path.read_text().splitlines())) for path in written[1:]
     }
     assert [row["a_only"] for row in tables["failures"]] == ["1", "1"]
-    assert (tables["metrics"][0]["metric"], tables["metrics"][0]["mean_a"]) == ("comfort", "")
+    assert (
+        tables["metric-differences"][0]["metric"],
+        tables["metric-differences"][0]["mean_a"],
+    ) == (
+        "comfort",
+        "",
+    )
     (pair,) = tables["pairs"]
     assert (pair["scenario"], pair["failures_a"], pair["failures_b"]) == ("a|b", "collision", "")
     assert (pair["comfort_a"], pair["comfort_b"], pair["same_trace"]) == ("0.5", "", "false")
