@@ -167,6 +167,9 @@ def test_documents_are_kept_once_and_given_back(database: Database) -> None:
         ids = transaction.jobs.submit([new_run("same"), new_run("same"), new_run("other")])
     with database.read() as transaction:
         assert [transaction.jobs.document(job_id) for job_id in ids] == ["same", "same", "other"]
+        hashes = [transaction.jobs.get(job_id).scenario_sha256 for job_id in ids]
+        found = transaction.jobs.documents([*hashes, "unknown"])
+        assert found == {hashes[0]: "same", hashes[2]: "other"}
 
 
 def test_unknown_ids_are_named(database: Database) -> None:

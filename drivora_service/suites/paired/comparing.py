@@ -112,7 +112,9 @@ def compare_runs(
         oracles=tuple(sorted(rules.oracles)),
         scenarios=len(scenarios),
         differences=differences,
-        notes=notes(first, second, scenarios, left_out, differences),
+        notes=tuple(
+            notes(scenarios, left_out, differences, has_runs=bool(first.runs and second.runs))
+        ),
         failures=failures,
         by_oracle=by_oracle,
         metrics=compare_metrics(

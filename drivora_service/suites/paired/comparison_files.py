@@ -25,8 +25,8 @@ def write_batch_comparison(comparison: BatchComparison, folder: Path) -> tuple[P
     """Writes a comparison into a folder, which is made if it does not exist.
 
     Returns:
-        The files: ``comparison.md``, ``failures.csv``, ``metric-differences.csv``, ``pairs.csv`` and
-        ``left-out.csv``.
+        The files: ``comparison.md``, ``failures.csv``, ``metric-differences.csv``, ``pairs.csv``
+        and ``left-out.csv``.
     """
     folder.mkdir(parents=True, exist_ok=True)
     text, failures, metrics, pairs, left_out = (

@@ -116,7 +116,7 @@ class Rules:
         return Judged(
             failures={oracle: _found(oracle, found) for oracle, found in counted.items()},
             not_measurable=frozenset(unknown - counted.keys()),
-            oracles=frozenset(verdict.oracle for verdict in verdicts),
+            oracles=run.oracles & self.oracles if self.oracles else run.oracles,
         )
 
     def _looks_at(self, verdict: Verdict) -> bool:

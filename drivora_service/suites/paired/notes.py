@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from drivora_service.suites.paired.comparison import LeftOut, SettingDifference
 from drivora_service.suites.paired.failure_counts import JudgedPair
 from drivora_service.suites.paired.pairing import LeftOutReason
-
-if TYPE_CHECKING:
-    from drivora_service.suites.paired.comparing import BatchRuns
 
 _FEW = 20
 """Scenarios below which intervals are known to be too narrow."""
@@ -27,33 +23,26 @@ _REASONS = {
 
 
 def notes(
-    first: BatchRuns,
-    second: BatchRuns,
     scenarios: Mapping[str, Sequence[JudgedPair]],
     left_out: Sequence[LeftOut],
     differences: Sequence[SettingDifference],
-) -> tuple[str, ...]:
-    """Returns the remarks on a comparison."""
-    return tuple(_notes(first, second, scenarios, left_out, differences))
-
-
-def _notes(
-    first: BatchRuns,
-    second: BatchRuns,
-    scenarios: Mapping[str, Sequence[JudgedPair]],
-    left_out: Sequence[LeftOut],
-    differences: Sequence[SettingDifference],
+    *,
+    has_runs: bool,
 ) -> Iterator[str]:
+    """Yields the remarks on a comparison.
+
+    Args:
+        scenarios: Compared pairs by the content of their scenario.
+        left_out: Runs that are not compared.
+        differences: In what the batches differ.
+        has_runs: Whether both batches have runs.
+    """
     if left_out:
         counts = Counter(one.reason for one in left_out)
         told = [f"{counts[reason]}: {_REASONS[reason]}" for reason in _REASONS if counts[reason]]
         why = f": {_REASONS[left_out[0].reason]}" if len(told) == 1 else f" ({'; '.join(told)})"
         yield f"{len(left_out)} left out{why}"
-    for name, side in (("A", first), ("B", second)):
-        gone = side.batch.size - len(side.runs)
-        if gone > 0:
-            yield f"{gone} of the {side.batch.size} runs of {name} are not stored any more"
-    if not differences and (first.runs and second.runs):
+    if has_runs and not differences:
         yield "the batches do not differ in agents, parameters or versions"
     pairs = [pair for one in scenarios.values() for pair in one]
     if any(len(one) > 1 for one in scenarios.values()):
@@ -65,4 +54,7 @@ def _notes(
     if same:
         yield f"in {same} of {len(pairs)} pairs both runs are the same, step by step"
     if 0 < len(scenarios) < _FEW:
-        yield (f"intervals of {len(scenarios)} scenarios are too narrow; compare on {_FEW} or more")
+        yield (
+            f"intervals of so few scenarios ({len(scenarios)}) are too narrow; compare on {_FEW} "
+            "or more"
+        )

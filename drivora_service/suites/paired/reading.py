@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport
 from drivora_service.store.database import Database, Transaction
 from drivora_service.store.records import JobFilter, RunSummary
@@ -83,6 +85,7 @@ def _read_scenarios(
 
 
 def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) -> PairedRun:
+    verdicts = () if report is None else report.verdicts
     return PairedRun(
         id=job.id,
         label=job.label,
@@ -91,7 +94,13 @@ def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) ->
         status=job.status,
         cause=job.cause,
         trace_sha256=job.trace_sha256,
-        verdicts=() if report is None else report.verdicts,
+        oracles=frozenset(verdict.oracle for verdict in verdicts),
+        # Batches have thousands of runs, most verdicts are passed, and most of one is evidence.
+        verdicts=tuple(
+            replace(verdict, evidence={})
+            for verdict in verdicts
+            if verdict.outcome is not Outcome.PASSED
+        ),
         metrics={} if report is None else report.metrics,
         agents={} if report is None else report.agents,
         agent=job.agent,

@@ -42,7 +42,8 @@ class PairedRun:
         seed: Seed of the run: the scenario's, or the one that overrides it.
         cause: Why it was not judged; "" if it was.
         trace_sha256: Hash of the trace; "" without one.
-        verdicts: Of all oracles and egos; empty unless finished.
+        oracles: Oracles that judged it; empty unless finished.
+        verdicts: Those of them that are not passed, of all egos.
         metrics: Measured values by name; ``None`` is "not measurable".
         agents: Agent of each ego with all its parameters; empty unless it was simulated.
         agent: Names of the agents, joined by commas.
@@ -56,6 +57,7 @@ class PairedRun:
     status: RunStatus
     cause: str = ""
     trace_sha256: str = ""
+    oracles: frozenset[str] = frozenset()
     verdicts: tuple[Verdict, ...] = ()
     metrics: Mapping[str, float | None] = field(default_factory=dict)
     agents: Mapping[str, AgentChoice] = field(default_factory=dict)

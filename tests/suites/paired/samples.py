@@ -47,20 +47,14 @@ def run(
     **changes: Any,
 ) -> PairedRun:
     """A finished run that violates some oracles at fault and passes others."""
-    verdicts = (
-        *(verdict(oracle) for oracle in fails),
-        *(
-            verdict(oracle, Outcome.PASSED, at_fault=None)
-            for oracle in passes
-            if oracle not in fails
-        ),
-    )
+    verdicts = tuple(verdict(oracle) for oracle in fails)
     values: dict[str, Any] = {
         "id": f"run-{next(_numbers)}",
         "label": label,
         "scenario": DrivenScenario(content=content or label, seed=seed, town="tee-town"),
         "seed": seed,
         "status": RunStatus.FINISHED,
+        "oracles": frozenset((*fails, *passes)),
         "verdicts": verdicts,
         "metrics": metrics or {},
         "agents": {"ego": AgentChoice(name=agent, parameters=parameters or {})},
@@ -74,7 +68,7 @@ def lost(label: str, status: RunStatus, cause: str = "", **changes: Any) -> Pair
     return run(label, passes=(), status=status, cause=cause, agents={}, **changes)
 
 
-def batch(runs: Sequence[PairedRun], *, name: str = "", size: int | None = None) -> BatchRuns:
+def batch(runs: Sequence[PairedRun], *, name: str = "") -> BatchRuns:
     return BatchRuns(
         batch=Batch(
             id=f"batch-{next(_numbers)}",
@@ -82,7 +76,7 @@ def batch(runs: Sequence[PairedRun], *, name: str = "", size: int | None = None)
             priority=Priority.CI,
             state=BatchState.OPEN,
             created_at=datetime(2026, 3, 2, tzinfo=UTC),
-            size=len(runs) if size is None else size,
+            size=len(runs),
         ),
         runs=tuple(runs),
     )

@@ -75,7 +75,7 @@ def test_oracles_are_corrected_together_and_not_measurable_ones_left_out() -> No
     first = [run(f"s{n}", fails=["collision", "red_light"][: 1 + n % 2]) for n in range(8)]
     second = [run(f"s{n}") for n in range(8)]
     unknown = verdict("red_light", Outcome.NOT_MEASURABLE, at_fault=None)
-    second[1] = run("s1", verdicts=(unknown,))
+    second[1] = run("s1", passes=("red_light",), verdicts=(unknown,))
     found = compare_runs(batch(first), batch(second))
     collision, red_light = found.by_oracle
     # The run in which red_light was not measurable has no verdict on collisions at all.
@@ -211,10 +211,12 @@ def test_a_long_title_gives_way_to_the_name_of_the_batch() -> None:
     assert (found.a.title, found.b.title) == ("old", "new")
 
 
-def test_removed_runs_and_few_scenarios_are_told() -> None:
-    found = compare_runs(batch([run("s")], size=3), batch([run("s", trace_sha256="t")]))
-    assert "2 of the 3 runs of A are not stored any more" in found.notes
-    assert any("intervals of 1 scenarios" in note for note in found.notes)
+def test_few_scenarios_and_equal_traces_are_told() -> None:
+    same = [run("s", trace_sha256="t"), run("u", trace_sha256="u")]
+    other = [run("s", trace_sha256="t"), run("u", trace_sha256="v")]
+    found = compare_runs(batch(same), batch(other))
+    assert "in 1 of 2 pairs both runs are the same, step by step" in found.notes
+    assert any("so few scenarios (2)" in note for note in found.notes)
 
 
 def test_what_b_has_made_worse_comes_first() -> None:
