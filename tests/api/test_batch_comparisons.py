@@ -55,7 +55,7 @@ def test_batches_are_compared_by_id_or_name(offline: Offline, both: tuple[str, s
     assert (table["a_only"], table["b_only"], table["both"], table["neither"]) == (6, 0, 1, 1)
     assert [row["oracle"] for row in found["by_oracle"]] == ["collision", "red_light"]
     assert [pair["scenario"] for pair in found["pairs"]] == [f"s{n}" for n in range(8)]
-    assert found["pairs"][0]["a"]["failures"][0]["sentence"] == "collision"
+    assert found["pairs"][0]["a"]["failures"][0]["sentence"].startswith("collision, on tee-town")
     assert (found["a"]["name"], found["b"]["agents"]) == ("nightly", ["sumo-krauss"])
     named = offline.client.get(COMPARE, params={"a": "nightly", "b": "candidate"})
     assert named.json() == found
@@ -95,7 +95,7 @@ def test_what_cannot_be_compared_is_refused(offline: Offline, both: tuple[str, s
     assert "unknown batch 'jobs'" in refused(404, a="jobs")
     assert "unknown metric 'beauty'" in refused(404, metric="beauty")
     assert "unknown oracle 'luck'" in refused(404, oracle="luck")
-    refused(422, counting="some")
+    refused(422, counts="some")
     is_problem(offline.client.get(COMPARE, params={"a": both[0]}), 422)
 
 

@@ -35,6 +35,10 @@ def counted(run: dict[str, Any]) -> set[str]:
         for verdict in run["verdicts"]
         if verdict["outcome"] == "violated"
         and verdict["severity"] != "observation"
+        and not (
+            verdict["oracle"] == "destination"
+            and verdict["evidence"].get("reason") in ("collision", "stuck", "route_deviation")
+        )
         and not verdict["undetermined"]
         and (
             verdict["at_fault"] is None
@@ -146,7 +150,7 @@ def test_what_is_wrong_with_the_command_is_said(drivora: Drivora, scenario_file:
         (("one", "two"), "unknown batch 'one'"),
         (("drivora run", "drivora run", "--metric", "beauty"), "unknown metric 'beauty'"),
         (("drivora run", "drivora run", "--oracle", "luck"), "unknown oracle 'luck'"),
-        (("one", "two", "--counting", "none"), "allowed: accountable, at_fault, any"),
+        (("one", "two", "--counts", "none"), "allowed: accountable, at_fault, any"),
         (("one", "two", "--unfinished", "some"), "allowed: agent, all, none"),
         (("one", "two", "--workers", "2"), "--workers and --seed are for scenarios"),
         ((scenario_file, "--agent-a", "nobody"), "unknown agent 'nobody'"),

@@ -29,7 +29,7 @@ from drivora_service.store.campaign_records import (
 from drivora_service.store.found_records import FoundFilter
 from drivora_service.store.records import BatchState, JobFilter, Priority
 from drivora_service.studies.table_names import CampaignTableName
-from drivora_service.suites.paired.counting import Counting
+from drivora_service.suites.failures import Counted
 
 
 def broken(scenario: dict[str, Any]) -> dict[str, Any]:
@@ -320,10 +320,10 @@ def test_a_comparison_of_batches(client: Client, runs: tuple[Run, ...]) -> None:
     other = client.post_batch([SCENARIO] * 2, agent="sumo-krauss", seed=7).batch.id
     assert len(list(client.wait_for_batch(other))) == 2
     found = client.compare_batches(
-        runs[0].batch_id, other, counting=Counting.ANY, metrics=["success", "comfort"]
+        runs[0].batch_id, other, counts=Counted.ANY, metrics=["success", "comfort"]
     )
     assert (found.scenarios, len(found.pairs), len(found.left_out)) == (1, 2, 1)
-    assert found.counting is Counting.ANY
+    assert found.counts is Counted.ANY
     assert [row.metric for row in found.metrics] == ["success", "comfort"]
     assert (found.a.title, found.b.title) == ("idm", "sumo-krauss")
     named = client.compare_batches("three", other, oracles=["speeding"])

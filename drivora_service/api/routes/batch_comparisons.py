@@ -13,8 +13,9 @@ from drivora_service.api.documentation import answers
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.security import reader
 from drivora_service.errors import UnknownName
+from drivora_service.suites.failures import Counted
 from drivora_service.suites.paired.comparison import BatchComparison
-from drivora_service.suites.paired.counting import Counting, Rules, Unfinished
+from drivora_service.suites.paired.counting import Rules, Unfinished
 
 router = resource_router("batches", Depends(reader))
 
@@ -31,9 +32,9 @@ def compare_batches(
         str, Query(max_length=200, description="Id of batch A, or the name: its newest batch.")
     ],
     b: Annotated[str, Query(max_length=200, description="Id or name of batch B.")],
-    counting: Annotated[
-        Counting, Query(description="The violations that are failures.")
-    ] = Counting.ACCOUNTABLE,
+    counts: Annotated[
+        Counted, Query(description="The violations that are failures.")
+    ] = Counted.ACCOUNTABLE,
     unfinished: Annotated[
         Unfinished, Query(description="The runs without a judgement that are failures.")
     ] = Unfinished.AGENT,
@@ -65,7 +66,7 @@ def compare_batches(
         context.database,
         a,
         b,
-        rules=Rules(counting=counting, unfinished=unfinished, oracles=frozenset(oracle or ())),
+        rules=Rules(counted=counts, unfinished=unfinished, oracles=frozenset(oracle or ())),
         metrics=tuple(metric or ()),
     )
     return json_answer(request, BatchComparison, comparison)

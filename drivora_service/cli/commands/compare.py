@@ -18,10 +18,11 @@ from drivora_service.errors import ConfigurationError
 if TYPE_CHECKING:
     from drivora_service.cli.pair_running import SideOptions
     from drivora_service.client import Client
+    from drivora_service.suites.failures import Counted
     from drivora_service.suites.paired.comparison import BatchComparison
-    from drivora_service.suites.paired.counting import Counting, Unfinished
+    from drivora_service.suites.paired.counting import Unfinished
 
-_COUNTING = ("accountable", "at_fault", "any")
+_COUNTS = ("accountable", "at_fault", "any")
 _UNFINISHED = ("agent", "all", "none")
 _MAX_SEED = 2**31 - 1
 
@@ -35,12 +36,12 @@ def compare(
             "to run as both.",
         ),
     ],
-    counting: Annotated[
+    counts: Annotated[
         str,
         typer.Option(
-            metavar="|".join(_COUNTING),
-            help="Violations that are failures: those that an ego is accountable for, is at fault "
-            "for, or any.",
+            metavar="|".join(_COUNTS),
+            help="Violations that are failures: those that an ego is accountable for, also those "
+            "at fault that were not avoidable, or any.",
         ),
     ] = "accountable",
     unfinished: Annotated[
@@ -88,7 +89,7 @@ def compare(
 
     Exits with 3 if no run has a counterpart, or a scenario could not be run.
     """
-    rules = _rules(counting, unfinished)
+    rules = _rules(counts, unfinished)
     check_folder(out)
     runs_both = bool(agent_a or agent_b or parameter_a or parameter_b)
     if not runs_both and (workers is not None or seed is not None):
@@ -118,7 +119,7 @@ def compare(
             )
         comparison = client.compare_batches(
             *wanted,
-            counting=rules[0],
+            counts=rules[0],
             unfinished=rules[1],
             oracles=tuple(oracle or ()),
             metrics=tuple(dict.fromkeys(metric or ())),
@@ -144,18 +145,19 @@ def _show(comparison: BatchComparison, out: Path | None, *, as_json: bool) -> No
             note(str(path))
 
 
-def _rules(counting: str, unfinished: str) -> tuple[Counting, Unfinished]:
-    from drivora_service.suites.paired.counting import Counting, Unfinished
+def _rules(counts: str, unfinished: str) -> tuple[Counted, Unfinished]:
+    from drivora_service.suites.failures import Counted
+    from drivora_service.suites.paired.counting import Unfinished
 
     for option, value, allowed in (
-        ("--counting", counting, _COUNTING),
+        ("--counts", counts, _COUNTS),
         ("--unfinished", unfinished, _UNFINISHED),
     ):
         if value not in allowed:
             raise typer.BadParameter(
                 f"found {value!r}; allowed: {', '.join(allowed)}", param_hint=option
             )
-    return Counting(counting), Unfinished(unfinished)
+    return Counted(counts), Unfinished(unfinished)
 
 
 def _run_both(

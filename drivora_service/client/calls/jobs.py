@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.jobs import Job
     from drivora_service.api.schemas.service import Validation
     from drivora_service.store.records import JobFilter, Priority, RunSummary
+    from drivora_service.suites.failures import Counted
     from drivora_service.suites.paired.comparison import BatchComparison
-    from drivora_service.suites.paired.counting import Counting, Unfinished
+    from drivora_service.suites.paired.counting import Unfinished
 
 
 def validate_scenario(
@@ -173,7 +174,7 @@ def compare_batches(
     a: str,
     b: str,
     *,
-    counting: Counting | None = None,
+    counts: Counted | None = None,
     unfinished: Unfinished | None = None,
     oracles: Sequence[str] = (),
     metrics: Sequence[str] = (),
@@ -183,7 +184,7 @@ def compare_batches(
     Args:
         a: Id of batch A, or its name: the newest batch of this name.
         b: Id or name of batch B.
-        counting: The violations that are failures; ``None``: those that an ego is accountable for.
+        counts: The violations that are failures; ``None``: those that an ego is accountable for.
         unfinished: The runs without a judgement that are failures; ``None``: those that the ADS
             ended.
         oracles: The only oracles that count, observations included; empty: all but observations.
@@ -195,7 +196,7 @@ def compare_batches(
     query = {
         "a": a,
         "b": b,
-        "counting": counting,
+        "counts": counts,
         "unfinished": unfinished,
         "oracle": tuple(oracles),
         "metric": tuple(metrics),

@@ -107,7 +107,7 @@ def compare_runs(
         ),
         a=_side(first, titles[0], agents[0], failing=failures.runs_a),
         b=_side(second, titles[1], agents[1], failing=failures.runs_b),
-        counting=rules.counting,
+        counts=rules.counted,
         unfinished=rules.unfinished,
         oracles=tuple(sorted(rules.oracles)),
         scenarios=len(scenarios),

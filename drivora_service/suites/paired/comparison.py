@@ -10,7 +10,8 @@ from enum import StrEnum
 from drivora_service.oracles.descriptions import Better
 from drivora_service.runs.report import RunStatus
 from drivora_service.shapes import Shape
-from drivora_service.suites.paired.counting import Counting, FailureFound, Unfinished
+from drivora_service.suites.failures import Counted
+from drivora_service.suites.paired.counting import FailureFound, Unfinished
 from drivora_service.suites.paired.pairing import LeftOutReason
 
 SIGNIFICANT = 0.05
@@ -180,7 +181,7 @@ class PairResult(Shape):
         scenario: Label of the runs; without one, the town and the beginning of the scenario's hash.
         fails: Which of A and B fails in this pair.
         scenario_fails: Which of them fails more often over all pairs of the scenario.
-        same_trace: Whether both runs recorded the same trace.
+        same_trace: Whether both runs have the same trace, kept or not.
     """
 
     scenario: str
@@ -219,7 +220,7 @@ class BatchComparison(Shape):
 
     Attributes:
         sentence: How things stand.
-        counting: The violations that count as failures.
+        counts: The violations that count as failures.
         unfinished: The runs without a judgement that count as failures.
         oracles: The only oracles that count; empty: all but observations.
         scenarios: Scenarios with a pair, regardless of seeds.
@@ -235,7 +236,7 @@ class BatchComparison(Shape):
     sentence: str
     a: ComparedBatch
     b: ComparedBatch
-    counting: Counting
+    counts: Counted
     unfinished: Unfinished
     oracles: tuple[str, ...]
     scenarios: int

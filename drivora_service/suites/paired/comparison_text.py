@@ -75,9 +75,9 @@ def how_to_read_failures(comparison: BatchComparison) -> str:
     """Explains the table of failures."""
     counted = {
         "accountable": "Failures are violations that an ego is accountable for",
-        "at_fault": "Failures are violations for which an ego is at fault",
+        "at_fault": "Failures are violations that an ego is accountable for or at fault in",
         "any": "Failures are all violations",
-    }[comparison.counting]
+    }[comparison.counts]
     which = f"of {', '.join(comparison.oracles)}" if comparison.oracles else "without observations"
     return (
         f"{counted}, {which}. Numbers are scenarios; B-A is the difference of the shares of "

@@ -6,22 +6,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from drivora_service.oracles.accountability import ACCOUNTABLE, AT_FAULT, accountability
+from drivora_service.oracles.accountability import accountability
+from drivora_service.oracles.failure_facts import failure_sentence, is_consequence
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.runs.report import RunStatus
 from drivora_service.shapes import Shape
+from drivora_service.suites.failures import COUNTED, Counted
 from drivora_service.suites.paired.runs import PairedRun
-
-
-class Counting(StrEnum):
-    """The violations that are failures."""
-
-    ACCOUNTABLE = "accountable"
-    """Those that an ego is accountable for, as gates count them."""
-    AT_FAULT = "at_fault"
-    """Those for which an ego is known to be at fault, avoidable or not."""
-    ANY = "any"
-    """All of them."""
 
 
 class Unfinished(StrEnum):
@@ -58,7 +49,7 @@ class FailureFound(Shape):
 
     Attributes:
         oracle: The violated oracle; of a run without a judgement, its status.
-        sentence: The first violation in words.
+        sentence: Facts of the first violation.
         time: Simulation time in seconds at which it began; null if there is none.
         violations: How often the oracle was violated.
     """
@@ -89,13 +80,14 @@ class Rules:
     """What counts as a failure.
 
     Attributes:
-        counting: The violations that count.
+        counted: The violations that count.
         unfinished: The runs without a judgement that count.
-        oracles: The only oracles that count, observations included; empty: all but observations,
-            and runs without a judgement.
+        oracles: The only oracles that count, observations included; empty: all but observations
+            and destinations that were missed by what another oracle judges, and runs without a
+            judgement.
     """
 
-    counting: Counting = Counting.ACCOUNTABLE
+    counted: Counted = Counted.ACCOUNTABLE
     unfinished: Unfinished = Unfinished.AGENT
     oracles: frozenset[str] = frozenset()
 
@@ -108,14 +100,14 @@ class Rules:
             found = FailureFound(oracle=status, sentence=_ending(run))
             return Judged(failures={status: found}, not_measurable=frozenset(), oracles=frozenset())
         verdicts = [verdict for verdict in run.verdicts if self._looks_at(verdict)]
-        counted: dict[str, list[Verdict]] = {}
+        failing: dict[str, list[Verdict]] = {}
         for verdict in verdicts:
             if self._counts(verdict):
-                counted.setdefault(verdict.oracle, []).append(verdict)
+                failing.setdefault(verdict.oracle, []).append(verdict)
         unknown = {v.oracle for v in verdicts if v.outcome is Outcome.NOT_MEASURABLE}
         return Judged(
-            failures={oracle: _found(oracle, found) for oracle, found in counted.items()},
-            not_measurable=frozenset(unknown - counted.keys()),
+            failures={oracle: _found(found, run) for oracle, found in failing.items()},
+            not_measurable=frozenset(unknown - failing.keys()),
             oracles=run.oracles & self.oracles if self.oracles else run.oracles,
         )
 
@@ -125,18 +117,20 @@ class Rules:
     def _counts(self, verdict: Verdict) -> bool:
         if verdict.outcome is not Outcome.VIOLATED:
             return False
-        if not self.oracles and verdict.severity is Severity.OBSERVATION:
+        if not self.oracles and (
+            verdict.severity is Severity.OBSERVATION or is_consequence(verdict)
+        ):
             return False
-        if self.counting is Counting.ANY:
-            return True
-        degrees = ACCOUNTABLE if self.counting is Counting.ACCOUNTABLE else AT_FAULT
-        return accountability(verdict) in degrees
+        return accountability(verdict) in COUNTED[self.counted]
 
 
-def _found(oracle: str, verdicts: Collection[Verdict]) -> FailureFound:
+def _found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:
     first = min(verdicts, key=lambda verdict: (verdict.time is None, verdict.time or 0.0))
     return FailureFound(
-        oracle=oracle, sentence=first.message, time=first.time, violations=len(verdicts)
+        oracle=first.oracle,
+        sentence=failure_sentence(first, town=run.scenario.town),
+        time=first.time,
+        violations=len(verdicts),
     )
 
 

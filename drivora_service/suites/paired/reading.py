@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport
@@ -93,14 +92,10 @@ def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) ->
         seed=scenario.seed if job.seed is None else job.seed,
         status=job.status,
         cause=job.cause,
-        trace_sha256=job.trace_sha256,
+        trace_sha256="" if report is None else report.trace_sha256,
         oracles=frozenset(verdict.oracle for verdict in verdicts),
-        # Batches have thousands of runs, most verdicts are passed, and most of one is evidence.
-        verdicts=tuple(
-            replace(verdict, evidence={})
-            for verdict in verdicts
-            if verdict.outcome is not Outcome.PASSED
-        ),
+        # Batches have thousands of runs, and most verdicts are passed.
+        verdicts=tuple(v for v in verdicts if v.outcome is not Outcome.PASSED),
         metrics={} if report is None else report.metrics,
         agents={} if report is None else report.agents,
         agent=job.agent,

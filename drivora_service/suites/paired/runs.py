@@ -41,7 +41,7 @@ class PairedRun:
         scenario: What it drives.
         seed: Seed of the run: the scenario's, or the one that overrides it.
         cause: Why it was not judged; "" if it was.
-        trace_sha256: Hash of the trace; "" without one.
+        trace_sha256: Hash of the trace, kept or not; "" unless it was simulated to its end.
         oracles: Oracles that judged it; empty unless finished.
         verdicts: Those of them that are not passed, of all egos.
         metrics: Measured values by name; ``None`` is "not measurable".

@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import pytest
 
+from drivora_service.oracles.failure_facts import failure_sentence
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
-from drivora_service.suites.paired.counting import Counting, Rules, Unfinished
+from drivora_service.suites.failures import Counted
+from drivora_service.suites.paired.counting import Rules, Unfinished
 from drivora_service.suites.paired.runs import PairedRun
 from tests.suites.paired.samples import lost, run, verdict
 
@@ -31,18 +33,18 @@ def failures(one: PairedRun, rules: Rules) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("counting", "expected"),
+    ("counted", "expected"),
     [
-        (Counting.ACCOUNTABLE, {"speeding", "stop_sign"}),
-        (Counting.AT_FAULT, {"red_light", "stop_sign"}),
+        (Counted.ACCOUNTABLE, {"speeding", "stop_sign"}),
+        (Counted.AT_FAULT, {"speeding", "red_light", "stop_sign"}),
         (
-            Counting.ANY,
+            Counted.ANY,
             {"collision", "red_light", "speeding", "failure_to_yield", "stop_sign"},
         ),
     ],
 )
-def test_the_violations_that_count(counting: Counting, expected: set[str]) -> None:
-    assert failures(MIXED, Rules(counting=counting)) == expected
+def test_the_violations_that_count(counted: Counted, expected: set[str]) -> None:
+    assert failures(MIXED, Rules(counted=counted)) == expected
 
 
 def test_named_oracles_count_alone_and_observations_among_them() -> None:
@@ -58,7 +60,23 @@ def test_a_failure_is_told_by_its_first_violation() -> None:
     judged = Rules().judge(MIXED)
     assert judged is not None
     found = judged.failures["stop_sign"]
-    assert (found.sentence, found.time, found.violations) == ("first", 4.0, 2)
+    assert (found.time, found.violations) == (4.0, 2)
+    assert found.sentence == failure_sentence(MIXED.verdicts[5], town="tee-town")
+
+
+def test_a_destination_missed_by_a_collision_is_no_failure_of_its_own() -> None:
+    missed = run(
+        "missed",
+        passes=("destination",),
+        verdicts=(
+            verdict("destination", at_fault=None, evidence={"reason": "collision"}),
+            verdict("collision", at_fault=False),
+        ),
+    )
+    assert failures(missed, Rules()) == set()
+    late = run("late", verdicts=(verdict("destination", at_fault=None, evidence={}),))
+    assert failures(late, Rules()) == {"destination"}
+    assert failures(missed, Rules(oracles=frozenset({"destination"}))) == {"destination"}
 
 
 @pytest.mark.parametrize("status", [one for one in RunStatus if one is not RunStatus.FINISHED])

@@ -91,9 +91,9 @@ it("each number leads to its pairs, and a pair to both replays", async () => {
 it("what counts as a failure is in the address, and a reload shows the same", async () => {
   const { page, context } = await open(browser, `${url}/compare/batches?a=${a}&b=${b}`);
   await page.getByLabel("Failures are violations").selectOption("any");
-  await expect.poll(() => words(page).get("counting")).toBe("any");
+  await expect.poll(() => words(page).get("counts")).toBe("any");
   await drawn(page);
-  const { sentence } = await api.get<Answer>(`/batches:compare?a=${a}&b=${b}&counting=any`);
+  const { sentence } = await api.get<Answer>(`/batches:compare?a=${a}&b=${b}&counts=any`);
   await expect.poll(() => page.locator(".standing").innerText()).toBe(sentence);
   await page.reload();
   await drawn(page);

@@ -1568,7 +1568,7 @@ export interface components {
              */
             by_oracle: components["schemas"]["FailureComparison"][];
             /** @description The violations that count as failures. */
-            counting: components["schemas"]["Counting"];
+            counts: components["schemas"]["Counted"];
             /**
              * Differences
              * @description Agents, parameters and versions in which the batches differ.
@@ -2540,11 +2540,11 @@ export interface components {
          */
         Confirmation: "open" | "confirmed" | "flaky";
         /**
-         * Counting
+         * Counted
          * @description The violations that are failures.
          * @enum {string}
          */
-        Counting: "accountable" | "at_fault" | "any";
+        Counted: "accountable" | "at_fault" | "any";
         /**
          * Crossing
          * @description A crossing for walkers.
@@ -3196,7 +3196,7 @@ export interface components {
             oracle: string;
             /**
              * Sentence
-             * @description The first violation in words.
+             * @description Facts of the first violation.
              */
             sentence: string;
             /**
@@ -5271,7 +5271,7 @@ export interface components {
             ego_vehicles: components["schemas"]["EgoDocument"][];
             /**
              * Extensions
-             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted.
+             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted by a run. Suites keep expectations in `drivora:suite`.
              */
             extensions?: {
                 [key: string]: components["schemas"]["JsonValue"];
@@ -7447,7 +7447,7 @@ export interface operations {
                 /** @description Id or name of batch B. */
                 b: string;
                 /** @description The violations that are failures. */
-                counting?: components["schemas"]["Counting"];
+                counts?: components["schemas"]["Counted"];
                 /** @description The runs without a judgement that are failures. */
                 unfinished?: components["schemas"]["Unfinished"];
                 /** @description Only failures by this oracle count, observations included; may be repeated. */

@@ -17,9 +17,9 @@ import "./paired.css";
 
 const ASK_AGAIN_MS = 5_000;
 
-const COUNTING = [
+const COUNTS = [
   { value: "accountable", text: "that an ego is accountable for" },
-  { value: "at_fault", text: "at the fault of an ego" },
+  { value: "at_fault", text: "also those not avoidable" },
   { value: "any", text: "any violation" },
 ] as const;
 const UNFINISHED = [
@@ -41,10 +41,10 @@ export function PairedBatches() {
   const search = useSearch({ from: "/compare/batches" });
   const a = firstOf(search, "a");
   const b = firstOf(search, "b");
-  const counting = oneOf(COUNTING, firstOf(search, "counting"));
+  const counts = oneOf(COUNTS, firstOf(search, "counts"));
   const unfinished = oneOf(UNFINISHED, firstOf(search, "unfinished"));
   const query = useQuery({
-    queryKey: ["batch", b, "compared", a, counting, unfinished],
+    queryKey: ["batch", b, "compared", a, counts, unfinished],
     enabled: a !== "" && b !== "",
     queryFn: async () =>
       body(
@@ -53,7 +53,7 @@ export function PairedBatches() {
             query: {
               a,
               b,
-              ...(counting ? { counting } : {}),
+              ...(counts ? { counts } : {}),
               ...(unfinished ? { unfinished } : {}),
             },
           },
@@ -107,10 +107,10 @@ function Loaded({ found, search }: { readonly found: Comparison; readonly search
       <Notes notes={found.notes} />
       <div className="filters">
         <Choice
-          name="counting"
+          name="counts"
           title="Failures are violations"
-          value={found.counting}
-          options={COUNTING}
+          value={found.counts}
+          options={COUNTS}
           search={search}
         />
         <Choice
