@@ -4618,7 +4618,7 @@ export interface components {
             fails: components["schemas"]["WhichFails"];
             /**
              * Same Trace
-             * @description Whether both runs recorded the same trace.
+             * @description Whether both runs have the same trace, kept or not.
              */
             same_trace: boolean;
             /**
