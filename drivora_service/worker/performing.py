@@ -35,7 +35,7 @@ from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import from_canonical
-from drivora_service.scenario.model import AgentChoice, Scenario
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.simulation.plan import plan_episode
@@ -43,6 +43,7 @@ from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
 from drivora_service.worker.integrity import judging_code, sentence
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
+from drivora_service.worker.overrides import with_overrides
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 
@@ -127,7 +128,7 @@ def _perform(
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
     installed = installed_oracles().installed() if setup.installed_oracles else ()
-    scenario = _with_overrides(from_canonical(spec.document), spec)
+    scenario = with_overrides(from_canonical(spec.document), spec)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
     catalogue = agents_of(setup)
@@ -226,17 +227,6 @@ def _versions_of(
     for name in names:
         found |= catalogue.versions(name)
     return found
-
-
-def _with_overrides(scenario: Scenario, spec: RunSpec) -> Scenario:
-    if spec.agent:
-        choice = AgentChoice(name=spec.agent)
-        egos = tuple(
-            ego if ego.agent.name == spec.agent else replace(ego, agent=choice)
-            for ego in scenario.ego_vehicles
-        )
-        scenario = replace(scenario, ego_vehicles=egos)
-    return scenario if spec.seed is None else replace(scenario, seed=spec.seed)
 
 
 def _changed_by_agent(changes: tuple[str, ...], course: _Course, log: str = "") -> AgentError:

@@ -1,0 +1,1 @@
+"""Minimisation: the smallest scenario that still fails in the same way."""

@@ -1,0 +1,267 @@
+"""The minimiser: asked for trials and told their results, it finds the smallest document.
+
+It is deterministic: the results alone determine the result, not their order nor how many trials
+are made at the same time. A minimiser that is made anew and told the stored results goes on where
+the other one was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.suites.minimization.checking import CheckedDocument
+from drivora_service.suites.minimization.search import (
+    PROOF,
+    Question,
+    Reductions,
+    State,
+    Taken,
+    smallest,
+)
+from drivora_service.suites.minimization.shortening import Failure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """A document to be run.
+
+    Attributes:
+        key: Identifies it among all trials.
+        checked: The document.
+        label: What has been reduced.
+        is_recorded: Whether its run is to be recorded.
+    """
+
+    key: str
+    checked: CheckedDocument
+    label: str
+    is_recorded: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialResult:
+    """The result of a trial.
+
+    Attributes:
+        failure: Its failure, if it is the same one; else ``None``.
+    """
+
+    failure: Failure | None
+
+
+class Phase(StrEnum):
+    """What a minimiser does, and how it ended."""
+
+    REPRODUCING = "reproducing"
+    SEARCHING = "searching"
+    CONFIRMING = "confirming"
+    DONE = "done"
+    NOT_REPRODUCED = "not_reproduced"
+    """The run of the same document does not fail in the same way."""
+    NOT_CONFIRMED = "not_confirmed"
+    """A second run of the smallest document does not."""
+
+
+class Minimizer:
+    """Reduces one document.
+
+    Attributes:
+        phase: What it does.
+        stage: What is being reduced, in one or two words.
+        state: The smallest document so far; ``None`` before the failure was reproduced.
+        decided: Number of trials that the search needed so far, which is the same on any number
+            of workers. A document that was tried before needs none.
+        is_one_minimal: Whether every single reduction of the document was tried in vain.
+    """
+
+    def __init__(
+        self,
+        document: ScenarioDocument,
+        *,
+        check: Callable[[ScenarioDocument], CheckedDocument | None],
+        reductions: Reductions,
+        budget: int,
+    ) -> None:
+        """Begins with the reproduction of the failure.
+
+        Args:
+            document: A document that can be run.
+            check: Returns a document that can be run; ``None`` if it cannot.
+            reductions: The reductions that are tried.
+            budget: Greatest number of trials that the search may need.
+
+        Raises:
+            ValueError: The document cannot be run.
+        """
+        checked = check(document)
+        if checked is None:
+            raise ValueError("the document cannot be run here")
+        self._check, self._reductions, self._budget = check, reductions, budget
+        self._original = checked
+        self._results: dict[str, TrialResult] = {}
+        self._counted: set[str] = set()
+        self._visited: set[str] = set()
+        self._question = Question(stage="", proposals=())
+        self._candidates: dict[int, CheckedDocument | None] = {}
+        self._next = 0
+        self._present = checked.sha256
+        self._has_circle = False
+        self.phase, self.stage = Phase.REPRODUCING, ""
+        self.state: State | None = None
+        self.decided = 0
+        self.is_one_minimal = False
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no more trials are needed."""
+        return self.phase in (Phase.DONE, Phase.NOT_REPRODUCED, Phase.NOT_CONFIRMED)
+
+    @property
+    def confirmation(self) -> str:
+        """Key of the trial that confirms the smallest document; "" before its phase."""
+        return self._confirmation.key if self.phase in (Phase.CONFIRMING, Phase.DONE) else ""
+
+    @property
+    def reproduction(self) -> str:
+        """Key of the trial that reproduces the failure."""
+        return self._reproduction.key
+
+    def tell(self, key: str, result: TrialResult) -> None:
+        """Takes the result of a trial; one that is known already is unchanged."""
+        if key not in self._results:
+            self._results[key] = result
+            self._advance()
+
+    def wanted(self, most: int) -> tuple[Trial, ...]:
+        """Returns the next trials without an result, those that are needed first.
+
+        Args:
+            most: Greatest number of trials.
+        """
+        match self.phase:
+            case Phase.REPRODUCING:
+                return (self._reproduction,)
+            case Phase.CONFIRMING:
+                return (self._confirmation,)
+            case Phase.SEARCHING:
+                return self._open(min(most, self._budget - self.decided))
+        return ()
+
+    def _open(self, most: int) -> tuple[Trial, ...]:
+        found: dict[str, Trial] = {}
+        for number in range(self._next, len(self._question.proposals)):
+            if len(found) >= most:
+                break
+            checked = self._checked(number)
+            if checked is None:
+                continue
+            if checked.sha256 not in self._results:
+                label = self._question.proposals[number].label
+                trial = Trial(key=checked.sha256, checked=checked, label=label)
+                found.setdefault(trial.key, trial)
+            elif self._results[checked.sha256].failure is not None:
+                # It will be taken: what comes behind it is not needed.
+                break
+        return tuple(found.values())
+
+    @property
+    def _reproduction(self) -> Trial:
+        return Trial(
+            key=f"{self._original.sha256} first",
+            checked=self._original,
+            label="as it was",
+            is_recorded=True,
+        )
+
+    @property
+    def _confirmation(self) -> Trial:
+        assert self.state is not None
+        checked = self._check(self.state.document)
+        assert checked is not None
+        return Trial(
+            key=f"{checked.sha256} last", checked=checked, label="the smallest", is_recorded=True
+        )
+
+    def _advance(self) -> None:
+        """Goes as far as the results allow."""
+        if self.phase is Phase.REPRODUCING:
+            self._begin()
+        if self.phase is Phase.SEARCHING:
+            self._search_on()
+        if self.phase is Phase.CONFIRMING:
+            result = self._results.get(self._confirmation.key)
+            if result is not None:
+                self.phase = Phase.NOT_CONFIRMED if result.failure is None else Phase.DONE
+
+    def _begin(self) -> None:
+        result = self._results.get(self._reproduction.key)
+        if result is None:
+            return
+        if result.failure is None:
+            self.phase = Phase.NOT_REPRODUCED
+            return
+        self.state = State(document=self._original.document, failure=result.failure)
+        self._results[self._original.sha256] = result
+        self._counted.add(self._original.sha256)
+        self._visited.add(self._original.sha256)
+        self._search = smallest(self.state, self._reductions)
+        self.phase = Phase.SEARCHING
+        self._ask(lambda: next(self._search))
+
+    def _search_on(self) -> None:
+        while self.phase is Phase.SEARCHING:
+            if self._next == len(self._question.proposals):
+                self._ask(lambda: self._search.send(None))
+                continue
+            checked = self._checked(self._next)
+            if checked is not None:
+                result = self._results.get(checked.sha256)
+                if checked.sha256 not in self._counted:
+                    if self.decided == self._budget:
+                        self.phase = Phase.CONFIRMING
+                        return
+                    if result is None:
+                        return
+                    self._counted.add(checked.sha256)
+                    self.decided += 1
+                if result is not None and result.failure is not None:
+                    self._take(checked, result.failure)
+                    continue
+            self._next += 1
+
+    def _take(self, checked: CheckedDocument, failure: Failure) -> None:
+        state = State(document=checked.document, failure=failure)
+        self.state, self._present = state, checked.sha256
+        self._visited.add(checked.sha256)
+        taken = Taken(number=self._next, state=state)
+        self._ask(lambda: self._search.send(taken))
+
+    def _ask(self, step: Callable[[], Question]) -> None:
+        try:
+            self._question, self._next = step(), 0
+            self._candidates.clear()
+            self.stage = self._question.stage
+        except StopIteration:
+            self.is_one_minimal = not self._has_circle
+            self.phase = Phase.CONFIRMING
+
+    def _checked(self, number: int) -> CheckedDocument | None:
+        """Returns a candidate of the question; ``None`` if it cannot be run, or leads in a circle.
+
+        A candidate may be the same scenario as the present one, in simpler words.
+        """
+        if number not in self._candidates:
+            document = self._question.proposals[number].document()
+            checked = None if document is None else self._check(document)
+            if (
+                checked is not None
+                and checked.sha256 in self._visited
+                and checked.sha256 != self._present
+            ):
+                self._has_circle |= self.stage == PROOF
+                checked = None
+            self._candidates[number] = checked
+        return self._candidates[number]

@@ -1,0 +1,189 @@
+"""The search for a smaller document: passes over its parts, again and again until none finds more.
+
+The search is a generator. It yields questions, ordered lists of candidates, and is sent the first
+candidate of each that fails in the same way, or ``None``. It reads nothing else, so that equal
+answers lead to an equal result, in whatever order and on however many workers they were found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
+
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.suites.minimization import removals, shortening
+from drivora_service.suites.minimization.delta_debugging import minimal_subset
+from drivora_service.suites.minimization.edits import Edit, edited
+from drivora_service.suites.minimization.rounding import DECIMALS, rounded
+from drivora_service.suites.minimization.shortening import Failure
+
+PROOF = "proof"
+"""Stage in which every single reduction of the result is tried."""
+
+_MOST_NAMED = 3
+"""Number of edits that the label of a candidate names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """A document that fails in the same way.
+
+    Attributes:
+        failure: Its failure.
+    """
+
+    document: ScenarioDocument
+    failure: Failure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposal:
+    """A candidate: edits of the present document."""
+
+    base: ScenarioDocument
+    edits: tuple[Edit, ...]
+
+    def document(self) -> ScenarioDocument | None:
+        """Returns the document to try; ``None`` if the edits lead to none."""
+        return edited(self.base, self.edits)
+
+    @property
+    def label(self) -> str:
+        """What the edits do, in a few words."""
+        named = "; ".join(edit.label for edit in self.edits[:_MOST_NAMED])
+        more = len(self.edits) - _MOST_NAMED
+        return f"{named}; and {more} more" if more > 0 else named
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """Candidates in an order, of which the first that fails in the same way is taken.
+
+    Attributes:
+        stage: What is being reduced, in one or two words.
+        proposals: The candidates.
+    """
+
+    stage: str
+    proposals: tuple[Proposal, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Taken:
+    """The answer to a question: its first candidate that fails in the same way.
+
+    Attributes:
+        number: Place of the candidate in the question.
+        state: Its document and failure.
+    """
+
+    number: int
+    state: State
+
+
+Search = Generator[Question, Taken | None, State]
+Parts = Callable[[State], list[Edit]]
+Alternatives = Callable[[State], list[list[Edit]]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reductions:
+    """All single reductions of a document, by stage.
+
+    Attributes:
+        ego: Ego that fails.
+        network: Road network of the document.
+    """
+
+    ego: str
+    network: RoadNetwork
+
+    def parts(self) -> Iterator[tuple[str, Parts]]:
+        """Yields the stages whose edits can be applied together."""
+        yield "actors", lambda state: removals.actors(state.document, self.ego)
+        yield "settings", lambda state: removals.settings(state.document)
+        yield "waypoints", lambda state: removals.waypoints(state.document)
+        yield "details", lambda state: removals.details(state.document)
+
+    def alternatives(self) -> Iterator[tuple[str, Alternatives]]:
+        """Yields the stages of whose edits at most one of a list is taken."""
+        yield "background", lambda state: shortening.fewer_vehicles(state.document)
+        yield "time", lambda state: shortening.less_time(state.document, state.failure)
+        yield (
+            "routes",
+            lambda state: shortening.sooner_ends(state.document, state.failure, self.network),
+        )
+
+    def single(self, state: State) -> tuple[Proposal, ...]:
+        """Returns every single reduction of a document."""
+        edits = [edit for _, parts in self.parts() for edit in parts(state)]
+        edits += [
+            edit
+            for _, alternatives in self.alternatives()
+            for choices in alternatives(state)
+            for edit in choices
+        ]
+        for decimals in DECIMALS:
+            edits += rounded(state.document, decimals)
+        return tuple(Proposal(base=state.document, edits=(edit,)) for edit in edits)
+
+
+def smallest(state: State, reductions: Reductions) -> Search:
+    """Searches a document that fails in the same way and has no single reduction that does.
+
+    Args:
+        state: The document to begin with.
+        reductions: All reductions that there are.
+    """
+    while True:
+        before = state.document
+        for stage, parts in reductions.parts():
+            state = yield from _subset(stage, state, parts(state))
+            if stage == "actors":
+                # With fewer actors each run is cheaper; with less time, too.
+                for name, alternatives in reductions.alternatives():
+                    state = yield from _shorter(name, state, alternatives)
+        for decimals in DECIMALS:
+            state = yield from _subset("numbers", state, rounded(state.document, decimals))
+        if state.document != before:
+            continue
+        # All of these have been answered; the proof does not rest on the order of the passes.
+        taken = yield Question(stage=PROOF, proposals=reductions.single(state))
+        if taken is None:
+            return state
+        state = taken.state
+
+
+def _subset(stage: str, state: State, edits: Sequence[Edit]) -> Search:
+    """Applies as many edits together as there can be, up to 1-minimality."""
+    base, search = state.document, minimal_subset(len(edits))
+    try:
+        candidates = next(search)
+        while True:
+            proposals = tuple(
+                Proposal(
+                    base=base,
+                    edits=tuple(edit for n, edit in enumerate(edits) if n not in kept),
+                )
+                for kept in candidates
+            )
+            taken = yield Question(stage=stage, proposals=proposals)
+            if taken is not None:
+                state = taken.state
+            candidates = search.send(None if taken is None else taken.number)
+    except StopIteration:
+        return state
+
+
+def _shorter(stage: str, state: State, alternatives: Alternatives) -> Search:
+    """Takes the first alternative of each list that can be taken."""
+    number = 0
+    while number < len(lists := alternatives(state)):
+        proposals = tuple(Proposal(base=state.document, edits=(edit,)) for edit in lists[number])
+        taken = (yield Question(stage=stage, proposals=proposals)) if proposals else None
+        if taken is None:
+            number += 1
+        else:
+            state = taken.state
+    return state
