@@ -37,6 +37,7 @@ from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
+from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _LOCK_TIMEOUT_S = 5.0
@@ -119,6 +120,18 @@ def create_service(
         on_fatal=on_fatal,
     )
 
+    catalogues = Catalogues(
+        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
+        settings.agents_folder,
+    )
+    minimizations = MinimizationRunner(
+        lambda: database,
+        catalogues,
+        at_once=settings.workers,
+        on_queued=dispatcher.wake,
+        explained=lambda: bool(infrastructure.confirm_now()),
+        on_fatal=on_fatal,
+    )
     stopping = threading.Event()
 
     housekeeping = Housekeeping(
@@ -133,13 +146,14 @@ def create_service(
         return {
             **{condition.name: condition.fault for condition in infrastructure.conditions()},
             "workers": "" if stopping.is_set() else dispatcher.fault,
-            "campaigns": "" if stopping.is_set() else campaigns.fault,
+            "campaigns": "" if stopping.is_set() else campaigns.fault or minimizations.fault,
             "accepting": "the service is being stopped" if stopping.is_set() else "",
         }
 
     def drain(seconds: float) -> None:
         stopping.set()
         campaigns.stop()
+        minimizations.stop()
         dispatcher.stop(drain_s=seconds)
 
     @asynccontextmanager
@@ -150,6 +164,7 @@ def create_service(
             # Else the first document would wait for the kernels that check it.
             await asyncio.to_thread(_warm_up)
             campaigns.start()
+            minimizations.wake()
             housekeeping.start()
             _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
             yield
@@ -161,10 +176,6 @@ def create_service(
             database.close()
             lock.release()
 
-    catalogues = Catalogues(
-        NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
-        settings.agents_folder,
-    )
     context = ApiContext(
         opened=lambda: database,
         revision=database.changes.value,
@@ -187,6 +198,7 @@ def create_service(
             folder=lambda study_id: StudyFolder(settings.studies_dir, study_id),
             campaign_folder=engine_setup.folder,
         ),
+        minimizations=minimizations,
         reserve=lambda _runs: "",
         faults=faults,
         storage_fault=lambda: infrastructure.fault,

@@ -38,6 +38,7 @@ from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.traces import TraceFolder
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.studies.folder import StudyFolder
+from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _NO_LIMIT = 1 << 60
@@ -72,6 +73,11 @@ class CommandRuns:
         if self._dispatcher is None or self._infrastructure is None:
             return ""
         return self._infrastructure.fault_for(_STORAGE_PATIENCE_S) or self._dispatcher.fault
+
+    @property
+    def owner_id(self) -> str:
+        """Id of the process that owns the runs; "" before any were reserved."""
+        return self._owner_id
 
     def reserve(self, runs: int) -> str:
         """Prepares for a number of runs, and returns the id of the process that owns them.
@@ -205,6 +211,13 @@ def create_command_app(
             on_error=on_error,
         )
     )
+    minimizations = MinimizationRunner(
+        database,
+        catalogues,
+        owner_id=lambda: runs.owner_id,
+        at_once=workers or settings.workers,
+        on_queued=runs.wake,
+    )
     stopping = threading.Event()
 
     @asynccontextmanager
@@ -215,11 +228,12 @@ def create_command_app(
             stopping.set()
             studies.close()
             campaigns.close()
+            minimizations.stop()
             runs.close()
             database.close()
 
     def faults() -> Mapping[str, str]:
-        return {"workers": campaigns.fault or studies.fault or runs.fault}
+        return {"workers": campaigns.fault or studies.fault or runs.fault or minimizations.fault}
 
     context = ApiContext(
         opened=database,
@@ -233,6 +247,7 @@ def create_command_app(
         wake=runs.wake,
         campaigns=campaigns,
         studies=studies,
+        minimizations=minimizations,
         reserve=runs.reserve,
         faults=faults,
         storage_fault=lambda: "",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from drivora_service.runs.slot_state import SlotState
     from drivora_service.store.database import Database
     from drivora_service.studies.host import StudyHost
+    from drivora_service.suites.minimization.host import MinimizationHost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +57,7 @@ class ApiContext:
         wake: Tells the dispatcher that there is work.
         campaigns: Runs campaigns.
         studies: Runs studies.
+        minimizations: Runs minimisations.
         reserve: Gets ready for so many runs; returns the process that they are for, "" for any
             server.
         faults: Returns the conditions of readiness by name, each with its fault and what to do, or
@@ -78,6 +80,7 @@ class ApiContext:
     wake: Callable[[], None]
     campaigns: CampaignHost
     studies: StudyHost
+    minimizations: MinimizationHost
     reserve: Callable[[int], str]
     faults: Callable[[], Mapping[str, str]]
     storage_fault: Callable[[], str]

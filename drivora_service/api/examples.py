@@ -84,6 +84,11 @@ PERCEPTION = RECORDED + "perception.json"
 SERIES = RECORDED + "series.json"
 TIMELINE = RECORDED + "timeline.json"
 
+QUEUED_MINIMIZATION = RECORDED + "queued-minimization.json"
+CANCELLED_MINIMIZATION = RECORDED + "cancelled-minimization.json"
+FINISHED_MINIMIZATION = RECORDED + "finished-minimization.json"
+MINIMIZATIONS = RECORDED + "minimizations.json"
+
 CAMPAIGN_VALIDATION = RECORDED + "campaign-validation.json"
 QUEUED_CAMPAIGN = RECORDED + "queued-campaign.json"
 PAUSED_CAMPAIGN = RECORDED + "paused-campaign.json"

@@ -25,6 +25,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("batch_comparisons", "/batches:compare"),
         ("runs", "/runs([/:].*)?"),
         ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
+        ("minimizations", "/minimizations([/:].*)?|/runs/[^/]*:minimize"),
         ("campaigns", "/campaigns(:validate|/[^/]*)?"),
         ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries|coverage))"),
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),

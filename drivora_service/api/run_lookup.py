@@ -40,6 +40,17 @@ def find_run(transaction: Transaction, run_id: str) -> RunRecord:
     return found
 
 
+def find_overrides(transaction: Transaction, run_id: str) -> tuple[str, int | None]:
+    """Returns the agent ("": none) and the seed that override those of a run's scenario.
+
+    The scenarios of evaluations have theirs already.
+    """
+    try:
+        return transaction.jobs.overrides(run_id)
+    except UnknownName:
+        return "", None
+
+
 def find_document(transaction: Transaction, run_id: str) -> str:
     """Returns the scenario of a run as canonical JSON text.
 

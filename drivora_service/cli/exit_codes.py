@@ -10,6 +10,8 @@ class ExitCode(IntEnum):
 
     DONE = 0
     GATE_FAILED = 1
+    NOT_MINIMAL = 1
+    """The budget ended before the scenario was minimal; the same code as a gate that failed."""
     USAGE_ERROR = 2
     NOT_DONE = 3
 

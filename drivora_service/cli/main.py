@@ -14,6 +14,7 @@ from drivora_service.cli.commands import (
     campaign,
     compare,
     demo,
+    minimize,
     networks,
     oracles,
     plot,
@@ -74,6 +75,7 @@ app.command("compare", epilog=EPILOG)(compare.compare)
 app.command("serve", epilog=EPILOG)(serve.serve)
 app.command("validate", epilog=EPILOG)(validate.validate)
 app.command("plot", epilog=EPILOG)(plot.plot)
+app.command("minimize", epilog=EPILOG)(minimize.minimize)
 app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
 app.command("replay", epilog=EPILOG)(replay.replay)
 app.command("schema", epilog=EPILOG)(schema.schema)

@@ -38,6 +38,7 @@ from drivora_service.client.flows import (
 )
 from drivora_service.client.following import (
     batch_runs,
+    ended_minimization,
     expecting_workers,
     followed_campaign,
     followed_study,
@@ -52,6 +53,7 @@ from drivora_service.errors import ServiceError
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.api.schemas.minimizations import Minimization
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.studies import Study
 
@@ -187,6 +189,23 @@ class AsyncClient(AwaitedOperations):
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
         return await self._result(followed_study(study_id, self._terms, on_progress))
+
+    async def wait_for_minimization(
+        self,
+        minimization_id: str,
+        *,
+        on_progress: Callable[[Minimization], None] = ignore_progress,
+    ) -> Minimization:
+        """Waits until a minimisation has ended, and returns it.
+
+        Args:
+            minimization_id: Which minimisation.
+            on_progress: Called with the minimisation at every look, the last one included.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return await self._result(ended_minimization(minimization_id, self._terms, on_progress))
 
     async def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None

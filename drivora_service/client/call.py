@@ -131,11 +131,13 @@ def post(
     language: Language = "json",
     query: Query | None = None,
     only_checks: bool = False,
+    **places: str | int,
 ) -> Call[T]:
     """Returns a call with a document: one that queues something, or only checks the document."""
     return Call(
         method="POST",
         template=template,
+        places=places,
         query=query or {},
         body=body,
         headers={"Content-Type": f"application/{language}"},

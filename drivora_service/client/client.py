@@ -37,6 +37,7 @@ from drivora_service.client.flows import (
 )
 from drivora_service.client.following import (
     batch_runs,
+    ended_minimization,
     expecting_workers,
     followed_campaign,
     followed_study,
@@ -51,6 +52,7 @@ from drivora_service.errors import ServiceError
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.api.schemas.minimizations import Minimization
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.studies import Study
 
@@ -188,6 +190,23 @@ class Client(BlockingOperations):
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
         return self._result(followed_study(study_id, self._terms, on_progress))
+
+    def wait_for_minimization(
+        self,
+        minimization_id: str,
+        *,
+        on_progress: Callable[[Minimization], None] = ignore_progress,
+    ) -> Minimization:
+        """Waits until a minimisation has ended, and returns it.
+
+        Args:
+            minimization_id: Which minimisation.
+            on_progress: Called with the minimisation at every look, the last one included.
+
+        Raises:
+            ServiceError: The service refused, did not answer, or cannot begin runs.
+        """
+        return self._result(ended_minimization(minimization_id, self._terms, on_progress))
 
     def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None

@@ -1,4 +1,4 @@
-"""Following batches, campaigns and studies until they have ended.
+"""Following batches, campaigns, studies and minimisations until they have ended.
 
 A service tells by events when a look is worth it, see ``waiting``; an application in this process,
 and a service without events, is looked at in a pace of its own.
@@ -10,7 +10,14 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from drivora_service.client.calls import campaigns, catalogues, jobs, runs, studies
+from drivora_service.client.calls import (
+    campaigns,
+    catalogues,
+    jobs,
+    minimizations,
+    runs,
+    studies,
+)
 from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, asking
 from drivora_service.client.waiting import Waiting
 from drivora_service.errors import ServiceUnavailable
@@ -18,6 +25,7 @@ from drivora_service.errors import ServiceUnavailable
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch
     from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.api.schemas.minimizations import Minimization
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.studies import Study
 
@@ -203,5 +211,35 @@ def followed_study(
         if not study.state.is_active:
             return study
         if pace.is_still((study.campaigns, study.counts)):
+            yield from expecting_workers(terms)
+        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
+
+
+def ended_minimization(
+    minimization_id: str, terms: Terms, on_progress: Callable[[Minimization], None]
+) -> Flow[Minimization]:
+    """Waits until a minimisation has ended, and returns it.
+
+    Args:
+        minimization_id: Id of the minimisation.
+        terms: How the service is asked.
+        on_progress: Called with the minimisation at every look, the last one included.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    from drivora_service.store.change_lists import ChangedKind
+
+    pace = _Pace(is_local=terms.service.is_local)
+    waiting = Waiting(ChangedKind.MINIMIZATION, minimization_id, terms)
+    yield from waiting.begin()
+    while True:
+        pace.look()
+        answer = yield from asking(minimizations.minimization(minimization_id), terms)
+        minimization = answer.value
+        on_progress(minimization)
+        if not minimization.state.is_active:
+            return minimization
+        if pace.is_still((minimization.state, minimization.simulations)):
             yield from expecting_workers(terms)
         yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)

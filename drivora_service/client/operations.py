@@ -14,6 +14,7 @@ from drivora_service.client.calls import catalogues as catalogue_calls
 from drivora_service.client.calls import events as event_calls
 from drivora_service.client.calls import failures as failure_calls
 from drivora_service.client.calls import jobs as job_calls
+from drivora_service.client.calls import minimizations as minimization_calls
 from drivora_service.client.calls import runs as run_calls
 from drivora_service.client.calls import sessions as session_calls
 from drivora_service.client.calls import studies as study_calls
@@ -161,6 +162,11 @@ class Operations:
     run_picture = Answered(run_calls.run_picture)
     save_run_picture = Saved(run_calls.run_picture)
     save_run_observations = Saved(run_calls.run_observations)
+
+    minimize = Answered(minimization_calls.minimize)
+    minimizations = Listed(minimization_calls.minimizations)
+    minimization = Answered(minimization_calls.minimization)
+    cancel_minimization = Answered(minimization_calls.cancel_minimization)
 
     post_campaign = Answered(campaign_calls.post_campaign)
     validate_campaign = Answered(campaign_calls.validate_campaign)

@@ -101,6 +101,7 @@ class Ownership:
         """
         with self._database.write() as transaction:
             transaction.queue.release(self.owner_id, in_flight)
+            transaction.minimizations.interrupt(self.owner_id)
             transaction.batches.cancel_reserved(self.owner_id)
             transaction.workers.leave(self.owner_id)
         if self._lock is not None:
@@ -153,6 +154,7 @@ def _take_over_from(
 ) -> None:
     with database.write() as transaction:
         runs = transaction.queue.reclaim(owner_id, policy)
+        transaction.minimizations.interrupt(owner_id)
         transaction.batches.cancel_reserved(owner_id)
         transaction.workers.leave(owner_id)
     commands.forget(owner_id)

@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from drivora_service.shapes import Shape
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.campaign_tables import CampaignRow, StudyRow, is_campaign_of
+from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.revisions import Position, is_known, latest_position
 from drivora_service.store.tables import BatchRow, RunRow
 
@@ -28,6 +29,7 @@ class ChangedKind(StrEnum):
     BATCH = "batch"
     CAMPAIGN = "campaign"
     STUDY = "study"
+    MINIMIZATION = "minimization"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +40,7 @@ class Change(Shape):
         id: Id of the object.
         status: Status of a run, state of another; empty for a study of which only the store knows.
         revision: Count of all changes at its newest one.
-        batch_id: Batch of a run, of a campaign, or itself; empty without one.
+        batch_id: Batch of a run, a campaign or a minimisation, or itself; empty without one.
         campaign_id: Campaign that it is or belongs to; empty without one.
         study_id: Study that it is or belongs to; empty without one.
     """
@@ -86,12 +88,12 @@ class ChangeRepository:
         return is_known(self._session, position)
 
     def has(self, object_id: str) -> bool:
-        """Returns whether there is a run, batch, campaign or study of an id."""
+        """Returns whether there is a run, batch, campaign, study or minimisation of an id."""
         if object_id.startswith(SINGLE_JOBS):
             return False
         return any(
             self._session.scalar(select(row.id).where(row.id == object_id)) is not None
-            for row in (RunRow, BatchRow, CampaignRow, StudyRow)
+            for row in (RunRow, BatchRow, CampaignRow, StudyRow, MinimizationRow)
         )
 
     def after(
@@ -173,6 +175,11 @@ def _query(kind: ChangedKind) -> Select[*tuple[Any, ...]]:
         case ChangedKind.STUDY:
             row = StudyRow
             query = _columns(kind, StudyRow, literal(""), study_id=StudyRow.id)
+        case ChangedKind.MINIMIZATION:
+            row = MinimizationRow
+            query = _columns(
+                kind, MinimizationRow, MinimizationRow.state, batch_id=MinimizationRow.batch_id
+            )
     return (
         query.where(row.revision > bindparam("after"), row.revision <= bindparam("newest"))
         .order_by(row.revision)

@@ -32,6 +32,7 @@ from drivora_service.store.found_lists import FoundRepository
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
+from drivora_service.store.minimizations import MinimizationRepository
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
 from drivora_service.store.revisions import lock_count, revise
@@ -88,8 +89,13 @@ class Transaction:
         return CampaignViewRepository(self.session)
 
     @property
+    def minimizations(self) -> MinimizationRepository:
+        """Minimisations."""
+        return MinimizationRepository(self.session)
+
+    @property
     def changes(self) -> ChangeRepository:
-        """The changes of runs, batches, campaigns and studies."""
+        """The changes of runs, batches, campaigns, studies and minimisations."""
         return ChangeRepository(self.session)
 
     @property

@@ -118,6 +118,19 @@ class JobRepository:
         query = run_query().where(RunRow.seq.in_(numbers[:limit])).order_by(order)
         return Page(items=summaries(self._session.execute(query)), next_page_token=more)
 
+    def overrides(self, job_id: str) -> tuple[str, int | None]:
+        """Returns the agent ("": none) and the seed that override those of a job's scenario.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        row = self._session.execute(
+            select(RunRow.agent_override, RunRow.seed_override).where(RunRow.id == job_id)
+        ).one_or_none()
+        if row is None:
+            raise UnknownName("run", job_id, ())
+        return row.agent_override, row.seed_override
+
     def document(self, job_id: str) -> str:
         """Returns the scenario of a job as JSON text.
 

@@ -20,7 +20,11 @@ from sqlalchemy import (
 )
 
 from drivora_service.errors import StoreError
-from drivora_service.store import campaign_tables, facet_tables  # noqa: F401 # their tables
+from drivora_service.store import (  # noqa: F401 # their tables
+    campaign_tables,
+    facet_tables,
+    minimization_tables,
+)
 from drivora_service.store.revisions import new_epoch
 from drivora_service.store.tables import Base, EpochRow
 

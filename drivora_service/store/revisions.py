@@ -1,4 +1,6 @@
-"""The count of changes, which orders everything that happens to runs, batches, campaigns, studies.
+"""The count of changes, which orders everything that happens to what a service keeps.
+
+That is runs, batches, campaigns, studies and minimisations.
 
 Every transaction that changes what is shown of such an object gives it the next number of the count
 as its ``revision``. The count only grows, also when the newest object is deleted. Rows that the ORM
@@ -29,6 +31,7 @@ from drivora_service.store.campaign_tables import (
     FailureRow,
     StudyRow,
 )
+from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.plain_statements import execute_many
 from drivora_service.store.tables import BatchRow, EpochRow, RunRow
 
@@ -39,7 +42,7 @@ _KEPT = 1000
 
 _POSITION = re.compile(r"([0-9a-f]{12})\.([0-9]{1,15})|([0-9]{1,15})")
 
-Revised = RunRow | BatchRow | CampaignRow | StudyRow
+Revised = RunRow | BatchRow | CampaignRow | StudyRow | MinimizationRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,9 +141,7 @@ def revise(session: Session, *_: object) -> None:
     """Sets the revisions of the rows of a flush; a listener of ``before_flush``."""
     changed: dict[Revised, None] = {}
     for row in (*session.new, *session.dirty):
-        if isinstance(
-            row, RunRow | BatchRow | CampaignRow | StudyRow | FailureRow | FailureKindRow
-        ) and session.is_modified(row):
+        if isinstance(row, Revised | FailureRow | FailureKindRow) and session.is_modified(row):
             for shown in _shown_with(session, row):
                 changed[shown] = None
     if changed:

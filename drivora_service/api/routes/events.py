@@ -41,7 +41,8 @@ async def get_events(
         str,
         Query(
             max_length=40,
-            description="Only this batch, campaign, study or run, and what belongs to it.",
+            description="Only this batch, campaign, study, minimisation or run, and what belongs "
+            "to it.",
         ),
     ] = "",
     after: Annotated[
@@ -85,7 +86,7 @@ def _wanted(
     transaction: Transaction, *, kinds: frozenset[EventKind], of: str, after: str
 ) -> Wanted:
     if of and not transaction.changes.has(of):
-        raise UnknownName("batch, campaign, study or run", of, ())
+        raise UnknownName("batch, campaign, study, minimisation or run", of, ())
     latest = transaction.changes.latest()
     position = read_position(after)
     is_known = position is not None and transaction.changes.is_known(position)

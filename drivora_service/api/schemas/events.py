@@ -16,6 +16,7 @@ class EventKind(StrEnum):
     BATCH = ChangedKind.BATCH.value
     CAMPAIGN = ChangedKind.CAMPAIGN.value
     STUDY = ChangedKind.STUDY.value
+    MINIMIZATION = ChangedKind.MINIMIZATION.value
     WORKERS = "workers"
 
 

@@ -22,7 +22,8 @@ def events(
 
     Args:
         kinds: Kinds of objects, and the workers; none: all.
-        of: Id of a batch, campaign, study or run: only it, and what belongs to it; "": all.
+        of: Id of a batch, campaign, study, minimisation or run: only it, and what belongs to it;
+            "": all.
         after: ``id`` of an event: what has changed since comes first; "": only what changes from
             now on.
     """

@@ -24,21 +24,32 @@ from drivora_service.suites.minimization.search import (
 from drivora_service.suites.minimization.shortening import Failure
 
 
+class Purpose(StrEnum):
+    """Why a document is run."""
+
+    REPRODUCE = "r"
+    TRY = "t"
+    CONFIRM = "c"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
     """A document to be run.
 
     Attributes:
-        key: Identifies it among all trials.
         checked: The document.
         label: What has been reduced.
-        is_recorded: Whether its run is to be recorded.
+        purpose: Why it is run; what is no mere try is to be recorded.
     """
 
-    key: str
     checked: CheckedDocument
     label: str
-    is_recorded: bool = False
+    purpose: Purpose = Purpose.TRY
+
+    @property
+    def key(self) -> str:
+        """Identifies it among all trials."""
+        return f"{self.checked.sha256}{self.purpose}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +82,8 @@ class Minimizer:
     Attributes:
         phase: What it does.
         stage: What is being reduced, in one or two words.
-        state: The smallest document so far; ``None`` before the failure was reproduced.
+        original: The document to begin with; ``None`` before its failure was reproduced.
+        state: The smallest document so far; ``None`` before that, too.
         decided: Number of trials that the search needed so far, which is the same on any number
             of workers. A document that was tried before needs none.
         is_one_minimal: Whether every single reduction of the document was tried in vain.
@@ -100,7 +112,7 @@ class Minimizer:
         if checked is None:
             raise ValueError("the document cannot be run here")
         self._check, self._reductions, self._budget = check, reductions, budget
-        self._original = checked
+        self._first = Trial(checked=checked, label="as it was", purpose=Purpose.REPRODUCE)
         self._results: dict[str, TrialResult] = {}
         self._counted: set[str] = set()
         self._visited: set[str] = set()
@@ -110,6 +122,7 @@ class Minimizer:
         self._present = checked.sha256
         self._has_circle = False
         self.phase, self.stage = Phase.REPRODUCING, ""
+        self.original: State | None = None
         self.state: State | None = None
         self.decided = 0
         self.is_one_minimal = False
@@ -120,14 +133,21 @@ class Minimizer:
         return self.phase in (Phase.DONE, Phase.NOT_REPRODUCED, Phase.NOT_CONFIRMED)
 
     @property
-    def confirmation(self) -> str:
-        """Key of the trial that confirms the smallest document; "" before its phase."""
-        return self._confirmation.key if self.phase in (Phase.CONFIRMING, Phase.DONE) else ""
+    def reproduction(self) -> Trial:
+        """The trial that reproduces the failure."""
+        return self._first
 
     @property
-    def reproduction(self) -> str:
-        """Key of the trial that reproduces the failure."""
-        return self._reproduction.key
+    def confirmation(self) -> Trial:
+        """The trial that confirms the smallest document.
+
+        Raises:
+            ValueError: The failure is not reproduced yet.
+        """
+        checked = None if self.state is None else self._check(self.state.document)
+        if checked is None:
+            raise ValueError("there is no document to be confirmed yet")
+        return Trial(checked=checked, label="the smallest", purpose=Purpose.CONFIRM)
 
     def tell(self, key: str, result: TrialResult) -> None:
         """Takes the result of a trial; one that is known already is unchanged."""
@@ -143,9 +163,9 @@ class Minimizer:
         """
         match self.phase:
             case Phase.REPRODUCING:
-                return (self._reproduction,)
+                return (self.reproduction,)
             case Phase.CONFIRMING:
-                return (self._confirmation,)
+                return (self.confirmation,)
             case Phase.SEARCHING:
                 return self._open(min(most, self._budget - self.decided))
         return ()
@@ -158,32 +178,14 @@ class Minimizer:
             checked = self._checked(number)
             if checked is None:
                 continue
-            if checked.sha256 not in self._results:
-                label = self._question.proposals[number].label
-                trial = Trial(key=checked.sha256, checked=checked, label=label)
+            trial = Trial(checked=checked, label=self._question.proposals[number].label)
+            result = self._results.get(trial.key)
+            if result is None:
                 found.setdefault(trial.key, trial)
-            elif self._results[checked.sha256].failure is not None:
+            elif result.failure is not None:
                 # It will be taken: what comes behind it is not needed.
                 break
         return tuple(found.values())
-
-    @property
-    def _reproduction(self) -> Trial:
-        return Trial(
-            key=f"{self._original.sha256} first",
-            checked=self._original,
-            label="as it was",
-            is_recorded=True,
-        )
-
-    @property
-    def _confirmation(self) -> Trial:
-        assert self.state is not None
-        checked = self._check(self.state.document)
-        assert checked is not None
-        return Trial(
-            key=f"{checked.sha256} last", checked=checked, label="the smallest", is_recorded=True
-        )
 
     def _advance(self) -> None:
         """Goes as far as the results allow."""
@@ -192,21 +194,23 @@ class Minimizer:
         if self.phase is Phase.SEARCHING:
             self._search_on()
         if self.phase is Phase.CONFIRMING:
-            result = self._results.get(self._confirmation.key)
+            result = self._results.get(self.confirmation.key)
             if result is not None:
                 self.phase = Phase.NOT_CONFIRMED if result.failure is None else Phase.DONE
 
     def _begin(self) -> None:
-        result = self._results.get(self._reproduction.key)
+        result = self._results.get(self.reproduction.key)
         if result is None:
             return
         if result.failure is None:
             self.phase = Phase.NOT_REPRODUCED
             return
-        self.state = State(document=self._original.document, failure=result.failure)
-        self._results[self._original.sha256] = result
-        self._counted.add(self._original.sha256)
-        self._visited.add(self._original.sha256)
+        first = self._first.checked
+        self.original = State(document=first.document, failure=result.failure)
+        self.state = self.original
+        self._results[Trial(checked=first, label="").key] = result
+        self._counted.add(first.sha256)
+        self._visited.add(first.sha256)
         self._search = smallest(self.state, self._reductions)
         self.phase = Phase.SEARCHING
         self._ask(lambda: next(self._search))
@@ -218,7 +222,7 @@ class Minimizer:
                 continue
             checked = self._checked(self._next)
             if checked is not None:
-                result = self._results.get(checked.sha256)
+                result = self._results.get(Trial(checked=checked, label="").key)
                 if checked.sha256 not in self._counted:
                     if self.decided == self._budget:
                         self.phase = Phase.CONFIRMING

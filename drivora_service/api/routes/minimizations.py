@@ -1,0 +1,155 @@
+"""Minimisations: start one for a failing run, follow and cancel it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Body, Depends, Query, Request, Response
+
+from drivora_service.api import bodies, examples
+from drivora_service.api.conditional import json_answer
+from drivora_service.api.context import ApiContext, Context
+from drivora_service.api.documentation import answers
+from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.resource_router import resource_router
+from drivora_service.api.run_lookup import find_document, find_overrides, find_run
+from drivora_service.api.schemas.minimizations import (
+    Minimization,
+    MinimizationRequest,
+    minimization_of,
+)
+from drivora_service.api.security import reader, submitter
+from drivora_service.api_paths import PREFIX
+from drivora_service.shapes import to_json
+from drivora_service.store.minimization_records import MinimizationSummary
+from drivora_service.store.records import Page
+from drivora_service.suites.minimization.starting import new_minimization
+
+if TYPE_CHECKING:
+    from drivora_service.store.database import Transaction
+    from drivora_service.store.minimization_records import NewMinimization
+
+router = resource_router("minimizations")
+
+_POLL_AFTER_S = "1"
+_ENOUGH = 1 << 10
+"""More runs at once than any machine has workers: a search needs as many as there are."""
+_EXAMPLE = {"oracle": "collision", "budget": 200}
+
+
+@router.post(
+    "/runs/{run_id:id}:minimize",
+    status_code=202,
+    response_model=Minimization,
+    responses=answers(examples.QUEUED_MINIMIZATION, 401, 403, 404, 409, 413, 422, status=202),
+    openapi_extra={"requestBody": {"content": {"application/json": {"example": _EXAMPLE}}}},
+    dependencies=[Depends(submitter)],
+)
+def minimize_run(
+    request: Request,
+    context: Context,
+    run_id: str,
+    body: bodies.RawBody,
+    given: Annotated[MinimizationRequest | None, Body()] = None,
+    idempotency_key: IdempotencyKey = "",
+) -> Response:
+    """Searches the smallest scenario that fails as the run does; `Location` is its address."""
+    wanted = given or MinimizationRequest()
+
+    def prepare() -> Work:
+        # Refused before workers get ready.
+        with context.database.read() as transaction:
+            _new(transaction, run_id, wanted, owner_id="")
+        owner_id = context.reserve(_ENOUGH)
+
+        def commit(transaction: Transaction) -> Answer:
+            new = _new(transaction, run_id, wanted, owner_id=owner_id)
+            minimization_id = transaction.minimizations.open(new)
+            headers = {
+                "Location": f"{PREFIX}/minimizations/{minimization_id}",
+                "Retry-After": _POLL_AFTER_S,
+            }
+            body = to_json(Minimization, _minimization(transaction, minimization_id))
+            return Answer(status=202, headers=headers, body=body.decode())
+
+        return Work(commit=commit)
+
+    response = done_once(request, context, idempotency_key, body, prepare)
+    context.minimizations.wake()
+    return response
+
+
+@router.get(
+    "/minimizations",
+    response_model=Page[MinimizationSummary],
+    responses=answers(examples.MINIMIZATIONS, 401, 403, 422),
+    dependencies=[Depends(reader)],
+)
+def list_minimizations(
+    request: Request,
+    context: Context,
+    run: Annotated[str, Query(max_length=40, description="Only those of this run.")] = "",
+    limit: Limit = 50,
+    page_token: PageToken = "",
+) -> Response:
+    """Lists minimisations, newest first."""
+    with context.database.read() as transaction:
+        page = transaction.minimizations.page(run_id=run, limit=limit, page_token=page_token)
+    return json_answer(request, Page[MinimizationSummary], page)
+
+
+@router.get(
+    "/minimizations/{minimization_id:id}",
+    response_model=Minimization,
+    responses=answers(examples.FINISHED_MINIMIZATION, 401, 403, 404),
+    dependencies=[Depends(reader)],
+)
+def get_minimization(request: Request, context: Context, minimization_id: str) -> Response:
+    """Returns a minimisation with its progress and the smallest scenario so far."""
+    with context.database.read() as transaction:
+        minimization = _minimization(transaction, minimization_id)
+    response = json_answer(request, Minimization, minimization)
+    if minimization.state.is_active:
+        response.headers["Retry-After"] = _POLL_AFTER_S
+    return response
+
+
+@router.post(
+    "/minimizations/{minimization_id:id}:cancel",
+    status_code=202,
+    response_model=Minimization,
+    responses=answers(examples.CANCELLED_MINIMIZATION, 401, 403, 404, status=202),
+    dependencies=[Depends(submitter)],
+)
+def cancel_minimization(context: Context, minimization_id: str) -> Minimization:
+    """Cancels a minimisation and its runs; the smallest scenario so far stays."""
+    return _cancelled(context, minimization_id)
+
+
+def _cancelled(context: ApiContext, minimization_id: str) -> Minimization:
+    with context.database.write() as transaction:
+        transaction.minimizations.cancel(minimization_id)
+        minimization = _minimization(transaction, minimization_id)
+    context.minimizations.wake()
+    context.wake()
+    return minimization
+
+
+def _new(
+    transaction: Transaction, run_id: str, wanted: MinimizationRequest, *, owner_id: str
+) -> NewMinimization:
+    run = find_run(transaction, run_id)
+    return new_minimization(
+        run,
+        find_document(transaction, run_id),
+        overrides=find_overrides(transaction, run_id),
+        oracle=wanted.oracle,
+        radius_m=wanted.radius_m,
+        budget=wanted.budget,
+        owner_id=owner_id,
+    )
+
+
+def _minimization(transaction: Transaction, minimization_id: str) -> Minimization:
+    return minimization_of(transaction.minimizations.get(minimization_id), PREFIX)

@@ -1,0 +1,67 @@
+"""Starting a minimisation: which violation of a run is followed, and what the run has driven."""
+
+from __future__ import annotations
+
+from drivora_service.errors import Conflict
+from drivora_service.oracles.failure_identity import gravest, identity_of
+from drivora_service.oracles.verdict import Outcome
+from drivora_service.runs.report import RunStatus
+from drivora_service.scenario.documents import document_text
+from drivora_service.store.minimization_records import NewMinimization
+from drivora_service.store.records import RunRecord
+from drivora_service.suites.minimization.checking import document_of_run
+
+DEFAULT_BUDGET = 500
+"""Simulations that a search may need."""
+
+
+def new_minimization(
+    run: RunRecord,
+    text: str,
+    *,
+    overrides: tuple[str, int | None],
+    oracle: str,
+    radius_m: float,
+    budget: int,
+    owner_id: str,
+) -> NewMinimization:
+    """Returns the minimisation of a run.
+
+    Args:
+        run: A run with a violation.
+        text: Canonical JSON of its scenario.
+        overrides: Agent and seed that override those of the scenario.
+        oracle: Oracle whose violation is followed; "": the gravest of all is.
+        radius_m: Metres within which a violation is at the same place.
+        budget: Simulations that the search may need.
+        owner_id: Process of a command that will run it; "": any service.
+
+    Raises:
+        Conflict: The run has no violation to follow.
+    """
+    violation = gravest(run.verdicts, oracle=oracle)
+    if violation is None:
+        raise Conflict(_nothing_to_follow(run, oracle))
+    agent, seed = overrides
+    return NewMinimization(
+        run_id=run.id,
+        failure=identity_of(violation, radius_m=radius_m),
+        budget=budget,
+        document=document_text(document_of_run(text, agent=agent, seed=seed)),
+        owner_id=owner_id,
+    )
+
+
+def _nothing_to_follow(run: RunRecord, oracle: str) -> str:
+    if run.status is not RunStatus.FINISHED:
+        return (
+            f"run {run.id} is {run.status} and has no verdicts; a finished run with a violation "
+            "can be minimised"
+        )
+    violated = sorted({v.oracle for v in run.verdicts if v.outcome is Outcome.VIOLATED})
+    found = f"it violates {', '.join(violated)}" if violated else "it violates no oracle"
+    if oracle:
+        return f"run {run.id} does not violate {oracle}; {found}"
+    if violated:
+        return f"run {run.id} has observations only; name one of them as the oracle: {found}"
+    return f"run {run.id} has no violation to follow; choose a run that fails"
