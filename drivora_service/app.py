@@ -127,6 +127,7 @@ def create_service(
     minimizations = MinimizationRunner(
         lambda: database,
         catalogues,
+        traces.path,
         at_once=settings.workers,
         on_queued=dispatcher.wake,
         explained=lambda: bool(infrastructure.confirm_now()),

@@ -214,6 +214,7 @@ def create_command_app(
     minimizations = MinimizationRunner(
         database,
         catalogues,
+        traces.path,
         owner_id=lambda: runs.owner_id,
         at_once=workers or settings.workers,
         on_queued=runs.wake,

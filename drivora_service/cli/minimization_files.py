@@ -64,9 +64,10 @@ def _draw(
             path = Path(scratch) / f"{name}.trace.parquet"
             client.save_run_observations(path, run_id)
             title = name if size is None else title_of(size, name)
-            verdicts = client.run(run_id).verdicts
+            found = minimization.failure.found_in(client.run(run_id).verdicts)
+            verdicts = () if found is None else (found,)
             sides.append(Side(title=title, trace=read_trace(path), verdicts=verdicts))
     network = network_catalogue(settings_for(data_dir)).get(sides[0].trace.network)
     with writing(target):
-        draw_side_by_side(*sides, network, target)
+        draw_side_by_side(sides[0], sides[1], network, target)
         give_to_user(target)

@@ -43,7 +43,7 @@ class Side:
 def draw_side_by_side(left: Side, right: Side, network: RoadNetwork, target: Path) -> None:
     """Draws two runs on the part of the network that the left one takes place on.
 
-    The same runs yield the same bytes.
+    An ego of both has the same colour in both. The same runs yield the same bytes.
 
     Args:
         left: The run that determines what is shown.
@@ -60,12 +60,13 @@ def draw_side_by_side(left: Side, right: Side, network: RoadNetwork, target: Pat
     width = 2.0 * view.width_in + 3.0 * _EDGE_IN
     height = view.height_in + 2.0 * _EDGE_IN + _TITLE_IN
     with picture_file(target, width_in=width, height_in=height) as figure:
+        turns = {actor.id: actor.row for actor in left.trace.actors}
         for place, side in enumerate((left, right)):
             at = _EDGE_IN + place * (view.width_in + _EDGE_IN)
             axes = add_map(figure, view, left_in=at, bottom_in=_EDGE_IN)
             draw_road(axes, network, view)
             draw_signals(axes, side.trace, network, view)
-            draw_trails(axes, side.trace, view, by_time=False)
+            draw_trails(axes, side.trace, view, by_time=False, turns=turns)
             draw_marks(axes, marks_of(side.verdicts), view)
             draw_scale_bar(axes, view)
             title, size = fitted_title(side.title, view.width_in)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -25,11 +28,25 @@ RowArray = NDArray[np.signedinteger]
 """Row numbers of a trace."""
 
 
-def draw_trails(axes: Axes, trace: Trace, view: View, *, by_time: bool) -> ScalarMappable | None:
+def draw_trails(
+    axes: Axes,
+    trace: Trace,
+    view: View,
+    *,
+    by_time: bool,
+    turns: Mapping[str, int] = MappingProxyType({}),
+) -> ScalarMappable | None:
     """Draws trails and boxes of all actors; egos last, on top.
 
-    With ``by_time`` the egos' trails are coloured by time rather than by ego, and the colour scale
-    is returned.
+    Args:
+        axes: Axes of the view's map.
+        trace: The recorded run.
+        view: The part of the plane that is shown.
+        by_time: Whether the egos' trails are coloured by time rather than by ego.
+        turns: Turns of egos among the colours, by their ids; those of others are their rows.
+
+    Returns:
+        The colour scale of a picture by time.
     """
     scale = (
         ScalarMappable(Normalize(float(trace.times[0]), float(trace.times[-1])), "viridis")
@@ -46,7 +63,8 @@ def draw_trails(axes: Axes, trace: Trace, view: View, *, by_time: bool) -> Scala
         if not view.touches(path):
             continue
         if actor.role is Role.EGO:
-            _draw_ego(axes, trace, actor, rows, view, scale)
+            color = colors.ego_color(turns.get(actor.id, actor.row))
+            _draw_ego(axes, trace, actor, rows, view, scale, color)
         else:
             _draw_other(axes, trace, actor, rows, view)
     return scale
@@ -59,8 +77,8 @@ def _draw_ego(
     rows: RowArray,
     view: View,
     scale: ScalarMappable | None,
+    color: str,
 ) -> None:
-    color = colors.ego_color(actor.row)
     path = trace.states[rows, actor.row][:, [Col.X, Col.Y]]
     route = trace.ego_routes[actor.row]
     axes.plot(*route.line.T, color=color, linewidth=1.0, linestyle=(0, (1, 2)), zorder=3.0)

@@ -13,6 +13,7 @@ from enum import StrEnum
 
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.suites.minimization.checking import CheckedDocument
+from drivora_service.suites.minimization.later_starts import Recording
 from drivora_service.suites.minimization.search import (
     PROOF,
     Question,
@@ -29,6 +30,8 @@ class Purpose(StrEnum):
 
     REPRODUCE = "r"
     TRY = "t"
+    OBSERVE = "o"
+    """To see how the scenario came to its failure."""
     CONFIRM = "c"
 
 
@@ -58,9 +61,11 @@ class TrialResult:
 
     Attributes:
         failure: Its failure, if it is the same one; else ``None``.
+        recording: Its run, if it was recorded.
     """
 
     failure: Failure | None
+    recording: Recording | None = None
 
 
 class Phase(StrEnum):
@@ -178,7 +183,7 @@ class Minimizer:
             checked = self._checked(number)
             if checked is None:
                 continue
-            trial = Trial(checked=checked, label=self._question.proposals[number].label)
+            trial = self._trial(checked, self._question.proposals[number].label)
             result = self._results.get(trial.key)
             if result is None:
                 found.setdefault(trial.key, trial)
@@ -208,8 +213,9 @@ class Minimizer:
         first = self._first.checked
         self.original = State(document=first.document, failure=result.failure)
         self.state = self.original
-        self._results[Trial(checked=first, label="").key] = result
-        self._counted.add(first.sha256)
+        same = self._trial(first).key
+        self._results[same] = result
+        self._counted.add(same)
         self._visited.add(first.sha256)
         self._search = smallest(self.state, self._reductions)
         self.phase = Phase.SEARCHING
@@ -222,22 +228,30 @@ class Minimizer:
                 continue
             checked = self._checked(self._next)
             if checked is not None:
-                result = self._results.get(Trial(checked=checked, label="").key)
-                if checked.sha256 not in self._counted:
+                key = self._trial(checked).key
+                result = self._results.get(key)
+                if key not in self._counted:
                     if self.decided == self._budget:
                         self.phase = Phase.CONFIRMING
                         return
                     if result is None:
                         return
-                    self._counted.add(checked.sha256)
+                    self._counted.add(key)
                     self.decided += 1
                 if result is not None and result.failure is not None:
-                    self._take(checked, result.failure)
+                    self._take(checked, result)
                     continue
             self._next += 1
 
-    def _take(self, checked: CheckedDocument, failure: Failure) -> None:
-        state = State(document=checked.document, failure=failure)
+    def _trial(self, checked: CheckedDocument, label: str = "the present one") -> Trial:
+        is_observed = self._question.is_for_recording
+        purpose = Purpose.OBSERVE if is_observed else Purpose.TRY
+        return Trial(checked=checked, label=label or "to see how it fails", purpose=purpose)
+
+    def _take(self, checked: CheckedDocument, result: TrialResult) -> None:
+        assert result.failure is not None
+        recording = result.recording
+        state = State(document=checked.document, failure=result.failure, recording=recording)
         self.state, self._present = state, checked.sha256
         self._visited.add(checked.sha256)
         taken = Taken(number=self._next, state=state)

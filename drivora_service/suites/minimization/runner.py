@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import structlog
 
@@ -37,6 +38,7 @@ class MinimizationRunner:
         self,
         database: Callable[[], Database],
         catalogues: Catalogues,
+        trace_path: Callable[[str], Path],
         *,
         owner_id: Callable[[], str] = lambda: "",
         at_once: int,
@@ -49,6 +51,7 @@ class MinimizationRunner:
         Args:
             database: Returns the database.
             catalogues: Catalogues for the names in scenarios.
+            trace_path: Returns the path of a run's trace, by the run's id.
             owner_id: Returns the command whose minimisations it runs; "": those of any service.
             at_once: Number of runs of a minimisation that are needed at once: the workers.
             on_queued: Called when runs were queued.
@@ -56,6 +59,7 @@ class MinimizationRunner:
             on_fatal: Called with the reason for which the thread has given up.
         """
         self._database, self._catalogues, self._owner_id = database, catalogues, owner_id
+        self._trace_path = trace_path
         self._at_once, self._on_queued = at_once, on_queued
         self._works: dict[str, Work] = {}
         self._changes: int | None = None
@@ -135,7 +139,8 @@ class MinimizationRunner:
         if known is not None:
             return known, False
         agents = self._catalogues.agents.availability()
-        work = Work(active, Checker(self._catalogues.networks, agents))
+        checker = Checker(self._catalogues.networks, agents)
+        work = Work(active, checker, self._trace_path)
         with database.read() as transaction:
             for report in transaction.minimizations.reports(active.id):
                 work.take(report)

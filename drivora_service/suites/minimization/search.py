@@ -8,13 +8,14 @@ answers lead to an equal result, in whatever order and on however many workers t
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.suites.minimization import removals, shortening
 from drivora_service.suites.minimization.delta_debugging import minimal_subset
 from drivora_service.suites.minimization.edits import Edit, edited
+from drivora_service.suites.minimization.later_starts import Recording, later_starts
 from drivora_service.suites.minimization.rounding import DECIMALS, rounded
 from drivora_service.suites.minimization.shortening import Failure
 
@@ -31,10 +32,12 @@ class State:
 
     Attributes:
         failure: Its failure.
+        recording: Its run, if it was recorded.
     """
 
     document: ScenarioDocument
     failure: Failure
+    recording: Recording | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,10 +66,12 @@ class Question:
     Attributes:
         stage: What is being reduced, in one or two words.
         proposals: The candidates.
+        is_for_recording: Whether the present document is to be recorded: it is the only candidate.
     """
 
     stage: str
     proposals: tuple[Proposal, ...]
+    is_for_recording: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +119,7 @@ class Reductions:
             "routes",
             lambda state: shortening.sooner_ends(state.document, state.failure, self.network),
         )
+        yield "begin", _later_starts
 
     def single(self, state: State) -> tuple[Proposal, ...]:
         """Returns every single reduction of a document."""
@@ -143,16 +149,34 @@ def smallest(state: State, reductions: Reductions) -> Search:
             if stage == "actors":
                 # With fewer actors each run is cheaper; with less time, too.
                 for name, alternatives in reductions.alternatives():
+                    if name == "begin":
+                        state = yield from _recorded(state)
                     state = yield from _shorter(name, state, alternatives)
         for decimals in DECIMALS:
             state = yield from _subset("numbers", state, rounded(state.document, decimals))
         if state.document != before:
             continue
+        state = yield from _recorded(state)
         # All of these have been answered; the proof does not rest on the order of the passes.
         taken = yield Question(stage=PROOF, proposals=reductions.single(state))
         if taken is None:
             return state
         state = taken.state
+
+
+def _later_starts(state: State) -> list[list[Edit]]:
+    if state.recording is None or state.failure.time is None:
+        return []
+    return later_starts(state.document, state.recording, state.failure.time)
+
+
+def _recorded(state: State) -> Search:
+    """Returns a state with the recording of its run."""
+    if state.recording is not None or state.failure.time is None:
+        return state
+    same = Proposal(base=state.document, edits=())
+    taken = yield Question(stage="begin", proposals=(same,), is_for_recording=True)
+    return state if taken is None else replace(state, recording=taken.state.recording)
 
 
 def _subset(stage: str, state: State, edits: Sequence[Edit]) -> Search:

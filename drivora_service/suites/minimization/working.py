@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
+from drivora_service.errors import StoreError
+from drivora_service.observations.trace_file import read_trace
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.scenario.documents import parse_document
 from drivora_service.store.minimization_records import (
@@ -15,6 +19,7 @@ from drivora_service.store.minimizations import ActiveMinimization
 from drivora_service.store.records import LONGEST_LABEL, NewRun
 from drivora_service.suites.minimization.checking import Checker
 from drivora_service.suites.minimization.edits import content_of
+from drivora_service.suites.minimization.later_starts import Recording, recording_of
 from drivora_service.suites.minimization.minimizer import (
     Minimizer,
     Phase,
@@ -54,12 +59,15 @@ class Work:
         waiting: Ids of the runs that have been queued and have not been answered.
     """
 
-    def __init__(self, active: ActiveMinimization, checker: Checker) -> None:
+    def __init__(
+        self, active: ActiveMinimization, checker: Checker, trace_path: Callable[[str], Path]
+    ) -> None:
         """Begins, or begins again, with the reproduction of the failure.
 
         Args:
             active: The minimisation as it is stored.
             checker: Checks the candidates.
+            trace_path: Returns the path of a run's trace, by the run's id.
 
         Raises:
             UnknownName: Its road network is not in the catalogue.
@@ -68,6 +76,7 @@ class Work:
         self.id, self.batch_id = active.id, active.batch_id
         self.waiting: set[str] = set()
         self._run_id, self._identity = active.run_id, active.failure
+        self._trace_path = trace_path
         document = parse_document(active.document)
         self._network = checker.network_of(document)
         self._minimizer = Minimizer(
@@ -99,7 +108,8 @@ class Work:
         self._results[report.run_id] = TrialResult(
             failure=None
             if found is None
-            else Failure(time=found.time, location=found.location, sim_time_s=report.sim_time_s)
+            else Failure(time=found.time, location=found.location, sim_time_s=report.sim_time_s),
+            recording=self._recording(report.run_id) if found else None,
         )
 
     def wanted(self, most: int) -> tuple[NewRun, ...]:
@@ -168,6 +178,15 @@ class Work:
             removed=differences(minimizer.original.document, state.document, self._network),
             document={"version": "1.0", "frame": "sumo", **content_of(state.document)},
         )
+
+    def _recording(self, run_id: str) -> Recording | None:
+        """Returns the motions of a run that was observed, unless its trace is gone."""
+        if not run_id.endswith(Purpose.OBSERVE):
+            return None
+        try:
+            return recording_of(read_trace(self._trace_path(run_id)))
+        except StoreError:
+            return None
 
     def _size_of(self, state: State) -> ScenarioSize:
         return size_of(state.document, self._network, sim_time_s=state.failure.sim_time_s)
