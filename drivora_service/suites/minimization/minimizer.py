@@ -138,6 +138,10 @@ class Minimizer:
         return self.phase in (Phase.DONE, Phase.NOT_REPRODUCED, Phase.NOT_CONFIRMED)
 
     @property
+    def _document(self) -> ScenarioDocument | None:
+        return None if self.state is None else self.state.document
+
+    @property
     def reproduction(self) -> Trial:
         """The trial that reproduces the failure."""
         return self._first
@@ -274,12 +278,12 @@ class Minimizer:
         if number not in self._candidates:
             document = self._question.proposals[number].document()
             checked = None if document is None else self._check(document)
-            if (
-                checked is not None
-                and checked.sha256 in self._visited
-                and checked.sha256 != self._present
-            ):
-                self._has_circle |= self.stage == PROOF
-                checked = None
+            if checked is not None and not self._question.is_for_recording:
+                if checked.sha256 == self._present:
+                    # Else it would be taken again and again.
+                    checked = None if document == self._document else checked
+                elif checked.sha256 in self._visited:
+                    self._has_circle |= self.stage == PROOF
+                    checked = None
             self._candidates[number] = checked
         return self._candidates[number]
