@@ -43,6 +43,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
 from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
+from drivora_service.suites.minimization.runner import MinimizationRunner
 
 _RUN_FILTERS = {
     "all": "",
@@ -208,6 +209,7 @@ def application(database: Database, folder: Path) -> FastAPI:
     """Builds the HTTP application over a database; no run is started."""
     campaigns = CampaignSupervisor(database, _engines(database, folder), at_once=1)
     catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
+    traces = TraceFolder(folder / "traces")
     return create_api(
         ApiContext(
             opened=lambda: database,
@@ -215,7 +217,7 @@ def application(database: Database, folder: Path) -> FastAPI:
             catalogues=catalogues,
             tokens=None,
             limits=Limits(body_bytes=1 << 20, batch_items=100, queued_runs=10**6),
-            trace_path=TraceFolder(folder / "traces").path,
+            trace_path=traces.path,
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
             wake=lambda: None,
@@ -225,6 +227,9 @@ def application(database: Database, folder: Path) -> FastAPI:
                 campaigns,
                 folder=lambda study_id: StudyFolder(folder / "studies", study_id),
                 campaign_folder=lambda one: CampaignFolder(folder / "campaigns", one),
+            ),
+            minimizations=MinimizationRunner(
+                lambda: database, catalogues, traces.path, at_once=1
             ),
             reserve=lambda _runs: "",
             faults=dict,

@@ -54,6 +54,16 @@ class Unattended:
         self.woken.append(1)
 
 
+@dataclass(frozen=True)
+class UnattendedMinimizations:
+    """Takes minimisations as the service does, and runs none."""
+
+    woken: list[int]
+
+    def wake(self) -> None:
+        self.woken.append(1)
+
+
 @pytest.fixture
 def scenario() -> dict[str, Any]:
     """A scenario that can be run; a copy of its own for each test."""
@@ -150,6 +160,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
                 folder=lambda study_id: StudyFolder(tmp_path / "studies", study_id),
                 campaign_folder=folder,
             ),
+            minimizations=UnattendedMinimizations(woken),
             reserve=lambda _runs: "",
             faults=lambda: {"workers": "there are none"},
             storage_fault=storage_fault,

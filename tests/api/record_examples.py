@@ -83,6 +83,18 @@ _CRASH: dict[str, Any] = {
     "ego_vehicles": [{**examples.SCENARIO["ego_vehicles"][0], "agent": {"name": "scripted"}}],
     "npc_obstacles": [_CONTAINER],
 }
+_CROWDED_CRASH: dict[str, Any] = {
+    **_CRASH,
+    "npc_walkers": [
+        {
+            "id": "walker",
+            "model": "walker.pedestrian.0001",
+            "route": [{"x": -2.0, "y": 62.0}, {"x": -2.0, "y": 82.5, "speed": 1.25}],
+        }
+    ],
+    "weather": {"precipitation": 40.0, "wetness": 55.5},
+}
+"""The same crash, with things that do not matter for it."""
 LONG: dict[str, Any] = {
     **examples.SCENARIO,
     "ego_vehicles": [
@@ -127,6 +139,7 @@ def record_examples() -> dict[str, str]:
             recording.queue()
             recording.campaigns()
             recording.studies()
+            recording.minimizations()
             recording.state()
         return recording.files
 
@@ -287,6 +300,25 @@ class _Recording:
         lines = table.text.splitlines(keepends=True)[:2]
         self._keep(examples.STUDY_TABLE, re.sub(r"[0-9.]+\n$", "20.0\n", "".join(lines)))
         self._keep(examples.CANCELLED_STUDY, cancelled)
+
+    def minimizations(self) -> None:
+        """Records a minimisation, while it waits and when it has ended, and a cancelled one."""
+        run = self._finished_run(_CROWDED_CRASH)
+        with self._busy_worker():
+            queued = self._post(f"/runs/{run}:minimize", {"oracle": "collision", "budget": 200})
+            self._keep(examples.QUEUED_MINIMIZATION, queued)
+            other = self._post(f"/runs/{run}:minimize")
+            cancelled = self._post(f"/minimizations/{other['id']}:cancel")
+            self._keep(examples.CANCELLED_MINIMIZATION, cancelled)
+        one = f"/minimizations/{queued['id']}"
+        self._wait(one, lambda found: found["state"] not in ("queued", "running"))
+        self._keep(examples.FINISHED_MINIMIZATION, self._get(one), most=_ALL)
+        self._keep(examples.MINIMIZATIONS, self._get("/minimizations?limit=1"))
+
+    def _finished_run(self, scenario: Mapping[str, Any]) -> str:
+        job: str = self._post("/jobs?label=crossing-19", scenario)["id"]
+        self._wait(f"/jobs/{job}", lambda found: found["status"] == "finished")
+        return job
 
     def state(self) -> None:
         """Records the figures of the service, and what it says when its traces have gone."""

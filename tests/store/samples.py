@@ -5,15 +5,19 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from sqlalchemy import event
 
+from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.failure_identity import FailureIdentity
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunFailure, RunReport, RunStatus
 from drivora_service.store.database import Database
+from drivora_service.store.minimization_records import NewMinimization
 from drivora_service.store.records import NewRun, Priority
 
 POLICY = RetryPolicy()
@@ -27,6 +31,20 @@ def new_run(text: str = "{}", **changes: object) -> NewRun:
         "agent": "idm",
     }
     return NewRun(**(fields | changes))  # type: ignore[arg-type] # the test names the fields
+
+
+def new_minimization(**changes: object) -> NewMinimization:
+    """A minimisation of a collision with a walker."""
+    failure = FailureIdentity(
+        oracle="collision",
+        ego="ego",
+        accountability=Accountability.AVOIDABLE,
+        counterpart_role="npc_walker",
+        location=(4.5, 47.0),
+        radius_m=10.0,
+    )
+    plain = NewMinimization(run_id="r" * 24, failure=failure, budget=100, document="{}")
+    return replace(plain, **changes)  # type: ignore[arg-type] # names of its fields
 
 
 def submit(database: Database, count: int, *, priority: Priority | None = None) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.change_lists import ChangedKind, ChangeList
 from drivora_service.store.database import Database, Transaction, open_database
+from drivora_service.store.minimization_records import MinimizationProgress
 from drivora_service.store.pruning import prune
 from drivora_service.store.records import Priority
 from drivora_service.store.retention import Retention, retain
@@ -40,6 +41,7 @@ from tests.store.samples import (
     finish,
     finished,
     lost,
+    new_minimization,
     new_run,
     register,
     submit,
@@ -70,6 +72,9 @@ def shown(transaction: Transaction) -> Shown:
     for study in transaction.studies.page(limit=1000).items:
         whole = transaction.studies.get(study.id)
         found[ChangedKind.STUDY, study.id] = (whole.revision, without(whole))
+    for one in transaction.minimizations.page(limit=1000).items:
+        record = transaction.minimizations.get(one.id)
+        found[ChangedKind.MINIMIZATION, one.id] = (record.revision, without(record))
     return found
 
 
@@ -243,7 +248,27 @@ def test_every_operation_on_campaigns_and_studies_is_counted(
         write(database, lambda t: t.campaigns.ask_for(campaign, CampaignRequest.CANCEL))
     with witness.watched():
         write(database, lambda t: t.studies.ask_for(study, CampaignRequest.CANCEL))
-    assert witness.seen == set(ChangedKind)
+    assert witness.seen == set(ChangedKind) - {ChangedKind.MINIMIZATION}
+
+
+def test_every_operation_on_minimisations_is_counted(database: Database, witness: Witness) -> None:
+    owner = register(database)
+    new = new_minimization(owner_id=owner)
+    with witness.watched():
+        one = write(database, lambda t: t.minimizations.open(new))
+    with witness.watched():
+        write(database, lambda t: t.minimizations.advance(one, MinimizationProgress(decided=3)))
+    with witness.watched(changes=False):
+        write(database, lambda t: t.minimizations.interrupt("another"))
+    with witness.watched():
+        write(database, lambda t: t.minimizations.interrupt(owner))
+    with witness.watched():
+        assert write(database, lambda t: t.minimizations.open(new)) == one
+    with witness.watched():
+        write(database, lambda t: t.minimizations.cancel(one))
+    with witness.watched(changes=False):
+        write(database, lambda t: t.minimizations.cancel(one))
+    assert ChangedKind.MINIMIZATION in witness.seen
 
 
 def test_traces_that_retention_removes_are_counted(
