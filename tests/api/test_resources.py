@@ -39,7 +39,15 @@ def an_example(path: str) -> str:
     return path
 
 
-NAMES = ("batch_id", "campaign_id", "job_id", "name", "run_id", "study_id")
+NAMES = (
+    "batch_id",
+    "campaign_id",
+    "job_id",
+    "minimization_id",
+    "name",
+    "run_id",
+    "study_id",
+)
 
 
 @pytest.mark.parametrize("module", MODULES)
