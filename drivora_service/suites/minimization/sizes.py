@@ -89,8 +89,12 @@ def _removed_settings(before: ScenarioDocument, after: ScenarioDocument) -> Iter
 
 
 def _settings(document: ScenarioDocument) -> tuple[str, ...]:
-    places = (edit.changes[0][0] for edit in removals.settings(document))
-    return tuple(".".join(map(str, place)) for place in places)
+    places = [edit.changes[0][0] for edit in removals.settings(document)]
+    # What is part of another one goes with it.
+    whole = [
+        place for place in places if not any(place[:end] in places for end in range(len(place)))
+    ]
+    return tuple(".".join(map(str, place)) for place in whole)
 
 
 def _shorter_routes(
