@@ -11,8 +11,10 @@ import httpx
 import pytest
 
 from tests.faults import processes
+from tests.faults.conftest import Judge
 from tests.faults.processes import wait_until
 from tests.faults.service_under_test import Service
+from tests.faults.work import good_runs
 from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 
 _SAME = ("state", "message", "decided", "one_minimal", "document", "removed", "before", "after")
@@ -54,7 +56,7 @@ def ended(service: Service, address: str) -> dict[str, Any]:
 
 @pytest.mark.faults
 def test_the_server_killed_again_and_again(
-    own_service: Service, luck: random.Random, trial: int
+    own_service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
     """Nothing is lost, nothing counts twice, and the result is that of an undisturbed one."""
     service = own_service
@@ -62,6 +64,7 @@ def test_the_server_killed_again_and_again(
     run = failing_run(service)
     undisturbed = ended(service, started(service, run))
     assert undisturbed["one_minimal"] is True
+    work = service.post(good_runs(4))
     address = started(service, run)
     for kill in range(3):
         wait_until(
@@ -73,6 +76,7 @@ def test_the_server_killed_again_and_again(
         service.kill()
         service.start()
     found = ended(service, address)
+    check(service, work)
     assert {name: found[name] for name in _SAME} == {name: undisturbed[name] for name in _SAME}
     actors = {actor["id"] for key in found["document"] if key.startswith(("ego_", "npc_"))
               for actor in found["document"][key]}  # fmt: skip
@@ -88,9 +92,10 @@ def test_the_server_killed_again_and_again(
 
 
 @pytest.mark.faults
-def test_workers_killed(service: Service, luck: random.Random, trial: int) -> None:
+def test_workers_killed(service: Service, check: Judge, luck: random.Random, trial: int) -> None:
     """A run whose worker dies is done again, and the minimisation waits for it."""
     run = failing_run(service)
+    work = service.post(good_runs(4))
     address = started(service, run)
     for _ in range(2):
         before = simulations(service, address)
@@ -101,6 +106,7 @@ def test_workers_killed(service: Service, luck: random.Random, trial: int) -> No
         )
         processes.send(luck.choice(service.workers()), signal.SIGKILL)
     found = ended(service, address)
+    check(service, work)
     assert (found["state"], found["one_minimal"]) == ("finished", True)
 
 

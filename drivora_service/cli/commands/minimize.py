@@ -63,7 +63,7 @@ def minimize(
     """
     is_file = out is not None and out.suffix == ".json"
     (check_file if is_file else check_folder)(out)
-    with connected(server, data_dir, works=True, makes_data=not server, workers=workers) as client:
+    with connected(server, data_dir, works=True, workers=workers) as client:
         minimization = _followed(
             client, run, oracle=oracle, budget=budget, radius=radius, is_on_service=bool(server)
         )
