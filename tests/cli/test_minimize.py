@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import json
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -82,3 +88,46 @@ def test_what_cannot_be_minimised(drivora: Drivora, run_id: str) -> None:
     assert "does not violate red_light" in refused(run_id, "--oracle", "red_light").err
     assert "unknown run '0'" in refused("0").err
     assert "--out" in refused(run_id, "--out", "/proc/none/smaller").err
+
+
+def started(data: Path, run: str) -> tuple[subprocess.Popen[str], str]:
+    """Starts the command; returns it, and the id that it prints, once a simulation has ended."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "drivora_service.cli", "minimize", run, "--data-dir", str(data)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    minimization = process.stderr.readline().split()[-1]
+    with closing(sqlite3.connect(data / "drivora.sqlite3")) as connection:
+        query = "SELECT json_extract(progress, '$.simulations') FROM minimizations WHERE id = ?"
+        until = time.monotonic() + 60.0
+        while connection.execute(query, [minimization]).fetchone()[0] < 3:
+            assert time.monotonic() < until
+            time.sleep(0.01)
+    return process, minimization
+
+
+@pytest.mark.slow(seconds=60)
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 3), (signal.SIGKILL, -9)])
+def test_the_same_command_goes_on_where_one_was_ended(
+    drivora: Drivora, run_id: str, tmp_path: Path, number: signal.Signals, code: int
+) -> None:
+    data = tmp_path / "data"
+    process, minimization = started(data, run_id)
+    process.send_signal(number)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert number is signal.SIGKILL or "the same command goes on" in printed
+    ended = drivora("minimize", run_id, "--json")
+    assert ended.code == 0, ended.err
+    again = ended.json()
+    assert again["id"] == minimization
+    fresh = drivora("minimize", run_id, "--json").json()
+    assert fresh["id"] != minimization
+    for name in ("document", "decided", "one_minimal", "removed", "before", "after"):
+        assert again[name] == fresh[name]
+    runs = drivora("runs", "list", "--batch", again["batch_id"], "--json").json()
+    finished = [run["id"] for run in runs if run["status"] == "finished"]
+    assert len(finished) == len(set(finished)) == again["simulations"]
