@@ -73,8 +73,8 @@ def shown(transaction: Transaction) -> Shown:
         whole = transaction.studies.get(study.id)
         found[ChangedKind.STUDY, study.id] = (whole.revision, without(whole))
     for one in transaction.minimizations.page(limit=1000).items:
-        record = transaction.minimizations.get(one.id)
-        found[ChangedKind.MINIMIZATION, one.id] = (record.revision, without(record))
+        smaller = transaction.minimizations.get(one.id)
+        found[ChangedKind.MINIMIZATION, one.id] = (smaller.revision, without(smaller))
     return found
 
 

@@ -14,6 +14,7 @@ from drivora_service.observations.trace_file import read_trace
 from drivora_service.runs.report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.scenario.entities import NpcVehicleDocument, NpcWalkerDocument
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.validation import validate_data, validate_document
 from drivora_service.suites.minimization.edits import edited
@@ -32,6 +33,10 @@ NETWORKS = NetworkCatalogue(shipped_networks())
 def read(name: str) -> ScenarioDocument:
     path = EXAMPLES / name
     return to_document(validate_data(path.read_bytes(), NETWORKS, None).scenario)
+
+
+def others(document: ScenarioDocument) -> list[NpcVehicleDocument | NpcWalkerDocument]:
+    return [*document.npc_vehicles, *document.npc_walkers]
 
 
 @pytest.mark.slow(seconds=20)
@@ -68,19 +73,16 @@ def test_actors_begin_where_they_were(name: str, tmp_path: Path) -> None:
             (whole,) = (one.route for one in document.ego_vehicles if one.id == ego.id)
             assert ego.route[1:] == whole[len(whole) - len(ego.route) + 1 :]
             assert ego.start_time == 0.0
-        for npc in (*later.npc_vehicles, *later.npc_walkers):
-            before = next(
-                actor
-                for actor in (*document.npc_vehicles, *document.npc_walkers)
-                if actor.id == npc.id
-            )
+        for npc in others(later):
+            (before,) = (actor for actor in others(document) if actor.id == npc.id)
+            at = rows[npc.id]
             if before.start_time >= begin:
                 assert npc.start_time == pytest.approx(before.start_time - begin)
                 assert npc.route == before.route
                 continue
             seen += 1
-            assert trace.present[row, rows[npc.id]]
-            place = trace.states[row, rows[npc.id]][[Col.X, Col.Y]].tolist()
+            assert trace.present[row, at]
+            place = trace.states[row, at][[Col.X, Col.Y]].tolist()
             assert (npc.route[0].x, npc.route[0].y) == pytest.approx(place, abs=0.006)
             assert len(npc.route) <= len(before.route)
             assert npc.route[1:] == before.route[len(before.route) - len(npc.route) + 1 :]

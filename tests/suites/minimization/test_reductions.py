@@ -125,7 +125,7 @@ def test_routes_end_behind_the_failure_and_get_shorter() -> None:
     network = checker().network_of(document)
     (before,) = route_lengths(document, network).values()
     (choices,) = sooner_ends(document, state(document).failure, network)
-    lengths = []
+    lengths: list[float] = []
     for edit in choices:
         less = edited(document, [edit])
         assert less is not None

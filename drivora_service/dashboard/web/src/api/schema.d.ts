@@ -136,26 +136,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/batches:compare": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Compare Batches
-         * @description Compares two batches on the same scenarios: failures, metrics, and every pair of runs.
-         */
-        get: operations["compare_batches_api_v1_batches_compare_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/campaigns": {
         parameters: {
             query?: never;
@@ -674,6 +654,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/minimizations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Minimizations
+         * @description Lists minimisations, newest first.
+         */
+        get: operations["list_minimizations_api_v1_minimizations_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/minimizations/{minimization_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Minimization
+         * @description Returns a minimisation with its progress and the smallest scenario so far.
+         */
+        get: operations["get_minimization_api_v1_minimizations__minimization_id__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/minimizations/{minimization_id}:cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Minimization
+         * @description Cancels a minimisation and its runs; the smallest scenario so far stays.
+         */
+        post: operations["cancel_minimization_api_v1_minimizations__minimization_id__cancel_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/networks": {
         parameters: {
             query?: never;
@@ -908,6 +948,26 @@ export interface paths {
         get: operations["get_timeline_api_v1_runs__run_id__timeline_get"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/runs/{run_id}:minimize": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Minimize Run
+         * @description Searches the smallest scenario that fails as the run does; `Location` is its address.
+         */
+        post: operations["minimize_run_api_v1_runs__run_id__minimize_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1554,65 +1614,6 @@ export interface components {
              * @default 0
              */
             violated_runs: number;
-        };
-        /**
-         * BatchComparison
-         * @description Two batches on the same scenarios.
-         */
-        BatchComparison: {
-            a: components["schemas"]["ComparedBatch"];
-            b: components["schemas"]["ComparedBatch"];
-            /**
-             * By Oracle
-             * @description The same by oracle, those with a failure only.
-             */
-            by_oracle: components["schemas"]["FailureComparison"][];
-            /** @description The violations that count as failures. */
-            counts: components["schemas"]["Counted"];
-            /**
-             * Differences
-             * @description Agents, parameters and versions in which the batches differ.
-             */
-            differences: components["schemas"]["SettingDifference"][];
-            /** @description Scenarios with any failure. */
-            failures: components["schemas"]["FailureComparison"];
-            /**
-             * Left Out
-             * @description Runs that are not compared.
-             */
-            left_out: components["schemas"]["LeftOut"][];
-            /**
-             * Metrics
-             * @description Metrics of the pairs.
-             */
-            metrics: components["schemas"]["MetricComparison"][];
-            /**
-             * Notes
-             * @description Remarks for the reader.
-             */
-            notes: string[];
-            /**
-             * Oracles
-             * @description The only oracles that count; empty: all but observations.
-             */
-            oracles: string[];
-            /**
-             * Pairs
-             * @description Every pair, those that tell A from B first.
-             */
-            pairs: components["schemas"]["PairResult"][];
-            /**
-             * Scenarios
-             * @description Scenarios with a pair, regardless of seeds.
-             */
-            scenarios: number;
-            /**
-             * Sentence
-             * @description How things stand.
-             */
-            sentence: string;
-            /** @description The runs without a judgement that count as failures. */
-            unfinished: components["schemas"]["Unfinished"];
         };
         /**
          * BatchItem
@@ -2380,7 +2381,7 @@ export interface components {
         Change: {
             /**
              * Batch Id
-             * @description Batch of a run, of a campaign, or itself; empty without one.
+             * @description Batch of a run, a campaign or a minimisation, or itself; empty without one.
              * @default
              */
             batch_id: string;
@@ -2418,7 +2419,7 @@ export interface components {
          * @description The kinds of objects whose changes are counted.
          * @enum {string}
          */
-        ChangedKind: "run" | "batch" | "campaign" | "study";
+        ChangedKind: "run" | "batch" | "campaign" | "study" | "minimization";
         /**
          * Changes
          * @description Objects that have changed, each once, as they are now; at most 500.
@@ -2446,52 +2447,6 @@ export interface components {
             name: string;
             /** Ok */
             ok: boolean;
-        };
-        /**
-         * ComparedBatch
-         * @description One of the two batches.
-         */
-        ComparedBatch: {
-            /**
-             * Agents
-             * @description Agents of its egos, with the parameters in which the batches differ.
-             */
-            agents: string[];
-            /**
-             * Batch
-             * @description Id of the batch.
-             */
-            batch: string;
-            /**
-             * Created At
-             * Format: date-time
-             */
-            created_at: string;
-            /**
-             * Failing
-             * @description Compared runs with a failure.
-             */
-            failing: number;
-            /**
-             * Finished
-             * @description Those that were judged.
-             */
-            finished: number;
-            /**
-             * Name
-             * @description Display name of the batch.
-             */
-            name: string;
-            /**
-             * Runs
-             * @description Stored runs.
-             */
-            runs: number;
-            /**
-             * Title
-             * @description What sets it apart from the other one: its agents, their parameters, or versions.
-             */
-            title: string;
         };
         /**
          * Comparison
@@ -2539,12 +2494,6 @@ export interface components {
          * @enum {string}
          */
         Confirmation: "open" | "confirmed" | "flaky";
-        /**
-         * Counted
-         * @description The violations that are failures.
-         * @enum {string}
-         */
-        Counted: "accountable" | "at_fault" | "any";
         /**
          * Crossing
          * @description A crossing for walkers.
@@ -3062,7 +3011,7 @@ export interface components {
          * @description What a stream may tell of: changes of objects by their kind, and the workers.
          * @enum {string}
          */
-        EventKind: "run" | "batch" | "campaign" | "study" | "workers";
+        EventKind: "run" | "batch" | "campaign" | "study" | "minimization" | "workers";
         /**
          * Failure
          * @description A violation that a campaign found.
@@ -3110,106 +3059,6 @@ export interface components {
              */
             trace: string;
             verdict: components["schemas"]["Verdict"];
-        };
-        /**
-         * FailureComparison
-         * @description Failures of A and B over the scenarios.
-         */
-        FailureComparison: {
-            /**
-             * A Only
-             * @description Scenarios in which A fails and B does not; with several seeds, A more often.
-             */
-            a_only: number;
-            /**
-             * B Only
-             * @description Scenarios in which B fails and A does not; with several seeds, B more often.
-             */
-            b_only: number;
-            /**
-             * Both
-             * @description Scenarios in which both fail; with several seeds, equally often.
-             */
-            both: number;
-            /**
-             * Difference
-             * @description Share of scenarios of `b_only` minus that of `a_only`; less is better for B.
-             */
-            difference: number | null;
-            /**
-             * High
-             * @description Upper end.
-             */
-            high: number | null;
-            /** @description Undecided unless `p_holm` is below 0.05. */
-            judgement: components["schemas"]["PairedJudgement"];
-            /**
-             * Low
-             * @description Lower end of its 95 % confidence interval.
-             */
-            low: number | null;
-            /**
-             * Neither
-             * @description Scenarios in which neither fails.
-             */
-            neither: number;
-            /**
-             * Not Measurable
-             * @description Pairs that are left out, since the oracle was not measurable in a run.
-             */
-            not_measurable: number;
-            /**
-             * Oracle
-             * @description Name of the oracle, or status of runs without a judgement; empty: any of them.
-             */
-            oracle: string;
-            /**
-             * P
-             * @description p-value of McNemar's exact test, two-sided.
-             */
-            p: number;
-            /**
-             * P Holm
-             * @description p corrected for all oracles with a failure; of any failure, p itself.
-             */
-            p_holm: number;
-            /**
-             * Runs A
-             * @description Runs of A with the failure.
-             */
-            runs_a: number;
-            /**
-             * Runs B
-             * @description Runs of B with the failure.
-             */
-            runs_b: number;
-        };
-        /**
-         * FailureFound
-         * @description A failure of a run.
-         */
-        FailureFound: {
-            /**
-             * Oracle
-             * @description The violated oracle; of a run without a judgement, its status.
-             */
-            oracle: string;
-            /**
-             * Sentence
-             * @description Facts of the first violation.
-             */
-            sentence: string;
-            /**
-             * Time
-             * @description Simulation time in seconds at which it began; null if there is none.
-             */
-            time?: number | null;
-            /**
-             * Violations
-             * @description How often the oracle was violated.
-             * @default 1
-             */
-            violations: number;
         };
         /**
          * FailureGroup
@@ -3272,6 +3121,39 @@ export interface components {
              * @description Number of road networks.
              */
             towns: number;
+        };
+        /**
+         * FailureIdentity
+         * @description What a violation must have in common with another one to be the same failure.
+         */
+        FailureIdentity: {
+            /** @description Responsibility and avoidability. */
+            accountability: components["schemas"]["Accountability"];
+            /**
+             * Counterpart Role
+             * @description Role of the other actor; empty where the oracle names none.
+             */
+            counterpart_role: string;
+            /**
+             * Ego
+             * @description Id of the ego.
+             */
+            ego: string;
+            /**
+             * Location
+             * @description Place in metres; null where the oracle tells none, so that any place is the same.
+             */
+            location: number[] | null;
+            /**
+             * Oracle
+             * @description Violated oracle.
+             */
+            oracle: string;
+            /**
+             * Radius M
+             * @description Metres within which a violation is at that place.
+             */
+            radius_m: number;
         };
         /**
          * FailureKind
@@ -3742,44 +3624,6 @@ export interface components {
          */
         LaneKind: "road" | "junction" | "sidewalk" | "crossing" | "walking_area" | "other";
         /**
-         * LeftOut
-         * @description Runs that are not compared, and why.
-         */
-        LeftOut: {
-            /**
-             * A
-             * @description Id of the run of A; empty if there is none.
-             */
-            a: string;
-            /**
-             * B
-             * @description Id of the run of B; empty if there is none.
-             */
-            b: string;
-            /**
-             * Message
-             * @description The reason in words.
-             */
-            message: string;
-            reason: components["schemas"]["LeftOutReason"];
-            /**
-             * Scenario
-             * @description Label of the runs; without one, the town and the beginning of the scenario's hash.
-             */
-            scenario: string;
-            /**
-             * Seed
-             * @description Seed of A's run; of B's, if there is none of A.
-             */
-            seed: number;
-        };
-        /**
-         * LeftOutReason
-         * @description Why runs are not compared.
-         * @enum {string}
-         */
-        LeftOutReason: "only_a" | "only_b" | "scenario_differs" | "seed_differs" | "not_ended" | "not_judged";
-        /**
          * LightLink
          * @description A signal of a traffic light.
          */
@@ -4039,74 +3883,232 @@ export interface components {
             scenario: string;
         };
         /**
-         * MetricComparison
-         * @description A metric of A and B; means are over scenarios, in each over its pairs.
+         * Minimization
+         * @description A minimisation with its result.
          */
-        MetricComparison: {
-            /** @description Direction in which it is better. */
-            better: components["schemas"]["Better"];
+        Minimization: {
+            /** @description The smallest scenario so far. */
+            after: components["schemas"]["ScenarioSize"] | null;
             /**
-             * Difference
-             * @description `mean_b` minus `mean_a`.
+             * Batch Id
+             * @description Batch of its runs.
              */
-            difference: number | null;
+            batch_id: string;
             /**
-             * High
-             * @description Upper end.
+             * Batch Url
+             * @description Address of the batch of its runs.
              */
-            high: number | null;
-            /** @description Undecided unless `p_holm` is below 0.05. */
-            judgement: components["schemas"]["PairedJudgement"];
+            batch_url: string;
+            /** @description The scenario as it was; null until its failure was reproduced. */
+            before: components["schemas"]["ScenarioSize"] | null;
             /**
-             * Low
-             * @description Lower end of its 95 % confidence interval; null with fewer than two scenarios.
+             * Budget
+             * @description Simulations that the search may need.
              */
-            low: number | null;
+            budget: number;
             /**
-             * Mean A
-             * @description Mean of A; null without pairs.
+             * Created At
+             * Format: date-time
              */
-            mean_a: number | null;
+            created_at: string;
             /**
-             * Mean B
-             * @description Mean of B; null without pairs.
+             * Decided
+             * @description Simulations that the search needed so far, which the budget limits. They are the same on any number of workers.
              */
-            mean_b: number | null;
+            decided: number;
             /**
-             * Metric
-             * @description Name of the metric.
+             * Document
+             * @description The smallest scenario so far; null until its failure was reproduced.
              */
-            metric: string;
+            document?: {
+                [key: string]: unknown;
+            } | null;
+            /** Ended At */
+            ended_at: string | null;
+            /** @description What candidates must have in common with the run. */
+            failure: components["schemas"]["FailureIdentity"];
+            /** Id */
+            id: string;
             /**
-             * Not Measurable
-             * @description Pairs that are left out, since a run has no value.
+             * Message
+             * @description Why it failed; empty otherwise.
              */
-            not_measurable: number;
+            message: string;
             /**
-             * P
-             * @description p-value of the test by flipped signs, two-sided.
+             * Minimal Run Id
+             * @description Recorded run of the smallest scenario; empty before its end.
              */
-            p: number;
+            minimal_run_id: string;
             /**
-             * P Holm
-             * @description p corrected for all metrics with a difference.
+             * Minimal Run Url
+             * @description Address of the recorded run of the smallest scenario; empty before its end.
              */
-            p_holm: number;
+            minimal_run_url: string;
             /**
-             * Pairs
-             * @description Those pairs.
+             * One Minimal
+             * @description Whether every single reduction of the smallest scenario was tried and none fails in the same way; null before the end.
              */
-            pairs: number;
+            one_minimal: boolean | null;
             /**
-             * Scenarios
-             * @description Scenarios with a pair in which both runs have a value.
+             * Removed
+             * @description What the smallest scenario lacks, one sentence each.
+             * @default []
              */
-            scenarios: number;
+            removed: string[];
             /**
-             * Unit
-             * @description Unit; `1` for a share; empty if unknown.
+             * Reproduction Run Id
+             * @description Recorded run of the scenario as it was; empty before its end.
              */
-            unit: string;
+            reproduction_run_id: string;
+            /**
+             * Reproduction Url
+             * @description Address of the recorded run of the scenario as it was; empty before its end.
+             */
+            reproduction_url: string;
+            /**
+             * Revision
+             * @description Count of all changes at its newest one; see `GET /events`.
+             * @default 0
+             */
+            revision: number;
+            /**
+             * Run Id
+             * @description Run that fails.
+             */
+            run_id: string;
+            /**
+             * Simulation S
+             * @description Seconds that they took in the workers.
+             */
+            simulation_s: number;
+            /**
+             * Simulations
+             * @description Simulations so far, those included that several workers made ahead of the search in vain.
+             */
+            simulations: number;
+            /**
+             * Stage
+             * @description What is being reduced, in one or two words.
+             */
+            stage: string;
+            /** Started At */
+            started_at: string | null;
+            state: components["schemas"]["MinimizationState"];
+        };
+        /**
+         * MinimizationRequest
+         * @description How a run is to be minimised.
+         */
+        MinimizationRequest: {
+            /**
+             * Budget
+             * @description Simulations that the search may need.
+             * @default 500
+             */
+            budget: number;
+            /**
+             * Oracle
+             * @description Oracle whose violation is followed. Without it the gravest of the run: at fault before others, collisions before others of the same severity, then the earliest.
+             * @default
+             */
+            oracle: string;
+            /**
+             * Radius M
+             * @description Metres within which a violation is at the same place.
+             * @default 10
+             */
+            radius_m: number;
+        };
+        /**
+         * MinimizationState
+         * @description The state of a minimisation.
+         * @enum {string}
+         */
+        MinimizationState: "queued" | "running" | "finished" | "failed" | "cancelled" | "interrupted";
+        /**
+         * MinimizationSummary
+         * @description A minimisation in a list.
+         */
+        MinimizationSummary: {
+            /** @description The smallest scenario so far. */
+            after: components["schemas"]["ScenarioSize"] | null;
+            /**
+             * Batch Id
+             * @description Batch of its runs.
+             */
+            batch_id: string;
+            /** @description The scenario as it was; null until its failure was reproduced. */
+            before: components["schemas"]["ScenarioSize"] | null;
+            /**
+             * Budget
+             * @description Simulations that the search may need.
+             */
+            budget: number;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Decided
+             * @description Simulations that the search needed so far, which the budget limits. They are the same on any number of workers.
+             */
+            decided: number;
+            /** Ended At */
+            ended_at: string | null;
+            /** @description What candidates must have in common with the run. */
+            failure: components["schemas"]["FailureIdentity"];
+            /** Id */
+            id: string;
+            /**
+             * Message
+             * @description Why it failed; empty otherwise.
+             */
+            message: string;
+            /**
+             * Minimal Run Id
+             * @description Recorded run of the smallest scenario; empty before its end.
+             */
+            minimal_run_id: string;
+            /**
+             * One Minimal
+             * @description Whether every single reduction of the smallest scenario was tried and none fails in the same way; null before the end.
+             */
+            one_minimal: boolean | null;
+            /**
+             * Reproduction Run Id
+             * @description Recorded run of the scenario as it was; empty before its end.
+             */
+            reproduction_run_id: string;
+            /**
+             * Revision
+             * @description Count of all changes at its newest one; see `GET /events`.
+             * @default 0
+             */
+            revision: number;
+            /**
+             * Run Id
+             * @description Run that fails.
+             */
+            run_id: string;
+            /**
+             * Simulation S
+             * @description Seconds that they took in the workers.
+             */
+            simulation_s: number;
+            /**
+             * Simulations
+             * @description Simulations so far, those included that several workers made ahead of the search in vain.
+             */
+            simulations: number;
+            /**
+             * Stage
+             * @description What is being reduced, in one or two words.
+             */
+            stage: string;
+            /** Started At */
+            started_at: string | null;
+            state: components["schemas"]["MinimizationState"];
         };
         /**
          * Movement
@@ -4583,6 +4585,20 @@ export interface components {
          * Page
          * @description One page of a list, and the token of the next.
          */
+        Page_MinimizationSummary_: {
+            /** Items */
+            items: components["schemas"]["MinimizationSummary"][];
+            /**
+             * Next Page Token
+             * @description Value of `page_token` for the next page; empty at the end.
+             * @default
+             */
+            next_page_token: string;
+        };
+        /**
+         * Page
+         * @description One page of a list, and the token of the next.
+         */
         Page_RunSummary_: {
             /** Items */
             items: components["schemas"]["RunSummary"][];
@@ -4607,38 +4623,6 @@ export interface components {
              */
             next_page_token: string;
         };
-        /**
-         * PairResult
-         * @description A run of A and one of B with the same scenario and seed.
-         */
-        PairResult: {
-            a: components["schemas"]["RunResult"];
-            b: components["schemas"]["RunResult"];
-            /** @description Which of A and B fails in this pair. */
-            fails: components["schemas"]["WhichFails"];
-            /**
-             * Same Trace
-             * @description Whether both runs have the same trace, kept or not.
-             */
-            same_trace: boolean;
-            /**
-             * Scenario
-             * @description Label of the runs; without one, the town and the beginning of the scenario's hash.
-             */
-            scenario: string;
-            /** @description Which of them fails more often over all pairs of the scenario. */
-            scenario_fails: components["schemas"]["WhichFails"];
-            /** Seed */
-            seed: number;
-            /** Town */
-            town: string;
-        };
-        /**
-         * PairedJudgement
-         * @description How B stands against A.
-         * @enum {string}
-         */
-        PairedJudgement: "better" | "worse" | "higher" | "lower" | "undecided";
         /**
          * Part
          * @description The part of a scenario that a block of genes varies.
@@ -5127,30 +5111,6 @@ export interface components {
          */
         RunOrder: "-created_at" | "created_at";
         /**
-         * RunResult
-         * @description A run of a pair.
-         */
-        RunResult: {
-            /**
-             * Failures
-             * @description Its failures, the most frequent oracles of the comparison first.
-             */
-            failures: components["schemas"]["FailureFound"][];
-            /**
-             * Metrics
-             * @description Values of the chosen metrics, or of the driving score; null: not measurable.
-             */
-            metrics: {
-                [key: string]: number | null;
-            };
-            /**
-             * Run
-             * @description Id of the run.
-             */
-            run: string;
-            status: components["schemas"]["RunStatus"];
-        };
-        /**
          * RunStatus
          * @description The state of a run in its life cycle.
          * @enum {string}
@@ -5271,7 +5231,7 @@ export interface components {
             ego_vehicles: components["schemas"]["EgoDocument"][];
             /**
              * Extensions
-             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted by a run. Suites keep expectations in `drivora:suite`.
+             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted.
              */
             extensions?: {
                 [key: string]: components["schemas"]["JsonValue"];
@@ -5360,6 +5320,55 @@ export interface components {
             simulations: number;
             /** @description Turn of an ego. */
             turn: components["schemas"]["Turn"];
+        };
+        /**
+         * ScenarioSize
+         * @description The size of a scenario.
+         */
+        ScenarioSize: {
+            /**
+             * Actors
+             * @description Number of egos, NPC vehicles, walkers, obstacles and vehicles of the background traffic.
+             */
+            actors: number;
+            /**
+             * Background
+             * @description Vehicles of the background traffic.
+             */
+            background: number;
+            /**
+             * Digits
+             * @description Digits of all its numbers.
+             */
+            digits: number;
+            /** Egos */
+            egos: number;
+            /** Obstacles */
+            obstacles: number;
+            /**
+             * Route M
+             * @description Length of the routes of the egos on the road, metres.
+             */
+            route_m: number;
+            /**
+             * Settings
+             * @description Values of weather, lights, region, extensions, seed and end that differ from their defaults.
+             */
+            settings: number;
+            /**
+             * Sim Time S
+             * @description Simulated seconds of its run.
+             */
+            sim_time_s: number;
+            /** Vehicles */
+            vehicles: number;
+            /** Walkers */
+            walkers: number;
+            /**
+             * Waypoints
+             * @description Waypoints of all actors.
+             */
+            waypoints: number;
         };
         /**
          * SeedDocument
@@ -5543,27 +5552,6 @@ export interface components {
              * @description Whether requests need a token or a session.
              */
             tokens_needed: boolean;
-        };
-        /**
-         * SettingDifference
-         * @description A parameter or version in which the batches differ.
-         */
-        SettingDifference: {
-            /**
-             * A
-             * @description Values of A, joined by commas; empty: none.
-             */
-            a: string;
-            /**
-             * B
-             * @description Values of B.
-             */
-            b: string;
-            /**
-             * Name
-             * @description `agent`, the name of a parameter after its agent's, or that of a version.
-             */
-            name: string;
         };
         /**
          * Severity
@@ -6505,12 +6493,6 @@ export interface components {
          */
         Turn: "straight" | "left" | "right" | "back" | "unknown";
         /**
-         * Unfinished
-         * @description The runs without a judgement that are failures.
-         * @enum {string}
-         */
-        Unfinished: "agent" | "all" | "none";
-        /**
          * Validation
          * @description A scenario that can be run.
          */
@@ -6802,12 +6784,6 @@ export interface components {
              */
             wind_intensity: number;
         };
-        /**
-         * WhichFails
-         * @description Which of A and B fails in a scenario; with several seeds, which fails more often.
-         * @enum {string}
-         */
-        WhichFails: "a_only" | "b_only" | "both" | "neither";
         /**
          * WorkerSlot
          * @description A slot: one worker process at a time, and its successors.
@@ -7412,84 +7388,6 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    compare_batches_api_v1_batches_compare_get: {
-        parameters: {
-            query: {
-                /** @description Id of batch A, or the name: its newest batch. */
-                a: string;
-                /** @description Id or name of batch B. */
-                b: string;
-                /** @description The violations that are failures. */
-                counts?: components["schemas"]["Counted"];
-                /** @description The runs without a judgement that are failures. */
-                unfinished?: components["schemas"]["Unfinished"];
-                /** @description Only failures by this oracle count, observations included; may be repeated. */
-                oracle?: string[] | null;
-                /** @description Metric to compare, and to show of each run; may be repeated. Without it, all are compared, and the driving score is shown. */
-                metric?: string[] | null;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Done */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["BatchComparison"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Not Found */
-            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -8913,7 +8811,7 @@ export interface operations {
             query?: {
                 /** @description Only of these kinds; may be repeated. */
                 kind?: components["schemas"]["EventKind"][] | null;
-                /** @description Only this batch, campaign, study or run, and what belongs to it. */
+                /** @description Only this batch, campaign, study, minimisation or run, and what belongs to it. */
                 of?: string;
                 /** @description `id` of an event, or a `revision`: what has changed since comes first. Empty: only what changes from now on. */
                 after?: string;
@@ -9585,6 +9483,203 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_minimizations_api_v1_minimizations_get: {
+        parameters: {
+            query?: {
+                /** @description Only those of this run. */
+                run?: string;
+                /** @description Items of a page. */
+                limit?: number;
+                /** @description `next_page_token` of the page before, of the same query. */
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_MinimizationSummary_"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_minimization_api_v1_minimizations__minimization_id__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                minimization_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Minimization"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    cancel_minimization_api_v1_minimizations__minimization_id__cancel_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                minimization_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Accepted */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Minimization"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -10488,6 +10583,98 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    minimize_run_api_v1_runs__run_id__minimize_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Name of this request, chosen by the client; sent again with the same body, it is answered as the first time and nothing is done twice. */
+                "Idempotency-Key"?: string;
+            };
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["MinimizationRequest"] | null;
+            };
+        };
+        responses: {
+            /** @description Accepted */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Minimization"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -11829,17 +12016,17 @@ export interface operations {
                      *     # TYPE drivora_runs gauge
                      *     drivora_runs{status="queued"} 0.0
                      *     drivora_runs{status="running"} 0.0
-                     *     drivora_runs{status="finished"} 164.0
+                     *     drivora_runs{status="finished"} 179.0
                      *     drivora_runs{status="invalid"} 0.0
                      *     drivora_runs{status="agent_failed"} 0.0
                      *     drivora_runs{status="plugin_failed"} 0.0
                      *     drivora_runs{status="simulator_crashed"} 0.0
                      *     drivora_runs{status="timed_out"} 0.0
                      *     drivora_runs{status="infrastructure_failed"} 0.0
-                     *     drivora_runs{status="cancelled"} 3.0
+                     *     drivora_runs{status="cancelled"} 4.0
                      *     # HELP drivora_failed_runs Runs that did not finish, by status and cause
                      *     # TYPE drivora_failed_runs gauge
-                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 3.0
+                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 4.0
                      *     # HELP drivora_queue_depth Runs that wait, paused batches included
                      *     # TYPE drivora_queue_depth gauge
                      *     drivora_queue_depth 0.0
