@@ -113,6 +113,19 @@ def test_a_slow_reaction_crashes_where_a_quick_one_does_not() -> None:
     assert [slow.actors[contact.other].id for contact in slow.contacts] == ["npc"]
 
 
+def test_with_a_second_it_hits_a_walker_for_whom_it_stops_without() -> None:
+    out = walker(
+        place(ROAD, 62, right=6.0, speed=2.0), place(ROAD, 62, right=-6.0), start_time=2.5
+    )
+    what = scenario(
+        ego(place(ROAD, 10), place(ROAD, 110), initial_speed=10.0),
+        npc_walkers=(out,),
+        seconds=14.0,
+    )
+    hit = [bool(run(what, IdmAgent(reaction_time=t)).contacts) for t in (0.0, 0.5, 1.0)]
+    assert hit == [False, False, True]
+
+
 def test_who_steps_out_is_noticed_later() -> None:
     stops = []
     for reaction_time in (0.0, 1.0):
