@@ -114,9 +114,7 @@ def test_a_slow_reaction_crashes_where_a_quick_one_does_not() -> None:
 
 
 def test_with_a_second_it_hits_a_walker_for_whom_it_stops_without() -> None:
-    out = walker(
-        place(ROAD, 62, right=6.0, speed=2.0), place(ROAD, 62, right=-6.0), start_time=2.5
-    )
+    out = walker(place(ROAD, 62, right=6.0, speed=2.0), place(ROAD, 62, right=-6.0), start_time=2.5)
     what = scenario(
         ego(place(ROAD, 10), place(ROAD, 110), initial_speed=10.0),
         npc_walkers=(out,),
