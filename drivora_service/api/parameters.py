@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Depends, Query
@@ -15,6 +16,7 @@ from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
 from drivora_service.scenario.agent_parameters import read_agent_parameter
 from drivora_service.store.records import LONGEST_LABEL, JobFilter
+from drivora_service.store.result_records import ResultFilter
 
 _SEED_MAX = 2**31 - 1
 
@@ -57,8 +59,7 @@ async def _overrides(
 RunOverrides = Annotated[Overrides, Depends(_overrides)]
 
 
-async def _job_filter(
-    batch: Annotated[str, Query(max_length=40, description="Of this batch.")] = "",
+async def _run_conditions(
     status: Annotated[list[RunStatus] | None, Query(description="In any of these states.")] = None,
     agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
     town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
@@ -78,16 +79,12 @@ async def _job_filter(
     ] = None,
     violated: Annotated[bool | None, Query(description="With, or without, any violation.")] = None,
     scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
-    campaign: Annotated[
-        str, Query(max_length=40, description="Of this campaign, if the service runs or ran it.")
-    ] = "",
     since: Annotated[
         AwareDatetime | None, Query(description="Submitted at this time or later.")
     ] = None,
     until: Annotated[AwareDatetime | None, Query(description="Submitted before this time.")] = None,
 ) -> JobFilter:
     return JobFilter(
-        batch_id=batch,
         statuses=frozenset(status or ()),
         agent=agent,
         town=town,
@@ -97,13 +94,55 @@ async def _job_filter(
         accountability=accountability,
         violated=violated,
         scenario_sha256=scenario_sha256,
-        campaign_id=campaign,
         since=since,
         until=until,
     )
 
 
+_Conditions = Annotated[JobFilter, Depends(_run_conditions)]
+
+
+async def _job_filter(
+    conditions: _Conditions,
+    batch: Annotated[str, Query(max_length=40, description="Of this batch.")] = "",
+    campaign: Annotated[
+        str, Query(max_length=40, description="Of this campaign, if the service runs or ran it.")
+    ] = "",
+) -> JobFilter:
+    return replace(conditions, batch_id=batch, campaign_id=campaign)
+
+
 Filter = Annotated[JobFilter, Depends(_job_filter)]
+
+
+async def _result_filter(
+    conditions: _Conditions,
+    batch: Annotated[
+        list[Annotated[str, Query(max_length=40)]] | None,
+        Query(max_length=500, description="Of this batch; may be repeated."),
+    ] = None,
+    campaign: Annotated[
+        list[Annotated[str, Query(max_length=200)]] | None,
+        Query(
+            max_length=500,
+            description="Of this campaign, by its id, its name, or a pattern of names; may be "
+            "repeated.",
+        ),
+    ] = None,
+    study: Annotated[
+        list[Annotated[str, Query(max_length=40)]] | None,
+        Query(max_length=500, description="Of the campaigns of this study; may be repeated."),
+    ] = None,
+) -> ResultFilter:
+    return ResultFilter(
+        batch_ids=tuple(batch or ()),
+        campaign_ids=tuple(campaign or ()),
+        study_ids=tuple(study or ()),
+        runs=conditions,
+    )
+
+
+Results = Annotated[ResultFilter, Depends(_result_filter)]
 
 
 async def _step_range(

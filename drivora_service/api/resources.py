@@ -31,6 +31,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),
         ("failures", "/failures(/.*)?"),
         ("studies", "/studies([/:].*)?"),
+        ("tables", "/tables/[^/]*"),
         ("events", "/events"),
         ("sessions", "/session"),
         ("workers", "/workers"),

@@ -14,6 +14,7 @@ from drivora_service.cli.commands import (
     campaign,
     compare,
     demo,
+    export,
     minimize,
     networks,
     oracles,
@@ -78,6 +79,7 @@ app.command("plot", epilog=EPILOG)(plot.plot)
 app.command("minimize", epilog=EPILOG)(minimize.minimize)
 app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
 app.command("replay", epilog=EPILOG)(replay.replay)
+app.command("export", epilog=EPILOG)(export.export)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
 app.add_typer(runs.app, name="runs", epilog=EPILOG)

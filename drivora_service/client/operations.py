@@ -18,6 +18,7 @@ from drivora_service.client.calls import minimizations as minimization_calls
 from drivora_service.client.calls import runs as run_calls
 from drivora_service.client.calls import sessions as session_calls
 from drivora_service.client.calls import studies as study_calls
+from drivora_service.client.calls import tables as table_calls
 from drivora_service.client.listening import Event
 
 P = ParamSpec("P")
@@ -157,8 +158,6 @@ class Operations:
     run_perception = Answered(run_calls.run_perception)
     run_series = Answered(run_calls.run_series)
     run_timeline = Answered(run_calls.run_timeline)
-    run_table = Answered(run_calls.run_table)
-    save_run_table = Saved(run_calls.run_table)
     run_picture = Answered(run_calls.run_picture)
     save_run_picture = Saved(run_calls.run_picture)
     save_run_observations = Saved(run_calls.run_observations)
@@ -204,6 +203,9 @@ class Operations:
     study_bands = Answered(study_calls.study_bands)
     study_table = Answered(study_calls.study_table)
     save_study_table = Saved(study_calls.study_table)
+
+    result_table = Answered(table_calls.result_table)
+    save_result_table = Saved(table_calls.result_table)
 
     events = Told(event_calls.events)
 

@@ -35,6 +35,7 @@ from drivora_service.store.migration import migrate
 from drivora_service.store.minimizations import MinimizationRepository
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
+from drivora_service.store.results import ResultRepository
 from drivora_service.store.revisions import lock_count, revise
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.workers import WorkerRepository
@@ -57,6 +58,11 @@ class Transaction:
     def jobs(self) -> JobRepository:
         """Jobs and their runs."""
         return JobRepository(self.session)
+
+    @property
+    def results(self) -> ResultRepository:
+        """The results of many runs."""
+        return ResultRepository(self.session)
 
     @property
     def batches(self) -> BatchRepository:

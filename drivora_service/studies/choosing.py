@@ -24,6 +24,19 @@ def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[Campaig
     Raises:
         UnknownName: One of them matches no campaign.
     """
+    ids = campaign_ids(database, wanted)
+    with database.read() as transaction:
+        return tuple(transaction.campaigns.get(one) for one in ids)
+
+
+def campaign_ids(database: Database, wanted: Sequence[str]) -> tuple[str, ...]:
+    """Returns the ids of the campaigns that :func:`choose_campaigns` chooses.
+
+    Raises:
+        UnknownName: One of them matches no campaign.
+    """
+    if not wanted:
+        return ()
     known = _all(database)
     chosen: set[str] = set()
     for one in wanted:
@@ -38,8 +51,7 @@ def choose_campaigns(database: Database, wanted: Sequence[str]) -> tuple[Campaig
                 hint="Give ids, names, or patterns such as 'study-*'",
             )
         chosen |= fitting
-    with database.read() as transaction:
-        return tuple(transaction.campaigns.get(one.id) for one in known if one.id in chosen)
+    return tuple(one.id for one in known if one.id in chosen)
 
 
 def _all(database: Database) -> list[CampaignSummary]:

@@ -12,6 +12,7 @@ from drivora_service.plotting.effects import EffectRow, Values, draw_effects, dr
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import comparison_markdown, measures_of, methods_of
+from drivora_service.studies.csv_text import safe_cells
 from drivora_service.studies.figures import CampaignFigures
 
 _ROW_COLUMNS = (
@@ -134,4 +135,4 @@ def _write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[objec
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows(rows)
+        writer.writerows(map(safe_cells, rows))

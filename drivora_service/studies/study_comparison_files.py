@@ -10,6 +10,7 @@ from pathlib import Path
 from drivora_service.plotting.effects import Values, draw_values
 from drivora_service.shapes import field_names
 from drivora_service.studies.comparison import Difference, Measure, measure
+from drivora_service.studies.csv_text import safe_cells
 from drivora_service.studies.study_comparison import StudyComparison, StudyFigures
 from drivora_service.studies.study_comparison_text import study_markdown
 
@@ -72,4 +73,4 @@ def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]])
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows(rows)
+        writer.writerows(map(safe_cells, rows))

@@ -7,6 +7,8 @@ import io
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -14,12 +16,16 @@ import pyarrow.parquet as pq
 
 from drivora_service.errors import InvalidDocument, Problem, UnknownName
 from drivora_service.observations.table_stream import PartsFile
+from drivora_service.studies.csv_text import safe_text
 from drivora_service.studies.table_names import TableForm
 
 _ROW_GROUP = 20_000
 """Rows that are written together."""
 _MOST_JSON_ROWS = 100_000
 """Of a table as JSON, which is in memory as a whole."""
+
+_FILE_PAGE = 2000
+"""Rows of a file that are in memory at once."""
 
 Row = dict[str, Any]
 """Values of a row by column."""
@@ -31,7 +37,7 @@ class Table:
 
     Attributes:
         schema: Its columns.
-        pages: Begins to read it; each row has a value for every column.
+        pages: Begins to read it; each row has a value for every column, and maybe more values.
     """
 
     schema: pa.Schema
@@ -51,6 +57,17 @@ def chosen_columns(table: Table, columns: Sequence[str]) -> Table:
             raise UnknownName("column", name, tuple(table.schema.names))
     wanted = dict.fromkeys(columns)
     return Table(schema=pa.schema([table.schema.field(name) for name in wanted]), pages=table.pages)
+
+
+def table_of_file(path: Path) -> Table:
+    """Returns the table in a Parquet file, such as one that :func:`table_chunks` made."""
+
+    def pages() -> Iterator[Sequence[Row]]:
+        with pq.ParquetFile(path) as file:
+            for batch in file.iter_batches(_FILE_PAGE):
+                yield batch.to_pylist()
+
+    return Table(schema=pq.read_schema(path), pages=pages)
 
 
 def table_chunks(table: Table, form: TableForm) -> Iterator[bytes]:
@@ -126,6 +143,10 @@ def _lines(rows: Sequence[Sequence[object]]) -> bytes:
 
 
 def _cell(value: object) -> object:
+    if isinstance(value, str):
+        return safe_text(value)
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, datetime):
+        return value.isoformat(timespec="microseconds").replace("+00:00", "Z")
     return " ".join(map(str, value)) if isinstance(value, list) else value

@@ -1,4 +1,4 @@
-"""The names of the tables of studies and campaigns, and their forms."""
+"""The names of the tables, and their forms."""
 
 from __future__ import annotations
 
@@ -27,3 +27,12 @@ class CampaignTableName(StrEnum):
 
     EVALUATIONS = "evaluations"
     FAILURES = "failures"
+
+
+class ResultTableName(StrEnum):
+    """The tables of the results of runs."""
+
+    RUNS = "runs"
+    VERDICTS = "verdicts"
+    METRICS = "metrics"
+    AGENTS = "agents"

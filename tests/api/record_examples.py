@@ -210,8 +210,9 @@ class _Recording:
         self._keep(examples.RUN, self._get(run))
         self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
         self._keep(examples.RUN_COUNTS, self._get(f"/runs:counts?batch={batch.rpartition('/')[2]}"))
-        wanted = "column=id&column=status&column=town&column=agent&column=violations"
-        self._keep(examples.RUN_TABLE, self._table(f"/runs:table?{wanted}", 3))
+        wanted = "column=run_id&column=oracle&column=outcome&column=at_fault&column=message"
+        wanted += "&violated=true"
+        self._keep(examples.RESULT_TABLE, self._table(f"/tables/verdicts?{wanted}", 4))
         picture = self._client.get(f"{PREFIX}{run}/picture").text.splitlines(keepends=True)
         self._keep(examples.PICTURE, "".join(picture[:_LINES]))
         self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from typing import Any
 
 import httpx
@@ -79,13 +80,60 @@ def test_the_failures_of_a_campaign_are_a_table(http: httpx.Client, finished: Js
         assert all(sentence.endswith(".") for sentence in columns["sentence"])
 
 
-def test_the_runs_that_pass_a_filter_are_a_table(http: httpx.Client, finished: Json) -> None:
-    query = f"campaign={finished['id']}&order=created_at"
-    listed = http.get(f"/api/v1/runs?{query}&limit=500").json()["items"]
-    assert len(listed) > 10
-    for columns in in_every_form(http, f"/api/v1/runs:table?{query}"):
-        for name in ("id", "status", "agent", "violations", "trace_sha256", "revision"):
-            assert columns[name] == [run[name] for run in listed], name
+def test_the_runs_of_a_campaign_are_a_table(http: httpx.Client, finished: Json) -> None:
+    listed = http.get(f"/api/v1/runs?campaign={finished['id']}&order=created_at&limit=500").json()
+    items = listed["items"]
+    assert len(items) > 10
+    query = f"campaign={finished['id']}"
+    for columns in in_every_form(http, f"/api/v1/tables/runs?{query}"):
+        # All evaluations of a service have runs, and each is in the table once.
+        assert columns["run_id"] == [run["id"] for run in items]
+        assert set(columns["source"]) == {"run"}
+        for name in ("status", "agent", "violations", "label", "town", "steps", "sim_time_s"):
+            assert columns[name] == [run[name] for run in items], name
+        numbers = [
+            number
+            for number, confirms in zip(columns["evaluation"], columns["confirms"], strict=True)
+            if not confirms
+        ]
+        assert numbers == list(range(finished["counts"]["evaluations"]))
+        assert any(columns["confirms"])
+    details = [http.get(f"/api/v1/runs/{run['id']}").json() for run in items]
+    for columns in in_every_form(http, f"/api/v1/tables/verdicts?{query}"):
+        verdicts = [verdict for run in details for verdict in run["verdicts"]]
+        for name in ("oracle", "ego", "outcome", "at_fault", "avoidable", "message"):
+            assert columns[name] == [verdict[name] for verdict in verdicts], name
+        evidence = [json.loads(text) for text in columns["evidence"]]
+        assert evidence == [verdict["evidence"] for verdict in verdicts]
+    for columns in in_every_form(http, f"/api/v1/tables/metrics?{query}"):
+        described = zip(columns["kind"], columns["metric"], columns["value"], strict=True)
+        assert [(name, value) for kind, name, value in described if kind == "metric"] == [
+            pair for run in details for pair in run["metrics"].items()
+        ]
+        assert {"score", "objective"} < set(columns["kind"])
+    for columns in in_every_form(http, f"/api/v1/tables/agents?{query}"):
+        assert columns["agent"] == [
+            agent["name"] for run in details for agent in run["agents"].values()
+        ]
+
+
+def test_tables_are_filtered_as_lists_are(http: httpx.Client, finished: Json) -> None:
+    def found(query: str) -> list[str]:
+        answer = http.get(f"/api/v1/tables/runs?{query}&column=run_id")
+        assert answer.status_code == 200, answer.text
+        return answer.text.splitlines()[1:]
+
+    every = found(f"campaign={finished['id']}")
+    for query in ("violated=true", "oracle=collision", "status=invalid", "agent=idm", "town=x"):
+        listed = http.get(f"/api/v1/runs?campaign={finished['id']}&{query}&limit=500").json()
+        wanted = [run["id"] for run in reversed(listed["items"])]
+        assert found(f"campaign={finished['id']}&{query}") == wanted
+        assert len(wanted) <= len(every)
+    name = finished["name"].replace(" ", "%20")
+    assert set(every) <= set(found(f"campaign={name}"))
+    assert set(every) <= set(found("campaign=tee*"))
+    batch = finished["runs_url"].rpartition("=")[2]
+    assert found(f"batch={batch}&campaign={finished['id']}") == every
 
 
 def test_columns_and_evaluations_are_chosen(http: httpx.Client, finished: Json) -> None:
@@ -110,7 +158,11 @@ def test_what_is_no_table_is_refused(http: httpx.Client, finished: Json) -> None
     is_problem(http.get(url, headers={"Accept": "image/png"}), 406)
     is_problem(http.get("/api/v1/campaigns/none/tables/failures"), 404)
     is_problem(http.get(f"/api/v1/campaigns/{finished['id']}/tables/runs"), 422)
-    is_problem(http.get("/api/v1/runs:table?page_token=a"), 422)
+    is_problem(http.get("/api/v1/tables/runs?page_token=a"), 422)
+    is_problem(http.get("/api/v1/tables/failures"), 422)
+    for wanted in ("batch", "campaign", "study"):
+        refused = is_problem(http.get(f"/api/v1/tables/runs?{wanted}=none"), 404)
+        assert f"unknown {wanted} 'none'" in refused["detail"]
 
 
 def test_too_many_rows_for_json_are_refused(
@@ -119,6 +171,6 @@ def test_too_many_rows_for_json_are_refused(
     monkeypatch.setattr(table_forms, "_MOST_JSON_ROWS", 1)
     for _ in range(2):
         assert offline.client.post("/api/v1/jobs", json=scenario).status_code == 202
-    url = "/api/v1/runs:table"
+    url = "/api/v1/tables/runs"
     is_problem(offline.client.get(url, headers={"Accept": "application/json"}), 422)
     assert len(offline.client.get(url).text.splitlines()) == 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import csv
 import io
 import json
 import time
@@ -28,7 +29,7 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.found_records import FoundFilter
 from drivora_service.store.records import BatchState, JobFilter, Priority
-from drivora_service.studies.table_names import CampaignTableName
+from drivora_service.studies.table_names import CampaignTableName, ResultTableName, TableForm
 from drivora_service.suites.failures import Counted
 
 
@@ -400,14 +401,33 @@ def test_failures_of_all_campaigns_and_their_groups(client: Client, campaign: Ca
     assert b"<svg" in picture
 
 
-def test_runs_are_counted_drawn_and_put_into_a_table(client: Client, runs: tuple[Run, ...]) -> None:
+def test_runs_are_counted_drawn_and_put_into_a_table(
+    client: Client, runs: tuple[Run, ...], tmp_path: Path
+) -> None:
     wanted = JobFilter(batch_id=runs[0].batch_id)
     assert client.run_counts(wanted).total == len(runs)
     oldest = tuple(client.runs(wanted, oldest_first=True))
     assert [run.id for run in oldest] == [run.id for run in reversed(tuple(client.runs(wanted)))]
-    content = client.run_table(wanted, columns=["id"], oldest_first=True)
+    content = client.result_table(
+        ResultTableName.RUNS, batches=[runs[0].batch_id], columns=["run_id"]
+    )
     table = pq.read_table(io.BytesIO(content))
-    assert table.column("id").to_pylist() == [run.id for run in oldest]
+    assert table.column("run_id").to_pylist() == [run.id for run in oldest]
+    same = JobFilter(batch_id=runs[0].batch_id, agent=runs[0].agent)
+    assert client.result_table(ResultTableName.RUNS, wanted=same, columns=["run_id"]) == content
+    with pytest.raises(NotFound, match="unknown study 'x'"):
+        client.result_table(ResultTableName.AGENTS, studies=["x"])
+    client.save_result_table(
+        tmp_path / "verdicts.csv",
+        ResultTableName.VERDICTS,
+        batches=[runs[0].batch_id],
+        form=TableForm.CSV,
+    )
+    with (tmp_path / "verdicts.csv").open(newline="") as file:
+        verdicts = list(csv.DictReader(file))
+    assert [(one["run_id"], one["oracle"]) for one in verdicts] == [
+        (run.id, verdict.oracle) for run in oldest for verdict in client.run(run.id).verdicts
+    ]
     assert b"<svg" in client.run_picture(runs[0].id, moments=2)
 
 

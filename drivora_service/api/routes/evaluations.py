@@ -251,7 +251,7 @@ def get_table(
     """Returns evaluations or failures of a campaign as a table, in a form by `Accept`."""
 
     def opened() -> Table:
-        from drivora_service.studies.lists_as_tables import campaign_table
+        from drivora_service.studies.campaign_tables import campaign_table
 
         return campaign_table(context.database, campaign_id, table, after=after)
 

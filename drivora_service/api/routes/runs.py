@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from fastapi import Depends, Query, Request, Response
 
@@ -16,7 +16,6 @@ from drivora_service.api.documentation import (
     observations_answers,
     picture_answers,
     scenario_answers,
-    table_answers,
 )
 from drivora_service.api.observations import observations_answer
 from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
@@ -26,16 +25,12 @@ from drivora_service.api.resource_router import resource_router
 from drivora_service.api.run_lookup import find_document, find_run
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
-from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.store.records import Page, RunSummary
 from drivora_service.store.run_counts import RunCounts
-
-if TYPE_CHECKING:
-    from drivora_service.studies.table_forms import Table
 
 router = resource_router("runs", Depends(reader))
 
@@ -81,29 +76,6 @@ def count_runs(request: Request, context: Context, wanted: Filter) -> Response:
     with context.database.read() as transaction:
         counts = transaction.jobs.counts_by_filter(wanted)
     return json_answer(request, RunCounts, counts)
-
-
-@router.get(
-    "/runs:table",
-    response_class=Response,
-    responses=table_answers(examples.RUN_TABLE, 401, 403, 404, 406, 422),
-)
-def get_table(
-    request: Request,
-    context: Context,
-    wanted: Filter,
-    columns: Columns = None,
-    order: Annotated[RunOrder, Query(description="Order of the runs.")] = RunOrder.NEWEST_FIRST,
-) -> Response:
-    """Returns the runs that pass a filter as a table, in a form by `Accept`."""
-
-    def opened() -> Table:
-        from drivora_service.studies.lists_as_tables import run_table
-
-        newest_first = order is RunOrder.NEWEST_FIRST
-        return run_table(context.database, wanted, newest_first=newest_first)
-
-    return table_answer(request, "runs", opened, columns)
 
 
 @router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))

@@ -180,17 +180,15 @@ def export(
 ) -> None:
     """Writes campaigns, evaluations and failures of a study as Parquet and CSV."""
     check_folder(out)
-    from drivora_service.cli.private_files import give_to_user
+    from drivora_service.cli.table_files import save_tables
     from drivora_service.studies.table_names import TableForm, TableName
 
     with connected(server, data_dir) as client:
-        for table in TableName:
-            for form, suffix in ((TableForm.PARQUET, "parquet"), (TableForm.CSV, "csv")):
-                path = out / f"{table}.{suffix}"
-                with writing(out):
-                    client.save_study_table(path, study_id, table, form=form)
-                    give_to_user(path)
-                typer.echo(str(path))
+
+        def save(path: Path, table: TableName, form: TableForm) -> None:
+            client.save_study_table(path, study_id, table, form=form)
+
+        save_tables(out, TableName, save)
 
 
 def _posted(client: Client, file: Path) -> Study:

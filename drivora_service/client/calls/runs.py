@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.timeline import Timeline
     from drivora_service.store.records import JobFilter, RunSummary
     from drivora_service.store.run_counts import RunCounts
-    from drivora_service.studies.table_names import TableForm
 
 
 def runs(
@@ -41,31 +40,6 @@ def run_counts(wanted: JobFilter | None = None) -> Call[RunCounts]:
     from drivora_service.store.run_counts import RunCounts
 
     return get(f"{PREFIX}/runs:counts", RunCounts, query=job_query(wanted))
-
-
-def run_table(
-    wanted: JobFilter | None = None,
-    *,
-    columns: Sequence[str] = (),
-    oldest_first: bool = False,
-    form: TableForm | None = None,
-) -> Call[bytes]:
-    """Returns the runs that pass a filter as a file, in the order of their submission.
-
-    Args:
-        wanted: Which runs; ``None``: all.
-        columns: Names of its columns; empty: all.
-        oldest_first: Whether the oldest come first.
-        form: As which file; ``None``: Parquet.
-    """
-    from drivora_service.studies.table_names import TableForm
-
-    query = {
-        **job_query(wanted),
-        "column": tuple(columns),
-        "order": "created_at" if oldest_first else None,
-    }
-    return get(f"{PREFIX}/runs:table", bytes, query=query, accept=form or TableForm.PARQUET)
 
 
 def run(run_id: str) -> Call[Run]:

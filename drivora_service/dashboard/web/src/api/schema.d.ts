@@ -994,26 +994,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/runs:table": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Table
-         * @description Returns the runs that pass a filter as a table, in a form by `Accept`.
-         */
-        get: operations["get_table_api_v1_runs_table_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/scenarios:validate": {
         parameters: {
             query?: never;
@@ -1224,6 +1204,29 @@ export interface paths {
          * @description Resumes the campaigns of a study that are not over, as if they had not been interrupted.
          */
         post: operations["resume_study_api_v1_studies__study_id__resume_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tables/{table}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Table
+         * @description Returns runs, their verdicts, metrics or agents as a table, in a form by `Accept`.
+         *
+         *     Runs are those of any of the batches, campaigns and studies, or all, that pass the filters;
+         *     evaluations of campaigns count whose runs are not stored.
+         */
+        get: operations["get_table_api_v1_tables__table__get"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -4823,6 +4826,12 @@ export interface components {
              */
             revision: number;
         };
+        /**
+         * ResultTableName
+         * @description The tables of the results of runs.
+         * @enum {string}
+         */
+        ResultTableName: "runs" | "verdicts" | "metrics" | "agents";
         /**
          * Role
          * @description The role of an actor in the scenario.
@@ -9133,6 +9142,8 @@ export interface operations {
                 page_token?: string;
                 /** @description Of this batch. */
                 batch?: string;
+                /** @description Of this campaign, if the service runs or ran it. */
+                campaign?: string;
                 /** @description In any of these states. */
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
@@ -9151,8 +9162,6 @@ export interface operations {
                 violated?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
-                /** @description Of this campaign, if the service runs or ran it. */
-                campaign?: string;
                 /** @description Submitted at this time or later. */
                 since?: string | null;
                 /** @description Submitted before this time. */
@@ -9964,6 +9973,8 @@ export interface operations {
                 page_token?: string;
                 /** @description Of this batch. */
                 batch?: string;
+                /** @description Of this campaign, if the service runs or ran it. */
+                campaign?: string;
                 /** @description In any of these states. */
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
@@ -9982,8 +9993,6 @@ export interface operations {
                 violated?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
-                /** @description Of this campaign, if the service runs or ran it. */
-                campaign?: string;
                 /** @description Submitted at this time or later. */
                 since?: string | null;
                 /** @description Submitted before this time. */
@@ -10707,6 +10716,8 @@ export interface operations {
             query?: {
                 /** @description Of this batch. */
                 batch?: string;
+                /** @description Of this campaign, if the service runs or ran it. */
+                campaign?: string;
                 /** @description In any of these states. */
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
@@ -10725,8 +10736,6 @@ export interface operations {
                 violated?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
-                /** @description Of this campaign, if the service runs or ran it. */
-                campaign?: string;
                 /** @description Submitted at this time or later. */
                 since?: string | null;
                 /** @description Submitted before this time. */
@@ -10758,126 +10767,6 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-        };
-    };
-    get_table_api_v1_runs_table_get: {
-        parameters: {
-            query?: {
-                /** @description Only these; may be repeated. */
-                column?: string[] | null;
-                /** @description Order of the runs. */
-                order?: components["schemas"]["RunOrder"];
-                /** @description Of this batch. */
-                batch?: string;
-                /** @description In any of these states. */
-                status?: components["schemas"]["RunStatus"][] | null;
-                /** @description Driven by this agent. */
-                agent?: string;
-                /** @description On this network. */
-                town?: string;
-                /** @description With the verdict `outcome` of this oracle. */
-                oracle?: string;
-                /** @description See `oracle`. */
-                outcome?: components["schemas"]["Outcome"];
-                /** @description See `oracle`: by the fault of an ego, or not. Without `oracle`: with a violation by the fault of an ego, or with violations, but none by its fault. */
-                at_fault?: boolean | null;
-                /** @description The strongest of its violations is this. */
-                accountability?: components["schemas"]["Accountability"] | null;
-                /** @description With, or without, any violation. */
-                violated?: boolean | null;
-                /** @description Of this scenario. */
-                scenario_sha256?: string;
-                /** @description Of this campaign, if the service runs or ran it. */
-                campaign?: string;
-                /** @description Submitted at this time or later. */
-                since?: string | null;
-                /** @description Submitted before this time. */
-                until?: string | null;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description The table */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": {
-                        /** @description Values of each column, by its name. */
-                        columns: {
-                            [key: string]: unknown[];
-                        };
-                        /** @description Number of rows. */
-                        rows: number;
-                    };
-                    "application/vnd.apache.arrow.stream": string;
-                    "application/vnd.apache.parquet": string;
-                    /**
-                     * @example id,status,town,agent,violations
-                     *     0193a5b0c4d2000000000007,finished,tee-town,idm,0
-                     *     0193a5b0c4d2000000000005,cancelled,tee-town,idm,
-                     */
-                    "text/csv": string;
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["ProblemDetails"];
-                };
-            };
-            /** @description Not Acceptable */
-            406: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -11823,6 +11712,129 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_table_api_v1_tables__table__get: {
+        parameters: {
+            query?: {
+                /** @description Only these; may be repeated. */
+                column?: string[] | null;
+                /** @description Of this batch; may be repeated. */
+                batch?: string[] | null;
+                /** @description Of this campaign, by its id, its name, or a pattern of names; may be repeated. */
+                campaign?: string[] | null;
+                /** @description Of the campaigns of this study; may be repeated. */
+                study?: string[] | null;
+                /** @description In any of these states. */
+                status?: components["schemas"]["RunStatus"][] | null;
+                /** @description Driven by this agent. */
+                agent?: string;
+                /** @description On this network. */
+                town?: string;
+                /** @description With the verdict `outcome` of this oracle. */
+                oracle?: string;
+                /** @description See `oracle`. */
+                outcome?: components["schemas"]["Outcome"];
+                /** @description See `oracle`: by the fault of an ego, or not. Without `oracle`: with a violation by the fault of an ego, or with violations, but none by its fault. */
+                at_fault?: boolean | null;
+                /** @description The strongest of its violations is this. */
+                accountability?: components["schemas"]["Accountability"] | null;
+                /** @description With, or without, any violation. */
+                violated?: boolean | null;
+                /** @description Of this scenario. */
+                scenario_sha256?: string;
+                /** @description Submitted at this time or later. */
+                since?: string | null;
+                /** @description Submitted before this time. */
+                until?: string | null;
+            };
+            header?: never;
+            path: {
+                table: components["schemas"]["ResultTableName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The table */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        /** @description Values of each column, by its name. */
+                        columns: {
+                            [key: string]: unknown[];
+                        };
+                        /** @description Number of rows. */
+                        rows: number;
+                    };
+                    "application/vnd.apache.arrow.stream": string;
+                    "application/vnd.apache.parquet": string;
+                    /**
+                     * @example run_id,oracle,outcome,at_fault,message
+                     *     0193a5b0c4d2000000000002,collision,violated,true,"Collided with container at 8.0 m/s: the other stood, and there was time to brake."
+                     *     0193a5b0c4d2000000000002,red_light,passed,,"Crossed 0 stop lines, none on red."
+                     *     0193a5b0c4d2000000000002,stop_sign,passed,,Stood at all of 0 stop signs.
+                     */
+                    "text/csv": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,4 +1,4 @@
-"""Evaluations and failures of a campaign, and runs, as tables."""
+"""Evaluations and failures of a campaign as tables."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import pyarrow as pa
 
-from drivora_service.shapes import field_names
 from drivora_service.store.database import Database
-from drivora_service.store.records import JobFilter, RunSummary
 from drivora_service.studies.table_forms import Row, Table
 from drivora_service.studies.table_names import CampaignTableName
 
@@ -60,32 +58,6 @@ _FAILURES = (
     ("message", pa.string()),
     ("trace", pa.string()),
 )
-_RUNS = (
-    ("id", pa.string()),
-    ("status", pa.string()),
-    ("cause", pa.string()),
-    ("label", pa.string()),
-    ("batch_id", pa.string()),
-    ("item", pa.int32()),
-    ("town", pa.string()),
-    ("agent", pa.string()),
-    ("seed", pa.int64()),
-    ("scenario_sha256", pa.string()),
-    ("created_at", _TIME),
-    ("started_at", _TIME),
-    ("ended_at", _TIME),
-    ("cancel_requested", pa.bool_()),
-    ("attempts", pa.int32()),
-    ("violations", pa.int32()),
-    ("at_fault_violations", pa.int32()),
-    ("observations", pa.int32()),
-    ("accountability", pa.string()),
-    ("steps", pa.int32()),
-    ("sim_time_s", pa.float64()),
-    ("wall_time_s", pa.float64()),
-    ("trace_sha256", pa.string()),
-    ("revision", pa.int64()),
-)
 
 
 def campaign_table(
@@ -116,14 +88,6 @@ def campaign_table(
     )
 
 
-def run_table(database: Database, wanted: JobFilter, *, newest_first: bool = True) -> Table:
-    """Returns the runs that pass a filter as a table, in the order of their submission."""
-    return Table(
-        schema=pa.schema(_RUNS),
-        pages=lambda: _run_pages(database, wanted, newest_first=newest_first),
-    )
-
-
 def _evaluation_pages(
     database: Database, campaign_id: str, objectives: Sequence[str], after: int
 ) -> Iterator[Sequence[Row]]:
@@ -149,18 +113,3 @@ def _failure_pages(database: Database, campaign_id: str, after: int) -> Iterator
             return
         yield rows
         after = last
-
-
-def _run_pages(
-    database: Database, wanted: JobFilter, *, newest_first: bool
-) -> Iterator[Sequence[Row]]:
-    token = ""
-    while True:
-        with database.read() as transaction:
-            page = transaction.jobs.page(
-                wanted, limit=_PAGE, page_token=token, newest_first=newest_first
-            )
-        yield [{name: getattr(run, name) for name in field_names(RunSummary)} for run in page.items]
-        token = page.next_page_token
-        if not token:
-            return
