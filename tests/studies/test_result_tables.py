@@ -6,9 +6,11 @@ import csv
 import io
 import json
 import math
+import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from benchmarks.million_fill import fill_runs
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.errors import UnknownName
 from drivora_service.oracles.accountability import Accountability
@@ -362,10 +365,8 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 @pytest.mark.slow(seconds=120)
 def test_a_large_store_is_read_in_bounded_memory(tmp_path: Path) -> None:
-    from benchmarks.million_fill import fill_runs
-
     peaks = {}
-    for size in (20_000, 100_000):
+    for size in (5_000, 50_000):
         folder = tmp_path / str(size)
         folder.mkdir()
         url = f"sqlite:///{folder / 'drivora.sqlite3'}"
@@ -383,16 +384,11 @@ def test_a_large_store_is_read_in_bounded_memory(tmp_path: Path) -> None:
         assert len(set(runs)) == len(runs) == size
         with (folder / "runs.csv").open(newline="") as file:
             assert [row["run_id"] for row in csv.DictReader(file)] == runs
-        verdicts = pq.read_metadata(folder / "verdicts.parquet").num_rows
-        assert verdicts == sum(len(run["report"].get("verdicts", ())) for run in held_large(folder))
-    # MiB. Five times the runs; the difference is that of caches.
-    assert peaks[100_000] < peaks[20_000] + 100.0
-
-
-def held_large(folder: Path) -> Iterator[Row]:
-    import sqlite3
-
-    connection = sqlite3.connect(folder / "drivora.sqlite3")
-    for (body,) in connection.execute("SELECT body FROM reports"):
-        yield {"report": json.loads(body)}
-    connection.close()
+        with closing(sqlite3.connect(folder / "drivora.sqlite3")) as connection:
+            ((expected,),) = connection.execute(
+                "SELECT SUM(json_array_length(body, '$.verdicts')) FROM reports"
+            )
+        assert pq.read_metadata(folder / "verdicts.parquet").num_rows == expected > size
+    # MiB. Ten times the runs need no more memory, but for caches and for full groups of rows, which
+    # the smaller store does not have. All rows of the verdicts at once need 300 MiB more.
+    assert peaks[50_000] < peaks[5_000] + 150.0, peaks
