@@ -123,7 +123,8 @@ def _campaigns(session: Session, seqs: Iterable[int]) -> Mapping[int, CampaignRo
 
 def _without_details(report: Mapping[str, Any]) -> RunReport:
     """Returns a report without what only tables of details have; reading all takes far longer."""
-    notable = [one for one in report["verdicts"] if one["outcome"] != Outcome.PASSED]
+    verdicts = report.get("verdicts") or ()
+    notable = [one for one in verdicts if one["outcome"] != Outcome.PASSED]
     kept = {name: report[name] for name in _KEPT if name in report}
     short: RunReport = adapter(RunReport).validate_python({**kept, "verdicts": notable})
     return short

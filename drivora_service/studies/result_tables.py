@@ -8,7 +8,7 @@ from typing import Any
 from pydantic_core import to_json
 
 from drivora_service.oracles.accountability import accountable
-from drivora_service.oracles.verdict import Answer, Outcome
+from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.store.chunks import batched
 from drivora_service.store.database import Database
 from drivora_service.store.result_records import EvaluationPlace, ResultFilter, StoredResult
@@ -20,6 +20,20 @@ _PAGE = 200
 """Runs that are in memory at once, with their reports."""
 _NUMBERS = 50_000
 """Numbers of runs that are looked for at once: a search by batch sorts all runs that it has."""
+
+_UNSAID: Mapping[str, Any] = {
+    "severity": Severity.MAJOR,
+    "at_fault": None,
+    "undetermined": False,
+    "avoidable": None,
+    "physically_avoidable": None,
+    "time": None,
+    "step": None,
+    "location": None,
+    "counterpart": "",
+    "evidence": {},
+}
+"""Values of a verdict that reports of older versions leave out."""
 
 
 def result_table(database: Database, name: ResultTableName, wanted: ResultFilter) -> Table:
@@ -84,7 +98,8 @@ def _run_rows(result: StoredResult) -> Iterator[Row]:
 
 def _verdict_rows(result: StoredResult) -> Iterator[Row]:
     run_id = result.values["run_id"]
-    for place, verdict in enumerate(result.report.get("verdicts") or ()):
+    for place, told in enumerate(result.report.get("verdicts") or ()):
+        verdict = {**_UNSAID, **told}
         is_violated = verdict["outcome"] == Outcome.VIOLATED
         x, y = verdict["location"] or (None, None)
         yield {
@@ -92,9 +107,6 @@ def _verdict_rows(result: StoredResult) -> Iterator[Row]:
             "run_id": run_id,
             "place": place,
             "severity": verdict["severity"] if is_violated else None,
-            "undetermined": verdict.get("undetermined", False),
-            "avoidable": verdict.get("avoidable"),
-            "physically_avoidable": verdict.get("physically_avoidable"),
             "accountability": _accountability(verdict) if is_violated else None,
             "time_s": verdict["time"],
             "x": x,
@@ -125,7 +137,7 @@ def _agent_rows(result: StoredResult) -> Iterator[Row]:
             "run_id": run_id,
             "ego": ego,
             "agent": agent["name"],
-            "parameters": _json(agent["parameters"]),
+            "parameters": _json(agent.get("parameters") or {}),
             "cost_us": costs.get(ego),
             "privileged": ego in privileged,
         }
@@ -140,11 +152,11 @@ _ROWS: Mapping[ResultTableName, Callable[[StoredResult], Iterator[Row]]] = {
 
 
 def _accountability(verdict: Mapping[str, Any]) -> str:
-    avoidable = verdict.get("avoidable")
+    avoidable = verdict["avoidable"]
     return accountable(
         verdict["at_fault"],
         None if avoidable is None else Answer(avoidable),
-        undetermined=verdict.get("undetermined", False),
+        undetermined=verdict["undetermined"],
     )
 
 

@@ -155,8 +155,18 @@ def test_verdicts_are_those_of_the_reports(world: World, runs: dict[str, Row]) -
             assert json.loads(row["evidence"]) == verdict["evidence"]
             is_violated = verdict["outcome"] == "violated"
             assert row["severity"] == (verdict["severity"] if is_violated else None)
-            assert (row["accountability"] is not None) == is_violated
+            assert row["accountability"] == (accountable(verdict) if is_violated else None)
     assert next(found, None) is None
+
+
+def accountable(verdict: Row) -> str:
+    """The accountability of a violation, as docs/reference/oracles.md defines it."""
+    if verdict["at_fault"] is None:
+        return "undetermined" if verdict["undetermined"] else "not_judged"
+    if not verdict["at_fault"]:
+        return "not_at_fault"
+    degrees = {"no": "unavoidable", "not_measurable": "not_measurable"}
+    return degrees.get(verdict["avoidable"] or "yes", "avoidable")
 
 
 def test_metrics_and_agents_are_those_of_the_reports(world: World, runs: dict[str, Row]) -> None:
@@ -344,6 +354,29 @@ def test_what_does_not_exist_is_refused_before_anything_is_read(world: World) ->
     ):
         with pytest.raises(UnknownName, match="'x'"):
             result_table(world.database, ResultTableName.RUNS, wanted)
+
+
+_DATA = Path(__file__).parents[1] / "store" / "data"
+
+
+@pytest.mark.parametrize("revision", ["0001", "0006", "0011", "0015"])
+def test_stores_of_older_versions_are_read(revision: str, tmp_path: Path) -> None:
+    file = tmp_path / "old.sqlite3"
+    with closing(sqlite3.connect(file)) as connection:
+        connection.executescript((_DATA / f"revision_{revision}.sql").read_text())
+        ((runs,),) = connection.execute("SELECT COUNT(*) FROM runs")
+        bodies = [body for (body,) in connection.execute("SELECT body FROM reports")]
+    database = open_database(f"sqlite:///{file}")
+    counts = {}
+    for name in ResultTableName:
+        content = b"".join(
+            table_chunks(result_table(database, name, EVERYTHING), TableForm.PARQUET)
+        )
+        counts[name] = len(pd.read_parquet(io.BytesIO(content)))
+    database.close()
+    assert counts[ResultTableName.RUNS] >= runs > 0
+    verdicts = sum(len(json.loads(body)["verdicts"]) for body in bodies)
+    assert counts[ResultTableName.VERDICTS] >= verdicts > 0
 
 
 _COUNTING = """

@@ -5240,7 +5240,7 @@ export interface components {
             ego_vehicles: components["schemas"]["EgoDocument"][];
             /**
              * Extensions
-             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted.
+             * @description Free data of other tools, by `vendor:name` or reverse domain name; carried, never interpreted by a run. Suites keep expectations in `drivora:suite`.
              */
             extensions?: {
                 [key: string]: components["schemas"]["JsonValue"];
