@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 
+from drivora_service.studies.csv_text import safe_cells
 from drivora_service.suites.report import SuiteReport
 
 _COLUMNS = (
@@ -23,8 +24,6 @@ _COLUMNS = (
     "wall_time_s",
     "trace_sha256",
 )
-# A spreadsheet takes a text that begins with one of these for a formula.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def runs_csv(report: SuiteReport) -> str:
@@ -36,7 +35,7 @@ def runs_csv(report: SuiteReport) -> str:
     metrics = sorted({name for run in report.results.runs for name in run.metrics})
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*_COLUMNS, *map(_safe, metrics)])
+    writer.writerow([*_COLUMNS, *safe_cells(metrics)])
     for row in report.rows:
         for run in row.runs:
             failures = [
@@ -60,11 +59,5 @@ def runs_csv(report: SuiteReport) -> str:
                 run.wall_time_s,
                 run.trace_sha256,
             )
-            writer.writerow([*map(_safe, values), *(run.metrics.get(name) for name in metrics)])
+            writer.writerow([*safe_cells(values), *(run.metrics.get(name) for name in metrics)])
     return text.getvalue()
-
-
-def _safe(value: object) -> object:
-    if isinstance(value, str) and value.startswith(_FORMULA):
-        return f"'{value}"
-    return value

@@ -136,6 +136,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/batches:compare": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Compare Batches
+         * @description Compares two batches on the same scenarios: failures, metrics, and every pair of runs.
+         */
+        get: operations["compare_batches_api_v1_batches_compare_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/campaigns": {
         parameters: {
             query?: never;
@@ -1619,6 +1639,65 @@ export interface components {
             violated_runs: number;
         };
         /**
+         * BatchComparison
+         * @description Two batches on the same scenarios.
+         */
+        BatchComparison: {
+            a: components["schemas"]["ComparedBatch"];
+            b: components["schemas"]["ComparedBatch"];
+            /**
+             * By Oracle
+             * @description The same by oracle, those with a failure only.
+             */
+            by_oracle: components["schemas"]["FailureComparison"][];
+            /** @description The violations that count as failures. */
+            counts: components["schemas"]["Counted"];
+            /**
+             * Differences
+             * @description Agents, parameters and versions in which the batches differ.
+             */
+            differences: components["schemas"]["SettingDifference"][];
+            /** @description Scenarios with any failure. */
+            failures: components["schemas"]["FailureComparison"];
+            /**
+             * Left Out
+             * @description Runs that are not compared.
+             */
+            left_out: components["schemas"]["LeftOut"][];
+            /**
+             * Metrics
+             * @description Metrics of the pairs.
+             */
+            metrics: components["schemas"]["MetricComparison"][];
+            /**
+             * Notes
+             * @description Remarks for the reader.
+             */
+            notes: string[];
+            /**
+             * Oracles
+             * @description The only oracles that count; empty: all but observations.
+             */
+            oracles: string[];
+            /**
+             * Pairs
+             * @description Every pair, those that tell A from B first.
+             */
+            pairs: components["schemas"]["PairResult"][];
+            /**
+             * Scenarios
+             * @description Scenarios with a pair, regardless of seeds.
+             */
+            scenarios: number;
+            /**
+             * Sentence
+             * @description How things stand.
+             */
+            sentence: string;
+            /** @description The runs without a judgement that count as failures. */
+            unfinished: components["schemas"]["Unfinished"];
+        };
+        /**
          * BatchItem
          * @description One scenario of a batch: a job, or the reasons why not.
          */
@@ -2452,6 +2531,52 @@ export interface components {
             ok: boolean;
         };
         /**
+         * ComparedBatch
+         * @description One of the two batches.
+         */
+        ComparedBatch: {
+            /**
+             * Agents
+             * @description Agents of its egos, with the parameters in which the batches differ.
+             */
+            agents: string[];
+            /**
+             * Batch
+             * @description Id of the batch.
+             */
+            batch: string;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Failing
+             * @description Compared runs with a failure.
+             */
+            failing: number;
+            /**
+             * Finished
+             * @description Those that were judged.
+             */
+            finished: number;
+            /**
+             * Name
+             * @description Display name of the batch.
+             */
+            name: string;
+            /**
+             * Runs
+             * @description Stored runs.
+             */
+            runs: number;
+            /**
+             * Title
+             * @description What sets it apart from the other one: its agents, their parameters, or versions.
+             */
+            title: string;
+        };
+        /**
          * Comparison
          * @description The comparison of campaigns.
          */
@@ -2497,6 +2622,12 @@ export interface components {
          * @enum {string}
          */
         Confirmation: "open" | "confirmed" | "flaky";
+        /**
+         * Counted
+         * @description The violations that are failures.
+         * @enum {string}
+         */
+        Counted: "accountable" | "at_fault" | "any";
         /**
          * Crossing
          * @description A crossing for walkers.
@@ -3064,6 +3195,106 @@ export interface components {
             verdict: components["schemas"]["Verdict"];
         };
         /**
+         * FailureComparison
+         * @description Failures of A and B over the scenarios.
+         */
+        FailureComparison: {
+            /**
+             * A Only
+             * @description Scenarios in which A fails and B does not; with several seeds, A more often.
+             */
+            a_only: number;
+            /**
+             * B Only
+             * @description Scenarios in which B fails and A does not; with several seeds, B more often.
+             */
+            b_only: number;
+            /**
+             * Both
+             * @description Scenarios in which both fail; with several seeds, equally often.
+             */
+            both: number;
+            /**
+             * Difference
+             * @description Share of scenarios of `b_only` minus that of `a_only`; less is better for B.
+             */
+            difference: number | null;
+            /**
+             * High
+             * @description Upper end.
+             */
+            high: number | null;
+            /** @description Undecided unless `p_holm` is below 0.05. */
+            judgement: components["schemas"]["PairedJudgement"];
+            /**
+             * Low
+             * @description Lower end of its 95 % confidence interval.
+             */
+            low: number | null;
+            /**
+             * Neither
+             * @description Scenarios in which neither fails.
+             */
+            neither: number;
+            /**
+             * Not Measurable
+             * @description Pairs that are left out, since the oracle was not measurable in a run.
+             */
+            not_measurable: number;
+            /**
+             * Oracle
+             * @description Name of the oracle, or status of runs without a judgement; empty: any of them.
+             */
+            oracle: string;
+            /**
+             * P
+             * @description p-value of McNemar's exact test, two-sided.
+             */
+            p: number;
+            /**
+             * P Holm
+             * @description p corrected for all oracles with a failure; of any failure, p itself.
+             */
+            p_holm: number;
+            /**
+             * Runs A
+             * @description Runs of A with the failure.
+             */
+            runs_a: number;
+            /**
+             * Runs B
+             * @description Runs of B with the failure.
+             */
+            runs_b: number;
+        };
+        /**
+         * FailureFound
+         * @description A failure of a run.
+         */
+        FailureFound: {
+            /**
+             * Oracle
+             * @description The violated oracle; of a run without a judgement, its status.
+             */
+            oracle: string;
+            /**
+             * Sentence
+             * @description Facts of the first violation.
+             */
+            sentence: string;
+            /**
+             * Time
+             * @description Simulation time in seconds at which it began; null if there is none.
+             */
+            time?: number | null;
+            /**
+             * Violations
+             * @description How often the oracle was violated.
+             * @default 1
+             */
+            violations: number;
+        };
+        /**
          * FailureGroup
          * @description Failures of one group that pass a filter.
          */
@@ -3627,6 +3858,44 @@ export interface components {
          */
         LaneKind: "road" | "junction" | "sidewalk" | "crossing" | "walking_area" | "other";
         /**
+         * LeftOut
+         * @description Runs that are not compared, and why.
+         */
+        LeftOut: {
+            /**
+             * A
+             * @description Id of the run of A; empty if there is none.
+             */
+            a: string;
+            /**
+             * B
+             * @description Id of the run of B; empty if there is none.
+             */
+            b: string;
+            /**
+             * Message
+             * @description The reason in words.
+             */
+            message: string;
+            reason: components["schemas"]["LeftOutReason"];
+            /**
+             * Scenario
+             * @description Label of the runs; without one, the town and the beginning of the scenario's hash.
+             */
+            scenario: string;
+            /**
+             * Seed
+             * @description Seed of A's run; of B's, if there is none of A.
+             */
+            seed: number;
+        };
+        /**
+         * LeftOutReason
+         * @description Why runs are not compared.
+         * @enum {string}
+         */
+        LeftOutReason: "only_a" | "only_b" | "scenario_differs" | "seed_differs" | "not_ended" | "not_judged";
+        /**
          * LightLink
          * @description A signal of a traffic light.
          */
@@ -3884,6 +4153,76 @@ export interface components {
             method: string;
             /** Scenario */
             scenario: string;
+        };
+        /**
+         * MetricComparison
+         * @description A metric of A and B; means are over scenarios, in each over its pairs.
+         */
+        MetricComparison: {
+            /** @description Direction in which it is better. */
+            better: components["schemas"]["Better"];
+            /**
+             * Difference
+             * @description `mean_b` minus `mean_a`.
+             */
+            difference: number | null;
+            /**
+             * High
+             * @description Upper end.
+             */
+            high: number | null;
+            /** @description Undecided unless `p_holm` is below 0.05. */
+            judgement: components["schemas"]["PairedJudgement"];
+            /**
+             * Low
+             * @description Lower end of its 95 % confidence interval; null with fewer than two scenarios.
+             */
+            low: number | null;
+            /**
+             * Mean A
+             * @description Mean of A; null without pairs.
+             */
+            mean_a: number | null;
+            /**
+             * Mean B
+             * @description Mean of B; null without pairs.
+             */
+            mean_b: number | null;
+            /**
+             * Metric
+             * @description Name of the metric.
+             */
+            metric: string;
+            /**
+             * Not Measurable
+             * @description Pairs that are left out, since a run has no value.
+             */
+            not_measurable: number;
+            /**
+             * P
+             * @description p-value of the test by flipped signs, two-sided.
+             */
+            p: number;
+            /**
+             * P Holm
+             * @description p corrected for all metrics with a difference.
+             */
+            p_holm: number;
+            /**
+             * Pairs
+             * @description Those pairs.
+             */
+            pairs: number;
+            /**
+             * Scenarios
+             * @description Scenarios with a pair in which both runs have a value.
+             */
+            scenarios: number;
+            /**
+             * Unit
+             * @description Unit; `1` for a share; empty if unknown.
+             */
+            unit: string;
         };
         /**
          * Minimization
@@ -4627,6 +4966,38 @@ export interface components {
             next_page_token: string;
         };
         /**
+         * PairResult
+         * @description A run of A and one of B with the same scenario and seed.
+         */
+        PairResult: {
+            a: components["schemas"]["RunResult"];
+            b: components["schemas"]["RunResult"];
+            /** @description Which of A and B fails in this pair. */
+            fails: components["schemas"]["WhichFails"];
+            /**
+             * Same Trace
+             * @description Whether both runs have the same trace, kept or not.
+             */
+            same_trace: boolean;
+            /**
+             * Scenario
+             * @description Label of the runs; without one, the town and the beginning of the scenario's hash.
+             */
+            scenario: string;
+            /** @description Which of them fails more often over all pairs of the scenario. */
+            scenario_fails: components["schemas"]["WhichFails"];
+            /** Seed */
+            seed: number;
+            /** Town */
+            town: string;
+        };
+        /**
+         * PairedJudgement
+         * @description How B stands against A.
+         * @enum {string}
+         */
+        PairedJudgement: "better" | "worse" | "higher" | "lower" | "undecided";
+        /**
          * Part
          * @description The part of a scenario that a block of genes varies.
          * @enum {string}
@@ -5120,6 +5491,30 @@ export interface components {
          */
         RunOrder: "-created_at" | "created_at";
         /**
+         * RunResult
+         * @description A run of a pair.
+         */
+        RunResult: {
+            /**
+             * Failures
+             * @description Its failures, the most frequent oracles of the comparison first.
+             */
+            failures: components["schemas"]["FailureFound"][];
+            /**
+             * Metrics
+             * @description Values of the chosen metrics, or of the driving score; null: not measurable.
+             */
+            metrics: {
+                [key: string]: number | null;
+            };
+            /**
+             * Run
+             * @description Id of the run.
+             */
+            run: string;
+            status: components["schemas"]["RunStatus"];
+        };
+        /**
          * RunStatus
          * @description The state of a run in its life cycle.
          * @enum {string}
@@ -5561,6 +5956,27 @@ export interface components {
              * @description Whether requests need a token or a session.
              */
             tokens_needed: boolean;
+        };
+        /**
+         * SettingDifference
+         * @description A parameter or version in which the batches differ.
+         */
+        SettingDifference: {
+            /**
+             * A
+             * @description Values of A, joined by commas; empty: none.
+             */
+            a: string;
+            /**
+             * B
+             * @description Values of B.
+             */
+            b: string;
+            /**
+             * Name
+             * @description `agent`, the name of a parameter after its agent's, or that of a version.
+             */
+            name: string;
         };
         /**
          * Severity
@@ -6502,6 +6918,12 @@ export interface components {
          */
         Turn: "straight" | "left" | "right" | "back" | "unknown";
         /**
+         * Unfinished
+         * @description The runs without a judgement that are failures.
+         * @enum {string}
+         */
+        Unfinished: "agent" | "all" | "none";
+        /**
          * Validation
          * @description A scenario that can be run.
          */
@@ -6793,6 +7215,12 @@ export interface components {
              */
             wind_intensity: number;
         };
+        /**
+         * WhichFails
+         * @description Which of A and B fails in a scenario; with several seeds, which fails more often.
+         * @enum {string}
+         */
+        WhichFails: "a_only" | "b_only" | "both" | "neither";
         /**
          * WorkerSlot
          * @description A slot: one worker process at a time, and its successors.
@@ -7397,6 +7825,84 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    compare_batches_api_v1_batches_compare_get: {
+        parameters: {
+            query: {
+                /** @description Id of batch A, or the name: its newest batch. */
+                a: string;
+                /** @description Id or name of batch B. */
+                b: string;
+                /** @description The violations that are failures. */
+                counts?: components["schemas"]["Counted"];
+                /** @description The runs without a judgement that are failures. */
+                unfinished?: components["schemas"]["Unfinished"];
+                /** @description Only failures by this oracle count, observations included; may be repeated. */
+                oracle?: string[] | null;
+                /** @description Metric to compare, and to show of each run; may be repeated. Without it, all are compared, and the driving score is shown. */
+                metric?: string[] | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatchComparison"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -8847,7 +9353,7 @@ export interface operations {
                      *
                      *     event: changes
                      *     id: 5f0c2b7a91de.4711
-                     *     data: {"revision":4711,"changes":[{"kind":"run","id":"0193a5b0c4d2000000000001","status":"finished","revision":4711,"batch_id":"","campaign_id":"","study_id":""}]}
+                     *     data: {"revision":4711,"changes":[{"kind":"run","id":"0193a5b0c4d2000000000002","status":"finished","revision":4711,"batch_id":"","campaign_id":"","study_id":""}]}
                      */
                     "text/event-stream": string;
                 };
@@ -12053,13 +12559,13 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 1.0
+                     *     drivora_slot_busy{slot="slot-0"} 0.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 0.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
                      */
                     "text/plain": string;
                 };
