@@ -228,9 +228,7 @@ def application(database: Database, folder: Path) -> FastAPI:
                 folder=lambda study_id: StudyFolder(folder / "studies", study_id),
                 campaign_folder=lambda one: CampaignFolder(folder / "campaigns", one),
             ),
-            minimizations=MinimizationRunner(
-                lambda: database, catalogues, traces.path, at_once=1
-            ),
+            minimizations=MinimizationRunner(lambda: database, catalogues, traces.path, at_once=1),
             reserve=lambda _runs: "",
             faults=dict,
             storage_fault=lambda: "",
