@@ -100,7 +100,7 @@ class NewMinimization:
 
     Attributes:
         run_id: Run that fails.
-        failure: What its candidates must have in common with it.
+        failure: What its proposals must have in common with it.
         budget: Simulations that the search may need.
         document: The scenario that the run drove, as JSON.
         owner_id: Process of a command that will run it; "": any service.
@@ -120,7 +120,7 @@ class MinimizationSummary(Shape):
     Attributes:
         run_id: Run that fails.
         message: Why it failed; empty otherwise.
-        failure: What candidates must have in common with the run.
+        failure: What proposals must have in common with the run.
         budget: Simulations that the search may need.
         batch_id: Batch of its runs.
         stage: What is being reduced, in one or two words.

@@ -1,4 +1,4 @@
-"""Checking candidates: a document that can be run, with the text and hash that identify it."""
+"""Checking proposals: a document that can be run, with the text and hash that identify it."""
 
 from __future__ import annotations
 

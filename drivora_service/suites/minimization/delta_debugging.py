@@ -1,8 +1,8 @@
 """Delta debugging: a subset of items from which no single one can be taken away.
 
 It follows Zeller and Hildebrandt (*Simplifying and Isolating Failure-Inducing Input*, IEEE TSE
-2002): chunks of halving size are taken away as long as the rest still passes the test. Candidates
-are asked in an order, and the first that passes is taken, so that candidates may be tested at the
+2002): chunks of halving size are taken away as long as the rest still passes the test. Proposals
+are asked in an order, and the first that passes is taken, so that proposals may be tested at the
 same time without any effect on the result.
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 
 Search = Generator[Sequence[frozenset[int]], int | None, frozenset[int]]
-"""Yields ordered candidates, each the numbers of the items that are kept; is sent the place of the
+"""Yields ordered proposals, each the numbers of the items that are kept; is sent the place of the
 first one that passes the test, or ``None`` if none does; returns the items that are kept."""
 
 

@@ -122,7 +122,7 @@ class Minimizer:
         self._counted: set[str] = set()
         self._visited: set[str] = set()
         self._question = Question(stage="", proposals=())
-        self._candidates: dict[int, CheckedDocument | None] = {}
+        self._by_number: dict[int, CheckedDocument | None] = {}
         self._next = 0
         self._present = checked.sha256
         self._has_circle = False
@@ -264,18 +264,18 @@ class Minimizer:
     def _ask(self, step: Callable[[], Question]) -> None:
         try:
             self._question, self._next = step(), 0
-            self._candidates.clear()
+            self._by_number.clear()
             self.stage = self._question.stage
         except StopIteration:
             self.is_one_minimal = not self._has_circle
             self.phase = Phase.CONFIRMING
 
     def _checked(self, number: int) -> CheckedDocument | None:
-        """Returns a candidate of the question; ``None`` if it cannot be run, or leads in a circle.
+        """Returns a proposal of the question; ``None`` if it cannot be run, or leads in a circle.
 
-        A candidate may be the same scenario as the present one, in simpler words.
+        A proposal may be the same scenario as the present one, in simpler words.
         """
-        if number not in self._candidates:
+        if number not in self._by_number:
             document = self._question.proposals[number].document()
             checked = None if document is None else self._check(document)
             if checked is not None and not self._question.is_for_recording:
@@ -285,5 +285,5 @@ class Minimizer:
                 elif checked.sha256 in self._visited:
                     self._has_circle |= self.stage == PROOF
                     checked = None
-            self._candidates[number] = checked
-        return self._candidates[number]
+            self._by_number[number] = checked
+        return self._by_number[number]

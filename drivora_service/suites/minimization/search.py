@@ -1,7 +1,7 @@
 """The search for a smaller document: passes over its parts, again and again until none finds more.
 
-The search is a generator. It yields questions, ordered lists of candidates, and is sent the first
-candidate of each that fails in the same way, or ``None``. It reads nothing else, so that equal
+The search is a generator. It yields questions, ordered lists of proposals, and is sent the first
+proposal of each that fails in the same way, or ``None``. It reads nothing else, so that equal
 answers lead to an equal result, in whatever order and on however many workers they were found.
 """
 
@@ -23,7 +23,7 @@ PROOF = "proof"
 """Stage in which every single reduction of the result is tried."""
 
 _MOST_NAMED = 3
-"""Number of edits that the label of a candidate names."""
+"""Number of edits that the label of a proposal names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,7 @@ class State:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
-    """A candidate: edits of the present document."""
+    """A proposal: edits of the present document."""
 
     base: ScenarioDocument
     edits: tuple[Edit, ...]
@@ -61,12 +61,12 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """Candidates in an order, of which the first that fails in the same way is taken.
+    """Proposals in an order, of which the first that fails in the same way is taken.
 
     Attributes:
         stage: What is being reduced, in one or two words.
-        proposals: The candidates.
-        is_for_recording: Whether the present document is to be recorded: it is the only candidate.
+        proposals: The proposals.
+        is_for_recording: Whether the present document is to be recorded: it is the only proposal.
     """
 
     stage: str
@@ -76,10 +76,10 @@ class Question:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Taken:
-    """The answer to a question: its first candidate that fails in the same way.
+    """The answer to a question: its first proposal that fails in the same way.
 
     Attributes:
-        number: Place of the candidate in the question.
+        number: Place of the proposal in the question.
         state: Its document and failure.
     """
 

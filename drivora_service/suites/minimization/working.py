@@ -66,7 +66,7 @@ class Work:
 
         Args:
             active: The minimisation as it is stored.
-            checker: Checks the candidates.
+            checker: Checks the proposals.
             trace_path: Returns the path of a run's trace, by the run's id.
 
         Raises:

@@ -4267,7 +4267,7 @@ export interface components {
             } | null;
             /** Ended At */
             ended_at: string | null;
-            /** @description What candidates must have in common with the run. */
+            /** @description What proposals must have in common with the run. */
             failure: components["schemas"]["FailureIdentity"];
             /** Id */
             id: string;
@@ -4398,7 +4398,7 @@ export interface components {
             decided: number;
             /** Ended At */
             ended_at: string | null;
-            /** @description What candidates must have in common with the run. */
+            /** @description What proposals must have in common with the run. */
             failure: components["schemas"]["FailureIdentity"];
             /** Id */
             id: string;
