@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import structlog
 
@@ -14,8 +15,9 @@ from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.store.database import Database
 from drivora_service.store.minimization_records import MinimizationProgress, MinimizationState
 from drivora_service.store.minimizations import ActiveMinimization
-from drivora_service.suites.minimization.checking import Checker
-from drivora_service.suites.minimization.working import Work
+
+if TYPE_CHECKING:
+    from drivora_service.suites.minimization.working import Work
 
 _IDLE_S = 1.0
 """Seconds between two looks for a minimisation that was not signalled."""
@@ -138,6 +140,10 @@ class MinimizationRunner:
         known = self._works.get(active.id)
         if known is not None:
             return known, False
+        # Imported here: they need the compiler of kernels, which few commands do.
+        from drivora_service.suites.minimization.checking import Checker
+        from drivora_service.suites.minimization.working import Work
+
         agents = self._catalogues.agents.availability()
         checker = Checker(self._catalogues.networks, agents)
         work = Work(active, checker, self._trace_path)

@@ -6,10 +6,8 @@ from drivora_service.errors import Conflict
 from drivora_service.oracles.failure_identity import gravest, identity_of
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunStatus
-from drivora_service.scenario.documents import document_text
 from drivora_service.store.minimization_records import NewMinimization
 from drivora_service.store.records import RunRecord
-from drivora_service.suites.minimization.checking import document_of_run
 
 DEFAULT_BUDGET = 500
 """Simulations that a search may need."""
@@ -39,6 +37,10 @@ def new_minimization(
     Raises:
         Conflict: The run has no violation to follow.
     """
+    # Imported here: it needs the compiler of kernels.
+    from drivora_service.scenario.documents import document_text
+    from drivora_service.suites.minimization.checking import document_of_run
+
     violation = gravest(run.verdicts, oracle=oracle)
     if violation is None:
         raise Conflict(_nothing_to_follow(run, oracle))
