@@ -25,6 +25,15 @@ DataDirOption = Annotated[
         help="Folder of the database, traces and imported networks [default: drivora-data].",
     ),
 ]
+AgentParameterOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--agent-parameter",
+        metavar="NAME=VALUE",
+        help="Set a parameter of every ego's agent, or of one's: EGO:NAME=VALUE. Repeatable; a "
+        "value that is no JSON is text.",
+    ),
+]
 GateOracleOption = Annotated[
     list[str] | None,
     typer.Option(

@@ -160,15 +160,7 @@ def print_report(report: SuiteReport) -> None:
         print_table(
             "Limits",
             ("limit", "value", "allowed", ""),
-            [
-                (
-                    one.what,
-                    "not measurable" if one.value is None else str(one.value),
-                    one.allowed,
-                    "fails" if one.fails else "uncertain" if one.is_uncertain else "holds",
-                )
-                for one in decision.limits
-            ],
+            [one.cells for one in decision.limits],
             wrap=("limit",),
         )
     for row in report.rows:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from drivora_service.client.calls import (
     campaigns,
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.minimizations import Minimization
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.studies import Study
+    from drivora_service.client.call import Call
+    from drivora_service.store.change_lists import ChangedKind
+
+T = TypeVar("T")
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
 _LOCAL_SHARE, _LOCAL_SHORTEST_S, _LOCAL_LONGEST_S = 0.05, 0.05, 0.25
@@ -154,6 +159,40 @@ def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int)
             return
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Watched(Generic[T]):
+    """What is watched until it has ended.
+
+    Attributes:
+        kind: Of its changes.
+        id: Its id.
+        call: Asks for it.
+        has_ended: Whether watching it is over.
+        progress: What changes as long as something is done.
+    """
+
+    kind: ChangedKind
+    id: str
+    call: Call[T]
+    has_ended: Callable[[T], bool]
+    progress: Callable[[T], object]
+
+
+def _followed(watched: _Watched[T], terms: Terms, on_progress: Callable[[T], None]) -> Flow[T]:
+    pace = _Pace(is_local=terms.service.is_local)
+    waiting = Waiting(watched.kind, watched.id, terms)
+    yield from waiting.begin()
+    while True:
+        pace.look()
+        answer = yield from asking(watched.call, terms)
+        on_progress(answer.value)
+        if watched.has_ended(answer.value):
+            return answer.value
+        if pace.is_still(watched.progress(answer.value)):
+            yield from expecting_workers(terms)
+        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
+
+
 def followed_campaign(
     campaign_id: str, terms: Terms, on_progress: Callable[[Campaign], None]
 ) -> Flow[Campaign]:
@@ -170,19 +209,14 @@ def followed_campaign(
     from drivora_service.store.campaign_records import CampaignState
     from drivora_service.store.change_lists import ChangedKind
 
-    pace = _Pace(is_local=terms.service.is_local)
-    waiting = Waiting(ChangedKind.CAMPAIGN, campaign_id, terms)
-    yield from waiting.begin()
-    while True:
-        pace.look()
-        answer = yield from asking(campaigns.campaign(campaign_id), terms)
-        campaign = answer.value
-        on_progress(campaign)
-        if campaign.state not in (CampaignState.QUEUED, CampaignState.RUNNING):
-            return campaign
-        if pace.is_still((campaign.state, campaign.counts, campaign.kinds)):
-            yield from expecting_workers(terms)
-        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
+    watched = _Watched(
+        kind=ChangedKind.CAMPAIGN,
+        id=campaign_id,
+        call=campaigns.campaign(campaign_id),
+        has_ended=lambda one: one.state not in (CampaignState.QUEUED, CampaignState.RUNNING),
+        progress=lambda one: (one.state, one.counts, one.kinds),
+    )
+    return (yield from _followed(watched, terms, on_progress))
 
 
 def followed_study(
@@ -200,19 +234,14 @@ def followed_study(
     """
     from drivora_service.store.change_lists import ChangedKind
 
-    pace = _Pace(is_local=terms.service.is_local)
-    waiting = Waiting(ChangedKind.STUDY, study_id, terms)
-    yield from waiting.begin()
-    while True:
-        pace.look()
-        answer = yield from asking(studies.study(study_id), terms)
-        study = answer.value
-        on_progress(study)
-        if not study.state.is_active:
-            return study
-        if pace.is_still((study.campaigns, study.counts)):
-            yield from expecting_workers(terms)
-        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
+    watched = _Watched(
+        kind=ChangedKind.STUDY,
+        id=study_id,
+        call=studies.study(study_id),
+        has_ended=lambda one: not one.state.is_active,
+        progress=lambda one: (one.campaigns, one.counts),
+    )
+    return (yield from _followed(watched, terms, on_progress))
 
 
 def ended_minimization(
@@ -230,16 +259,11 @@ def ended_minimization(
     """
     from drivora_service.store.change_lists import ChangedKind
 
-    pace = _Pace(is_local=terms.service.is_local)
-    waiting = Waiting(ChangedKind.MINIMIZATION, minimization_id, terms)
-    yield from waiting.begin()
-    while True:
-        pace.look()
-        answer = yield from asking(minimizations.minimization(minimization_id), terms)
-        minimization = answer.value
-        on_progress(minimization)
-        if not minimization.state.is_active:
-            return minimization
-        if pace.is_still((minimization.state, minimization.simulations)):
-            yield from expecting_workers(terms)
-        yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
+    watched = _Watched(
+        kind=ChangedKind.MINIMIZATION,
+        id=minimization_id,
+        call=minimizations.minimization(minimization_id),
+        has_ended=lambda one: not one.state.is_active,
+        progress=lambda one: (one.state, one.simulations),
+    )
+    return (yield from _followed(watched, terms, on_progress))

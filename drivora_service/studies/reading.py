@@ -6,15 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from pydantic import ValidationError
-
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import CampaignDocument, campaign_text
 from drivora_service.campaigns.reading import ValidCampaign, read_campaign
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.fields import MAX_SEED
-from drivora_service.scenario.plain_data import plain_data
-from drivora_service.scenario.problems import in_document_order, structural_problems
+from drivora_service.scenario.problems import in_document_order
+from drivora_service.scenario.structure import read_structure
 from drivora_service.store.campaign_records import NewCampaign, StudyCell
 from drivora_service.studies.documents import MAX_CAMPAIGNS, StudyDocument
 
@@ -66,14 +64,9 @@ def read_study(
         InvalidDocument: The document has problems; all are listed, in document order.
         NetworkError: A network's file cannot be read.
     """
-    content, odd = plain_data(data, format, what="a study", most_bytes=_MOST_BYTES)
-    try:
-        document = StudyDocument.model_validate(content)
-    except ValidationError as error:
-        known = {problem.pointer for problem in odd}
-        structural = structural_problems(error, StudyDocument)
-        problems = [*odd, *(p for p in structural if p.pointer not in known)]
-        raise InvalidDocument(in_document_order(problems, content)) from error
+    document, content, odd = read_structure(
+        data, StudyDocument, format, what="a study", most_bytes=_MOST_BYTES
+    )
     problems = [*odd, *_repeated_labels(document), *_beyond_limits(document)]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))

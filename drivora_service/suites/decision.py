@@ -73,6 +73,13 @@ class LimitAnswer:
     fails: bool
     is_uncertain: bool = False
 
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """The answer in the columns of a table: limit, value, allowed and result."""
+        value = "not measurable" if self.value is None else str(self.value)
+        result = "fails" if self.fails else "uncertain" if self.is_uncertain else "holds"
+        return self.what, value, self.allowed, result
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OverallAnswer:

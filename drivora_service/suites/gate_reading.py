@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Literal
 
-from pydantic import ValidationError
-
 from drivora_service.errors import InvalidDocument, Problem
-from drivora_service.scenario.plain_data import plain_data
-from drivora_service.scenario.problems import in_document_order, structural_problems
+from drivora_service.scenario.problems import in_document_order
+from drivora_service.scenario.structure import read_structure
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.reading import is_metric, unknown
 
@@ -32,14 +30,7 @@ def read_gate_document(
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
     """
-    content, odd = plain_data(data, format, what="a gate")
-    try:
-        document = GateDocument.model_validate(content)
-    except ValidationError as error:
-        known = {problem.pointer for problem in odd}
-        structural = structural_problems(error, GateDocument)
-        problems = [*odd, *(p for p in structural if p.pointer not in known)]
-        raise InvalidDocument(in_document_order(problems, content)) from error
+    document, content, odd = read_structure(data, GateDocument, format, what="a gate")
     problems = [*odd, *_unknown_names(document, oracles, metrics)]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))

@@ -9,8 +9,8 @@ from typing import Any, Literal
 from pydantic import ValidationError
 
 from drivora_service.errors import InvalidDocument, Problem
-from drivora_service.scenario.plain_data import plain_data
 from drivora_service.scenario.problems import in_document_order, structural_problems
+from drivora_service.scenario.structure import read_structure
 from drivora_service.suites.documents import (
     EXTENSION,
     ExpectationsDocument,
@@ -48,14 +48,9 @@ def read_suite(
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
     """
-    content, odd = plain_data(data, format, what="a suite", most_bytes=_MOST_BYTES)
-    try:
-        document = SuiteDocument.model_validate(content)
-    except ValidationError as error:
-        known = {problem.pointer for problem in odd}
-        structural = structural_problems(error, SuiteDocument)
-        problems = [*odd, *(p for p in structural if p.pointer not in known)]
-        raise InvalidDocument(in_document_order(problems, content)) from error
+    document, content, odd = read_structure(
+        data, SuiteDocument, format, what="a suite", most_bytes=_MOST_BYTES
+    )
     carried, problems = _carried(document)
     problems += [
         *odd,

@@ -39,15 +39,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         yield ""
         yield from _table(
             ("limit", "value", "allowed", ""),
-            [
-                (
-                    one.what,
-                    "not measurable" if one.value is None else str(one.value),
-                    one.allowed,
-                    "fails" if one.fails else "uncertain" if one.is_uncertain else "holds",
-                )
-                for one in decision.limits
-            ],
+            [one.cells for one in decision.limits],
         )
     gone = [(row.name, reason) for row in report.rows for reason in row.gone]
     if gone:

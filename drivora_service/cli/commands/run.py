@@ -12,6 +12,7 @@ import typer
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import (
+    AgentParameterOption,
     DataDirOption,
     GateOracleOption,
     ServerOption,
@@ -44,14 +45,7 @@ def run(
     agent: Annotated[
         str, typer.Option(help="Agent of every ego, overrides the documented one.")
     ] = "",
-    agent_parameter: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="Set a parameter of every ego's agent, or of one's: EGO:NAME=VALUE. Repeatable; "
-            "a value that is no JSON is text.",
-        ),
-    ] = None,
+    agent_parameter: AgentParameterOption = None,
     seed: Annotated[
         int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed, overrides the documents'.")
     ] = None,

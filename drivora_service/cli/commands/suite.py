@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.connection import connected
-from drivora_service.cli.options import DataDirOption, ServerOption, WorkersOption, location
+from drivora_service.cli.options import (
+    AgentParameterOption,
+    DataDirOption,
+    ServerOption,
+    WorkersOption,
+    location,
+)
 from drivora_service.cli.out_option import check_file, write_result
 from drivora_service.cli.output import JsonOption, note, print_json, print_table
 from drivora_service.cli.progress import run_progress
@@ -80,14 +86,7 @@ def run(
     agent: Annotated[
         str, typer.Option(help="Agent of every ego, overrides the documented one.")
     ] = "",
-    agent_parameter: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="Set a parameter of every ego's agent, or of one's: EGO:NAME=VALUE. Repeatable; "
-            "a value that is no JSON is text.",
-        ),
-    ] = None,
+    agent_parameter: AgentParameterOption = None,
     repetitions: Annotated[
         int | None,
         typer.Option(min=1, max=1000, help="Runs of each scenario, overrides the suite's number."),
