@@ -197,7 +197,10 @@ def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:
                 leave = current.exit_s * (length / graph.lengths[current.exit_lane])
                 width = (leave - enter) / (len(chain) - 1)
                 windows.append((enter + nth * width, enter + (nth + 1) * width))
-            draft.window = (draft.u_of(windows[0][0]), draft.u_of(windows[0][1]))
+            # A waypoint in another lane than the start, at the same height as it, lies some
+            # centimetres behind the start in a bend.
+            begin = max(draft.u_of(windows[0][0]), draft.joined[0])
+            draft.window = (begin, draft.u_of(windows[0][1]))
             draft = _Draft(network=network)
             draft.append(following)
             draft.joined = (draft.u_of(windows[1][0]), draft.u_of(windows[1][1]))

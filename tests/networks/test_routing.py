@@ -326,6 +326,15 @@ def test_a_route_that_goes_nowhere_is_sound_or_refused(shipped_network: RoadNetw
     )
 
 
+def test_a_change_to_the_lane_beside_the_start_begins_at_the_start(
+    shipped_network: RoadNetwork,
+) -> None:
+    # Two lanes of a bend, whose lengths differ, at half of each; then a place far away.
+    assert_route_is_sound(
+        shipped_network, [(0.68359375, 0.5, 0.0), (0.6875, 0.5, 0.0), (0.0, 0.0, 0.0)]
+    )
+
+
 def leaderboard_routes(folder: Path) -> list[tuple[str, str, list[tuple[float, ...]]]]:
     """Reads (id, town, [(x, y, yaw)]) in CARLA's frame, degrees."""
     return [

@@ -12565,7 +12565,7 @@ export interface operations {
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 2.0
                      */
                     "text/plain": string;
                 };
