@@ -23,7 +23,7 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.store.change_lists import ChangedKind
 from drivora_service.store.database import open_database
 
-RUNS = 250
+RUNS = 500
 KILLS = 3
 
 
