@@ -40,9 +40,10 @@ class MetricBoundsDocument(EntityDocument):
 
     @model_validator(mode="after")
     def _has_a_bound(self) -> MetricBoundsDocument:
-        if self.at_least is None and self.at_most is None:
+        low, high = self.at_least, self.at_most
+        if low is None and high is None:
             raise PydanticCustomError("no_bound", "found no bound; give `at_least` or `at_most`")
-        if None not in (self.at_least, self.at_most) and self.at_least > self.at_most:  # type: ignore[operator]
+        if low is not None and high is not None and low > high:
             raise PydanticCustomError(
                 "empty_range", "found an `at_least` above `at_most`; no value is between them"
             )
