@@ -96,11 +96,6 @@ class Failure:
     run_id: str
     seeds: tuple[int, ...]
 
-    @property
-    def is_steady(self) -> bool:
-        """Whether it occurs in every judged run of its scenario."""
-        return self.runs == self.of
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KnownOccurrence:

@@ -109,7 +109,7 @@ class GateDocument(EntityDocument):
         description="Probability with which a failure that occurs in some runs of a scenario may "
         "be called new or worse by chance, over all of them.",
     )
-    overall: Annotated[_Probability, Field()] | None = Field(
+    overall: _Probability | None = Field(
         0.001,
         description="The gate fails if the failures of all scenarios together are more frequent "
         "than in the baseline with a p below this; null: not tested.",

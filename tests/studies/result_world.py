@@ -132,7 +132,7 @@ def _batch(database: Database, owner: str) -> str:
 
 
 def _serve(database: Database, owner: str, campaign_id: str) -> None:
-    """Gives the first evaluations of a campaign runs, as the queue of a service does."""
+    """Stores runs of the first evaluations of a campaign, as the queue of a service does."""
     with database.write() as transaction:
         batch = transaction.campaign_runs.open(campaign_id)
         numbers = {f"{campaign_id}-{number}": number for number in range(3)}

@@ -29,7 +29,6 @@ def test_a_failure_is_found_in_some_runs_of_its_scenario() -> None:
     ]
     assert (first.runs, first.of, first.seeds, first.run_id) == (2, 3, (101, 102), "a-1")
     assert first.accountability is Accountability.AVOIDABLE
-    assert not first.is_steady
     assert len(found.failures) == 2
     assert found.judged == {"a": 3, "b": 1}
 
