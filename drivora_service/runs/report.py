@@ -34,6 +34,10 @@ class RunStatus(StrEnum):
         return self not in (RunStatus.QUEUED, RunStatus.RUNNING)
 
 
+UNFINISHED = tuple(status for status in RunStatus if not status.is_final)
+"""The statuses that can change."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSpec:
     """One episode to simulate.

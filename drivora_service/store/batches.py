@@ -10,7 +10,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.report import UNFINISHED, RunStatus
 from drivora_service.shapes import combine
 from drivora_service.store.cancelling import cancel_runs
 from drivora_service.store.facet_tables import BatchFacetRow, FacetRow
@@ -169,7 +169,7 @@ class BatchRepository:
             .join(FacetRow, FacetRow.key == BatchFacetRow.facet)
             .where(
                 BatchFacetRow.batch_seq == row.seq,
-                FacetRow.status.in_([RunStatus.QUEUED, RunStatus.RUNNING]),
+                FacetRow.status.in_(UNFINISHED),
             )
         )
         rows = self._session.scalars(

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import Conflict
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.encoding import choice_to_json, report_from_json
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.report import UNFINISHED, RunReport, RunStatus
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaigns import campaign_row
 from drivora_service.store.candidates import candidate_from_json, source_to_json
@@ -23,8 +23,6 @@ from drivora_service.store.tables import BatchRow, DocumentRow, ReportRow, RunRo
 
 _WITHOUT_RESULT = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
 """Statuses of runs without a result of the scenario, which are run again."""
-
-_UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
 
 
 class CampaignRunRepository:
@@ -105,7 +103,7 @@ class CampaignRunRepository:
                 select(ReportRow.body, ReportRow.candidate, DocumentRow.body)
                 .join(RunRow, RunRow.seq == ReportRow.run_seq)
                 .join(DocumentRow, DocumentRow.sha256 == RunRow.document_sha256)
-                .where(RunRow.id.in_(chunk), RunRow.status.not_in(_UNFINISHED))
+                .where(RunRow.id.in_(chunk), RunRow.status.not_in(UNFINISHED))
             )
             for report, candidate, document in rows:
                 decoded = candidate and candidate_from_json(candidate, document)

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.oracles.failure_identity import FailureIdentity
 from drivora_service.runs.encoding import report_from_json
-from drivora_service.runs.report import RunReport
+from drivora_service.runs.report import UNFINISHED, RunReport
 from drivora_service.shapes import adapter, combine, to_json
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.ids import new_id
@@ -150,6 +150,18 @@ class MinimizationRepository:
             .where(BatchRow.id == self._row(minimization_id).batch_id)
         )
         return map(report_from_json, bodies)
+
+    def unfinished(self, minimization_id: str) -> tuple[str, ...]:
+        """Returns the ids of its runs that are queued or running."""
+        ids = self._session.scalars(
+            select(RunRow.id)
+            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            .where(
+                BatchRow.id == self._row(minimization_id).batch_id,
+                RunRow.status.in_(UNFINISHED),
+            )
+        )
+        return tuple(ids)
 
     def advance(
         self,

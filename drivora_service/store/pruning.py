@@ -17,7 +17,7 @@ from enum import StrEnum
 from sqlalchemy import ColumnElement, delete, exists, select, update
 from sqlalchemy.orm import Session
 
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.report import UNFINISHED, RunStatus
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.campaign_records import CampaignState
 from drivora_service.store.campaign_tables import CampaignRow, EvaluationRow
@@ -30,7 +30,6 @@ from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 from drivora_service.store.traces import TraceFolder
 
-_UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
 _WITHOUT_RESULT = (RunStatus.CANCELLED, RunStatus.INVALID, RunStatus.INFRASTRUCTURE_FAILED)
 _READ_AT_ONCE = 2000
 _MOST_AT_ONCE = 400
@@ -153,7 +152,7 @@ def remove_strays(database: Database, traces: TraceFolder, *, written_before: da
                     transaction.session.scalars(
                         select(RunRow.id).where(
                             RunRow.id.in_(chunk),
-                            (RunRow.trace_sha256 != "") | RunRow.status.in_(_UNFINISHED),
+                            (RunRow.trace_sha256 != "") | RunRow.status.in_(UNFINISHED),
                         )
                     )
                 )
@@ -212,7 +211,7 @@ def _candidates(
 
 
 def _facets(chosen: Chosen) -> list[ColumnElement[bool]]:
-    conditions: list[ColumnElement[bool]] = [FacetRow.status.not_in(_UNFINISHED)]
+    conditions: list[ColumnElement[bool]] = [FacetRow.status.not_in(UNFINISHED)]
     passed = FacetRow.violated.is_(False) | FacetRow.status.in_(_WITHOUT_RESULT)
     match chosen:
         case Chosen.NOT_VIOLATED:
@@ -263,7 +262,7 @@ def _drop_traces(session: Session, seqs: Sequence[int], ended_before: datetime) 
 def _still(seqs: Sequence[int], ended_before: datetime) -> tuple[ColumnElement[bool], ...]:
     return (
         RunRow.seq.in_(seqs),
-        RunRow.status.not_in(_UNFINISHED),
+        RunRow.status.not_in(UNFINISHED),
         RunRow.ended_at < ended_before,
     )
 

@@ -9,7 +9,7 @@ from sqlalchemy import func, select, text
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import StoreError
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.report import UNFINISHED, RunStatus
 from drivora_service.store.campaign_verification import (
     campaign_counts,
     failure_findings,
@@ -20,8 +20,6 @@ from drivora_service.store.facet_verification import facet_findings
 from drivora_service.store.findings import Finding
 from drivora_service.store.tables import BatchRow, ReportRow, RunRow
 from drivora_service.store.traces import CampaignTraces, TraceFolder
-
-_UNFINISHED = (RunStatus.QUEUED, RunStatus.RUNNING)
 
 
 def verify(
@@ -52,7 +50,7 @@ def verify(
         traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
         expected = {row[0]: row[1] for row in session.execute(traced)}
         # Running runs may have a trace already.
-        unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(_UNFINISHED))))
+        unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(UNFINISHED))))
     for run_id, sha256 in expected.items():
         yield from _trace(run_id, traces.path(run_id), sha256, hash_trace)
     if campaign_traces is not None:
@@ -83,11 +81,11 @@ def _damage(session: Session) -> Iterator[Finding]:
 
 def _reports(session: Session) -> Iterator[Finding]:
     joined = select(RunRow.id).outerjoin(ReportRow, ReportRow.run_seq == RunRow.seq)
-    missing = joined.where(ReportRow.run_seq.is_(None), RunRow.status.not_in(_UNFINISHED))
+    missing = joined.where(ReportRow.run_seq.is_(None), RunRow.status.not_in(UNFINISHED))
     for run_id in session.scalars(missing):
         message = "the run has ended and has no report"
         yield Finding(kind="missing_report", subject=run_id, message=message)
-    early = joined.where(ReportRow.run_seq.is_not(None), RunRow.status.in_(_UNFINISHED))
+    early = joined.where(ReportRow.run_seq.is_not(None), RunRow.status.in_(UNFINISHED))
     for run_id in session.scalars(early):
         message = "the run has a report and has not ended"
         yield Finding(kind="early_report", subject=run_id, message=message)

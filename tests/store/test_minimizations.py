@@ -98,7 +98,7 @@ def test_a_process_works_on_its_own(database: Database) -> None:
         assert [one.id for one in active(owner)] == [of_command]
 
 
-def test_the_reports_of_its_runs_that_have_ended(database: Database) -> None:
+def test_its_runs_that_have_ended_and_the_others(database: Database) -> None:
     one = record(database, opened(database))
     runs = [new_run(f"{{{n}}}", run_id=f"run-{n}") for n in range(3)]
     with database.write() as transaction:
@@ -108,7 +108,9 @@ def test_the_reports_of_its_runs_that_have_ended(database: Database) -> None:
     finish(database, owner, finished("run-0", "collision"), finished("run-1"))
     with database.read() as transaction:
         reports = list(transaction.minimizations.reports(one.id))
+        unfinished = transaction.minimizations.unfinished(one.id)
     assert sorted(report.run_id for report in reports) == ["run-0", "run-1"]
+    assert unfinished == ("run-2",)
 
 
 def test_a_cancelled_one_takes_its_runs_along_and_stays_so(database: Database) -> None:

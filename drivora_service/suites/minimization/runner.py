@@ -148,8 +148,10 @@ class MinimizationRunner:
         checker = Checker(self._catalogues.networks, agents)
         work = Work(active, checker, self._trace_path)
         with database.read() as transaction:
-            for report in transaction.minimizations.reports(active.id):
-                work.take(report)
+            work.resume(
+                transaction.minimizations.reports(active.id),
+                transaction.minimizations.unfinished(active.id),
+            )
         self._works[active.id] = work
         return work, True
 

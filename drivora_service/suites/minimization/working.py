@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -92,6 +92,18 @@ class Work:
         self._size: tuple[State, ScenarioSize] | None = None
         self._before: ScenarioSize | None = None
 
+    def resume(self, reports: Iterable[RunReport], waiting: Iterable[str]) -> None:
+        """Takes what a process that has ended left behind.
+
+        Args:
+            reports: Reports of its runs that have ended; those without a result are made again.
+            waiting: Ids of the others, which count even if their results are not needed any more.
+        """
+        for report in reports:
+            if report.status not in _WITHOUT_RESULT:
+                self.take(report)
+        self.waiting.update(waiting)
+
     def take(self, report: RunReport) -> None:
         """Takes the report of a run of this minimisation; each run is counted once."""
         self.waiting.discard(report.run_id)
@@ -128,9 +140,11 @@ class Work:
 
     @property
     def end(self) -> End | None:
-        """How it has ended; ``None`` while it goes on."""
+        """How it has ended; ``None`` while it goes on, or runs are not counted yet."""
         if self._broken:
             return End(state=MinimizationState.FAILED, message=self._broken)
+        if self.waiting:
+            return None
         match self._minimizer.phase:
             case Phase.DONE:
                 return End(state=MinimizationState.FINISHED)
