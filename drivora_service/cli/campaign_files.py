@@ -11,14 +11,12 @@ from drivora_service.cli.scenario_files import read_files
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.importers.reading import FileFormat, detect_format, read_scenarios
 from drivora_service.scenario.plain_data import plain_data, refusal
+from drivora_service.scenario.schema import schema_directory
 
 
 def shipped_campaigns() -> Path:
     """Returns the folder of the example campaigns, in a checkout or in an installed package."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "_data" / "openscenario_schemas"
-    schemas = installed if installed.is_dir() else package.parent / "openscenario_schemas"
-    return schemas / "examples" / "campaigns"
+    return schema_directory() / "examples" / "campaigns"
 
 
 def read_campaign_file(path: Path) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from drivora_service.cli.listed_scenarios import ListFile, expand_list, read_lis
 from drivora_service.cli.scenario_files import SUFFIXES
 from drivora_service.errors import ConfigurationError, InvalidDocument
 from drivora_service.scenario.plain_data import plain_data
+from drivora_service.scenario.schema import schema_directory
 from drivora_service.store.study_records import LONGEST_LABEL
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.gate_reading import read_gate_document
@@ -36,12 +37,18 @@ def names_of_installation() -> KnownNames:
     return KnownNames(oracles=OracleCatalogue().names(), metrics=[one.name for one in METRICS])
 
 
+def shipped_suites() -> Path:
+    """Returns the folder of the shipped suites, a folder each."""
+    return schema_directory() / "suites"
+
+
 def read_suite_path(path: Path, known: KnownNames) -> Suite:
     """Reads a suite.
 
     Args:
         path: A suite file; a folder with one (``suite.yaml``); a folder of scenario files, or one
-            such file, which is then a suite without expectations of its own.
+            such file, which is then a suite without expectations of its own; or the name of a
+            shipped suite, if there is nothing of that name in the current folder.
         known: Names that it may use.
 
     Raises:
@@ -85,7 +92,13 @@ def _list_file(path: Path) -> ListFile:
                 return _suite_file(path / name)
         return _bare(path.resolve().name, ".", path)
     if not path.is_file():
-        raise ConfigurationError(f"there is no suite {path}; name a file or a folder")
+        shipped = sorted(one.name for one in shipped_suites().iterdir())
+        if str(path) in shipped:
+            return _list_file(shipped_suites() / path)
+        raise ConfigurationError(
+            f"there is no suite {path}; name a file, a folder, or a shipped suite: "
+            f"{', '.join(shipped)}"
+        )
     if path.suffix.lower() not in SUFFIXES:
         raise ConfigurationError(
             f"{path} is no suite: a file ends with one of {', '.join(sorted(SUFFIXES))}"

@@ -32,7 +32,8 @@ _MAX_SEED = 2**31 - 1
 SuiteArgument = Annotated[
     Path,
     typer.Argument(
-        metavar="SUITE", help="A suite file, a folder with suite.yaml, or scenario files."
+        metavar="SUITE",
+        help="A suite file, a folder with suite.yaml, scenario files, or a shipped suite: smoke.",
     ),
 ]
 SelectOption = Annotated[

@@ -1,0 +1,1 @@
+"""The making of the smoke suite: a search for failures of several ADSs, and a choice."""

@@ -1,0 +1,198 @@
+"""The searches for failures, their minimal forms, and what every ADS of the panel does in them.
+
+Each step runs commands of Drivora, keeps what it made in the work folder, and leaves out what is
+there already.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from benchmarks.smoke_suite.panel import PANEL, Driver
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.suites.results import read_results
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """One study of the search.
+
+    Attributes:
+        scenes: Seed scenarios of each network.
+        lengths_m: Least and greatest length of the egos' routes.
+        first_seed: Seed of the seed scenarios of the first network; each further one has the next.
+        against: Labels of the ADSs, of the panel.
+        simulations: Budget of each campaign.
+    """
+
+    name: str
+    scenes: int
+    lengths_m: tuple[int, int]
+    first_seed: int
+    against: tuple[str, ...]
+    methods: tuple[str, ...]
+    space: Mapping[str, Any]
+    oracles: tuple[str, ...]
+    simulations: int
+
+
+SEARCHES = (
+    Search(
+        name="rules",
+        scenes=3,
+        lengths_m=(120, 320),
+        first_seed=1,
+        against=("idm", "idm-mobil", "pdm-closed", "plant-lite"),
+        methods=("random", "avfuzzer"),
+        space={"vehicles": 4, "walkers": 1},
+        oracles=("collision", "red_light", "stop_sign", "failure_to_yield", "off_road"),
+        simulations=60,
+    ),
+    Search(
+        name="sudden actors",
+        scenes=4,
+        lengths_m=(80, 250),
+        first_seed=101,
+        against=("idm", "idm-slow", "pdm-closed", "sumo-eidm"),
+        methods=("avfuzzer", "behavexplor"),
+        space={"vehicles": 3, "walkers": 3, "behavior": "replay", "lights": True},
+        oracles=("collision", "red_light", "blocked"),
+        simulations=40,
+    ),
+)
+
+
+def search(work: Path) -> tuple[str, ...]:
+    """Runs the studies, or goes on with them; returns the ids of their campaigns."""
+    found: list[str] = []
+    for one in SEARCHES:
+        identity = work / f"study {one.name}.json"
+        if not identity.is_file():
+            path = work / f"study {one.name}.yaml"
+            path.write_text(yaml.safe_dump(_study(work, one), sort_keys=False))
+            identity.write_text(drivora("study", "run", str(path), "--json", work=work))
+        content = json.loads(identity.read_text())
+        found += [campaign["id"] for campaign in content["campaign_list"]]
+    return tuple(found)
+
+
+def _study(work: Path, one: Search) -> dict[str, Any]:
+    seeds = work / f"seeds {one.name}"
+    if not seeds.is_dir():
+        towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
+        least, most = one.lengths_m
+        for seed, town in enumerate(towns, start=one.first_seed):
+            drivora(
+                *("seeds", "generate", "--town", town, "--num", str(one.scenes)),
+                *("--min-length", str(least), "--max-length", str(most), "--seed", str(seed)),
+                *("--out", str(seeds)),
+                work=work,
+            )
+    return {
+        "name": f"smoke suite, {one.name}",
+        "scenarios": [seeds.name],
+        "agents": [driver.as_agent() for driver in PANEL if driver.label in one.against],
+        "methods": [{"name": name} for name in one.methods],
+        "space": dict(one.space),
+        "oracles": list(one.oracles),
+        "budget": {"simulations": one.simulations},
+    }
+
+
+def export(work: Path, campaigns: Sequence[str]) -> None:
+    """Adds a failure of each group of every campaign to the pool."""
+    pool = work / "pool"
+    if not pool.is_dir():
+        drivora(
+            *("campaign", "export", *campaigns, "--suite", str(pool), "--each", "group"), work=work
+        )
+
+
+def drive(work: Path, suite: str) -> None:
+    """Lets every ADS of the panel drive every scenario of a suite in the work folder."""
+    for driver in PANEL:
+        path = results_path(work, suite, driver)
+        path.parent.mkdir(exist_ok=True)
+        if not path.is_file():
+            drivora(
+                *("suite", "run", str(work / suite), "--agent", driver.agent),
+                *(f"--agent-parameter={name}={value}" for name, value in driver.parameters),
+                *("--results", str(path)),
+                work=work,
+                allowed=(0, 1, 3),
+            )
+
+
+def results_path(work: Path, suite: str, driver: Driver) -> Path:
+    """Returns the path of the results of an ADS in a suite of the work folder."""
+    return work / f"panel {suite}" / f"{driver.label}.json"
+
+
+def minimize(work: Path, names: Sequence[str], *, budget: int) -> None:
+    """Writes the minimal forms of scenarios of the pool, or the scenarios that have none.
+
+    Each is minimised for the ADS against which it was found.
+    """
+    small = work / "small" / "scenarios"
+    small.mkdir(parents=True, exist_ok=True)
+    (work / "small" / "suite.yaml").write_text("name: smoke\nscenarios: [scenarios/*.json]\n")
+    runs = {driver: _run_ids(work, driver) for driver in PANEL}
+
+    def minimized(name: str) -> None:
+        target = small / f"{name}.json"
+        if target.is_file():
+            return
+        document = parse_document((work / "pool" / "scenarios" / target.name).read_bytes(), "json")
+        agent = document.ego_vehicles[0].agent
+        driver = next(one for one in PANEL if agent is not None and one.is_agent(agent))
+        report = work / "minimal" / name
+        drivora(
+            *("minimize", runs[driver][name], "--budget", str(budget), "--workers", "1"),
+            *("--out", str(report)),
+            work=work,
+            allowed=(0, 1, 2, 3),
+        )
+        for path in report.glob("*.json"):
+            content = json.loads(path.read_bytes())
+            if "ego_vehicles" in content:
+                minimal = parse_document(content)
+                document = minimal.model_copy(update={"extensions": document.extensions})
+        target.write_text(document_text(document))
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for _ in pool.map(minimized, names):
+            pass
+
+
+def _run_ids(work: Path, driver: Driver) -> dict[str, str]:
+    results = read_results(results_path(work, "pool", driver))
+    return {run.scenario: run.run_id for run in results.runs if run.repetition == 0}
+
+
+def drivora(*arguments: str, work: Path, allowed: Collection[int] = (0,)) -> str:
+    """Runs a command of Drivora and returns what it printed.
+
+    Raises:
+        RuntimeError: It ended with another exit code than the allowed ones.
+    """
+    done = subprocess.run(
+        [sys.executable, "-m", "drivora_service.cli", *arguments],
+        env={**os.environ, "DRIVORA_DATA_DIR": str(work / "data")},
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    if done.returncode not in allowed:
+        raise RuntimeError(f"drivora {' '.join(arguments[:3])} … ended with {done.returncode}")
+    return done.stdout
