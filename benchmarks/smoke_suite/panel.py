@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from drivora_service.scenario.entities import AgentDocument
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driver:
@@ -24,10 +22,6 @@ class Driver:
     def as_agent(self) -> dict[str, Any]:
         """Returns the ADS as a study names it."""
         return {"name": self.agent, "label": self.label, "parameters": dict(self.parameters)}
-
-    def is_agent(self, document: AgentDocument) -> bool:
-        """Returns whether it is the ADS of a document."""
-        return (document.name, dict(document.parameters)) == (self.agent, dict(self.parameters))
 
 
 def _plain(name: str) -> Driver:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Collection, Mapping, Sequence
@@ -20,8 +21,8 @@ import yaml
 
 from benchmarks.smoke_suite.panel import PANEL, Driver
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.scenario.documents import document_text, parse_document
-from drivora_service.suites.results import read_results
+from drivora_service.scenario.documents import ScenarioDocument, document_text, parse_document
+from drivora_service.suites.documents import EXTENSION
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,32 +143,28 @@ def results_path(work: Path, suite: str, driver: Driver) -> Path:
 def minimize(work: Path, names: Sequence[str], *, budget: int) -> None:
     """Writes the minimal forms of scenarios of the pool, or the scenarios that have none.
 
-    Each is minimised for the ADS against which it was found.
+    Each keeps failing for the ADS against which it was found.
     """
     small = work / "small" / "scenarios"
     small.mkdir(parents=True, exist_ok=True)
     (work / "small" / "suite.yaml").write_text("name: smoke\nscenarios: [scenarios/*.json]\n")
-    runs = {driver: _run_ids(work, driver) for driver in PANEL}
 
     def minimized(name: str) -> None:
         target = small / f"{name}.json"
         if target.is_file():
             return
         document = parse_document((work / "pool" / "scenarios" / target.name).read_bytes(), "json")
-        agent = document.ego_vehicles[0].agent
-        driver = next(one for one in PANEL if agent is not None and one.is_agent(agent))
         report = work / "minimal" / name
         drivora(
-            *("minimize", runs[driver][name], "--budget", str(budget), "--workers", "1"),
+            *("minimize", run_of(document), "--budget", str(budget), "--workers", "1"),
             *("--out", str(report)),
             work=work,
             allowed=(0, 1, 2, 3),
         )
-        for path in report.glob("*.json"):
-            content = json.loads(path.read_bytes())
-            if "ego_vehicles" in content:
-                minimal = parse_document(content)
-                document = minimal.model_copy(update={"extensions": document.extensions})
+        minimal = report / "minimal.json"
+        if minimal.is_file():
+            found = parse_document(minimal.read_bytes(), "json")
+            document = found.model_copy(update={"extensions": document.extensions})
         target.write_text(document_text(document))
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -175,9 +172,18 @@ def minimize(work: Path, names: Sequence[str], *, budget: int) -> None:
             pass
 
 
-def _run_ids(work: Path, driver: Driver) -> dict[str, str]:
-    results = read_results(results_path(work, "pool", driver))
-    return {run.scenario: run.run_id for run in results.runs if run.repetition == 0}
+def run_of(document: ScenarioDocument) -> str:
+    """Returns the run of a campaign in which an exported scenario was found.
+
+    Raises:
+        ValueError: Its comment does not tell.
+    """
+    carried = document.extensions.get(EXTENSION)
+    comment = carried.get("comment") if isinstance(carried, dict) else None
+    found = re.search(r"evaluation (\d+) of campaign (\w+)", str(comment))
+    if found is None:
+        raise ValueError(f"found no campaign in {comment!r}; `drivora campaign export` writes it")
+    return f"{found[2]}-{found[1]}"
 
 
 def drivora(*arguments: str, work: Path, allowed: Collection[int] = (0,)) -> str:

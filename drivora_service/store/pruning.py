@@ -26,6 +26,8 @@ from drivora_service.store.database import Database
 from drivora_service.store.facet_tables import FacetRow
 from drivora_service.store.facets import subtract_runs
 from drivora_service.store.free_space import return_free_space
+from drivora_service.store.minimization_records import MinimizationState
+from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
 from drivora_service.store.traces import TraceFolder
@@ -82,7 +84,8 @@ def prune(
 ) -> Pruned:
     """Removes runs that ended before a time, their traces, and orphaned rows and files.
 
-    A server may run meanwhile. Runs of campaigns that are not over are kept.
+    A server may run meanwhile. Runs of campaigns that are not over, and of active minimisations,
+    are kept.
 
     Args:
         database: Holds the runs.
@@ -173,13 +176,17 @@ def _candidates(
     """Yields runs that are old enough, oldest first within a facet."""
     with database.read() as transaction:
         keys = transaction.session.scalars(select(FacetRow.key).where(*_facets(chosen))).all()
-        kept = set(
-            transaction.session.scalars(
-                select(BatchRow.seq)
-                .join(CampaignRow, CampaignRow.batch_id == BatchRow.id)
-                .where(CampaignRow.state.not_in([s for s in CampaignState if s.is_over]))
-            )
+        of_campaigns = (
+            select(BatchRow.seq)
+            .join(CampaignRow, CampaignRow.batch_id == BatchRow.id)
+            .where(CampaignRow.state.not_in([s for s in CampaignState if s.is_over]))
         )
+        of_minimizations = (
+            select(BatchRow.seq)
+            .join(MinimizationRow, MinimizationRow.batch_id == BatchRow.id)
+            .where(MinimizationRow.state.in_([s for s in MinimizationState if s.is_active]))
+        )
+        kept = set(transaction.session.scalars(of_campaigns.union(of_minimizations)))
     for key in keys:
         last = 0
         while True:

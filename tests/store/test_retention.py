@@ -22,7 +22,16 @@ from drivora_service.store.records import Priority
 from drivora_service.store.retention import Retention, retain
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.store.verification import verify
-from tests.store.samples import claim, ended, finish, finished, new_run, register, submit
+from tests.store.samples import (
+    claim,
+    ended,
+    finish,
+    finished,
+    new_minimization,
+    new_run,
+    register,
+    submit,
+)
 from tests.store.test_campaigns import append, create, evaluation
 
 NOW = datetime.now(UTC) + timedelta(days=30)
@@ -125,6 +134,25 @@ def test_runs_of_a_campaign_that_is_not_over_stay(
     assert left(database, traces) == ({run_id}, set())
     with database.write() as transaction:
         transaction.campaigns.end(campaign_id, CampaignState.FINISHED)
+    retain(database, traces, campaign_traces, retention, now=NOW)
+    assert left(database, traces) == (set(), set())
+
+
+def test_runs_of_a_minimization_that_goes_on_stay(
+    database: Database, traces: TraceFolder, campaign_traces: CampaignTraces
+) -> None:
+    with database.write() as transaction:
+        minimization = transaction.minimizations.open(new_minimization())
+        batch_id = transaction.minimizations.get(minimization).batch_id
+        transaction.campaign_runs.put(batch_id, new_run(run_id="run-0"))
+    owner = register(database)
+    claim(database, owner, 1)
+    finish(database, owner, finished("run-0"))
+    retention = Retention(passed_runs=timedelta(days=1))
+    retain(database, traces, campaign_traces, retention, now=NOW)
+    assert left(database, traces) == ({"run-0"}, set())
+    with database.write() as transaction:
+        transaction.minimizations.cancel(minimization)
     retain(database, traces, campaign_traces, retention, now=NOW)
     assert left(database, traces) == (set(), set())
 
