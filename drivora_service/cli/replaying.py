@@ -14,7 +14,7 @@ from drivora_service.cli.running import named_when_stopped, problems_of_item
 from drivora_service.client import Client
 from drivora_service.errors import InvalidDocument, NotFound, Problem, StoreError
 from drivora_service.observations.trace_file import read_trace
-from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.store.chunks import batched
 from drivora_service.store.found_records import FoundFilter
 from drivora_service.store.records import JobFilter, Priority
@@ -23,7 +23,6 @@ from drivora_service.suites.replaying import (
     Recording,
     compare,
     not_replayed,
-    scenario_as_run,
     why_not,
 )
 from drivora_service.suites.replays import Replay, ReplayOutcome
@@ -123,7 +122,7 @@ def _read_document(client: Client, original: Original, documents: dict[str, str]
     """Reads the scenario of a run; returns why it cannot be run, or ""."""
     run = original.run
     try:
-        documents[run.id] = document_text(scenario_as_run(client.run_scenario(run.id), run))
+        documents[run.id] = document_text(parse_document(client.run_scenario(run.id)))
     except NotFound:
         return "its scenario is not stored: it was an invalid candidate"
     except InvalidDocument as error:

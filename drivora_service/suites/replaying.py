@@ -11,7 +11,6 @@ from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.verdict_changes import verdict_changes
 from drivora_service.oracles.verdict_json import verdict_content
 from drivora_service.runs.report import RunStatus
-from drivora_service.scenario.documents import ScenarioDocument, parse_document, with_agent
 from drivora_service.shapes import combine
 from drivora_service.store.records import RunRecord
 from drivora_service.suites.replays import (
@@ -75,31 +74,6 @@ def not_replayed(original: Original, reason: str) -> Replay:
         outcome=ReplayOutcome.NOT_REPLAYED,
         reason=reason,
     )
-
-
-def scenario_as_run(text: str, run: RunRecord) -> ScenarioDocument:
-    """Returns the scenario of a run with the agent that drove.
-
-    An agent that was named beside the document is not in it. Egos of this agent keep their
-    parameters; the others were driven by it without any. The seed is ``run.seed``.
-
-    Args:
-        text: Scenario of the run as JSON, as the API returns it.
-        run: The run.
-
-    Raises:
-        InvalidDocument: The scenario cannot be read by this version.
-    """
-    document = parse_document(text)
-    names = dict.fromkeys(ego.agent_name or "" for ego in document.ego_vehicles)
-    if run.campaign_id or run.agent == ",".join(names):
-        return document
-    driven = with_agent(document, run.agent)
-    egos = tuple(
-        own if own.agent_name == run.agent else other
-        for own, other in zip(document.ego_vehicles, driven.ego_vehicles, strict=True)
-    )
-    return document.model_copy(update={"ego_vehicles": egos})
 
 
 def compare(original: Original, again: RunRecord, before: Recording, after: Recording) -> Replay:

@@ -36,6 +36,7 @@ from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice
+from drivora_service.scenario.overrides import with_overrides
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.simulation.plan import plan_episode
@@ -43,7 +44,6 @@ from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
 from drivora_service.worker.integrity import judging_code, sentence
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
-from drivora_service.worker.overrides import with_overrides
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 
@@ -128,7 +128,7 @@ def _perform(
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
     installed = installed_oracles().installed() if setup.installed_oracles else ()
-    scenario = with_overrides(from_canonical(spec.document), spec)
+    scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
     catalogue = agents_of(setup)

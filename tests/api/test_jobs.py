@@ -56,6 +56,8 @@ ego_vehicles:
     assert posted.status_code == 202, posted.text
     job = wait_until_final(http, posted.json()["id"])
     assert (job["status"], job["agent"], job["seed"]) == ("finished", "sumo-idm", 7)
+    driven = http.get(f"/api/v1/runs/{job['id']}/scenario").json()
+    assert (driven["ego_vehicles"][0]["agent"]["name"], driven["seed"]) == ("sumo-idm", 7)
 
 
 def test_parameters_of_agents_are_taken_from_the_request(

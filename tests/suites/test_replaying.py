@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -8,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.api.examples import SCENARIO
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.oracles.verdict import Outcome, Verdict
@@ -20,7 +18,6 @@ from drivora_service.suites.replaying import (
     Recording,
     compare,
     not_replayed,
-    scenario_as_run,
     why_not,
 )
 from drivora_service.suites.replays import ReplayOutcome
@@ -69,45 +66,6 @@ def moved(step: int) -> Trace:
     states = TRACE.states.copy()
     states[step:, 0, Col.X] += 1e-9
     return replace(TRACE, states=states)
-
-
-def scenario(*agents: dict[str, Any]) -> str:
-    (ego,) = SCENARIO["ego_vehicles"]
-    egos = [{**ego, "id": f"ego_{number}", "agent": agent} for number, agent in enumerate(agents)]
-    return json.dumps({**SCENARIO, "ego_vehicles": egos})
-
-
-FAST = {"name": "idm", "parameters": {"speed_factor": 1.2}}
-OTHER = {"name": "nmpc", "parameters": {}}
-
-
-@pytest.mark.parametrize(
-    ("agents", "told", "driven"),
-    [
-        ((FAST,), "idm", ("idm",)),
-        ((FAST, OTHER), "idm,nmpc", ("idm", "nmpc")),
-        ((FAST, OTHER), "idm", ("idm", "idm")),
-        ((FAST, OTHER), "nmpc", ("nmpc", "nmpc")),
-        ((FAST, OTHER), "pdm-closed", ("pdm-closed", "pdm-closed")),
-    ],
-)
-def test_the_agent_that_drove_is_in_the_scenario(
-    agents: tuple[dict[str, Any], ...], told: str, driven: tuple[str, ...]
-) -> None:
-    document = scenario_as_run(scenario(*agents), run_of(agent=told))
-    assert tuple(ego.agent_name for ego in document.ego_vehicles) == driven
-    for ego, agent in zip(document.ego_vehicles, agents, strict=True):
-        assert ego.agent is not None
-        # An agent that is not the documented one has no parameters.
-        kept = agent["parameters"] if ego.agent.name == agent["name"] else {}
-        assert dict(ego.agent.parameters) == kept
-
-
-def test_a_run_of_a_campaign_has_its_agent_in_its_scenario() -> None:
-    run = run_of(agent="idm with speed_factor 1.2", campaign_id="c", evaluation=3)
-    (ego,) = scenario_as_run(scenario(FAST), run).ego_vehicles
-    assert ego.agent is not None
-    assert ego.agent.parameters == FAST["parameters"]
 
 
 @pytest.mark.parametrize(

@@ -22,13 +22,14 @@ from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
 from drivora_service.api.pictures import Moments, picture_answer
 from drivora_service.api.recorded_run import recorded_run
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.run_lookup import find_document, find_run
+from drivora_service.api.run_lookup import find_document, find_overrides, find_run
 from drivora_service.api.schemas.runs import Run, run_of
 from drivora_service.api.security import reader
 from drivora_service.api_paths import PREFIX
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
+from drivora_service.scenario.overrides import with_overrides
 from drivora_service.store.records import Page, RunSummary
 from drivora_service.store.run_counts import RunCounts
 
@@ -92,10 +93,12 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
     responses=scenario_answers(examples.RUN_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
-    """Returns the scenario of a run as a document that can be posted again."""
+    """Returns what a run has driven, as a document that can be posted again."""
     with context.database.read() as transaction:
         text = find_document(transaction, run_id)
-    content = document_text(to_document(from_canonical(text))).encode()
+        agent, seed = find_overrides(transaction, run_id)
+    driven = with_overrides(from_canonical(text), agent=agent, seed=seed)
+    content = document_text(to_document(driven)).encode()
     return bytes_answer(request, content, media_type=JSON, etag=digest(content))
 
 

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.runs.report import RunSpec
 from drivora_service.scenario.canonical import canonical_json, from_canonical
 from drivora_service.scenario.documents import ScenarioDocument, document_text
 from drivora_service.scenario.exporting import to_document
+from drivora_service.scenario.overrides import with_overrides
 from drivora_service.scenario.validation import validate_document
-from drivora_service.worker.overrides import with_overrides
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,5 +78,4 @@ def document_of_run(text: str, *, agent: str, seed: int | None) -> ScenarioDocum
         agent: Agent that drives every ego instead of the documented ones; "": none.
         seed: Seed instead of the documented one.
     """
-    spec = RunSpec(run_id="", document=text, agent=agent, seed=seed)
-    return to_document(with_overrides(from_canonical(text), spec))
+    return to_document(with_overrides(from_canonical(text), agent=agent, seed=seed))
