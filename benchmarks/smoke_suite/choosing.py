@@ -11,6 +11,7 @@ from pathlib import Path
 from benchmarks.smoke_suite.panel import PANEL, SLOW
 from benchmarks.smoke_suite.searching import results_path
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
+from drivora_service.suites.counted import Counted
 from drivora_service.suites.failures import find_failures
 from drivora_service.suites.results import read_results
 from drivora_service.suites.suite import SuiteScenario
@@ -62,7 +63,8 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
     oracles: dict[str, dict[str, None]] = {name: {} for name in paths}
     judged: Counter[str] = Counter()
     for driver in PANEL:
-        found = find_failures(read_results(results_path(work, suite, driver)), scenarios)
+        results = read_results(results_path(work, suite, driver))
+        found = find_failures(results, scenarios, counted=Counted.ANY)
         judged.update(name for name, runs in found.judged.items() if runs)
         for key in found.failures:
             oracles[key.scenario][key.oracle] = None

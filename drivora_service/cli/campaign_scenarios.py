@@ -12,8 +12,8 @@ from drivora_service.oracles.failure_facts import failure_sentence
 from drivora_service.oracles.verdict import Severity
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.store.campaign_records import Confirmation
+from drivora_service.suites.counted import COUNTED, Counted
 from drivora_service.suites.exporting import FoundScenario, slug, tag
-from drivora_service.suites.failures import COUNTED, Counted
 
 
 def found_scenarios(

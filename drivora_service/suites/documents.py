@@ -12,6 +12,7 @@ from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import EntityDocument
 from drivora_service.studies.documents import Label
+from drivora_service.suites.counted import Counted
 
 MAX_SCENARIOS = 10_000
 """Greatest number of scenarios of a suite: that of a batch."""
@@ -94,6 +95,11 @@ class ExpectationsDocument(EntityDocument):
     oracles: OracleNames | None = Field(
         None, description="Oracles whose violations count, in place of those of the suite."
     )
+    counts: Counted | None = Field(
+        None,
+        description="Violations that are failures, in place of what the suite says: those that an "
+        "ego is accountable for, also unavoidable ones (at_fault), or also those of others (any).",
+    )
     metrics: MetricBounds = Field(default_factory=dict)
     known_failures: Annotated[tuple[KnownFailureDocument, ...], Field(max_length=100)] = Field(
         (), description="Failures that are known and do not count."
@@ -135,5 +141,9 @@ class SuiteDocument(EntityDocument):
         None,
         description="Oracles whose violations count; without it, those that the gate names, or "
         "all but observations.",
+    )
+    counts: Counted | None = Field(
+        None,
+        description="Violations that are failures, as in a gate; without it, what the gate says.",
     )
     metrics: MetricBounds = Field(default_factory=dict)

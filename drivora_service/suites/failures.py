@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
-from drivora_service.oracles.accountability import (
-    ACCOUNTABLE,
-    AT_FAULT,
-    Accountability,
-    accountability,
-    strongest_of,
-)
+from drivora_service.oracles.accountability import Accountability, accountability, strongest_of
 from drivora_service.oracles.failure_facts import failure_sentence, is_consequence
 from drivora_service.oracles.verdict import Severity, Verdict
 from drivora_service.runs.report import RunStatus
+from drivora_service.suites.counted import COUNTED, Counted
 from drivora_service.suites.results import SuiteResults, SuiteRun
 from drivora_service.suites.suite import KnownFailure, SuiteScenario
 
@@ -26,24 +20,6 @@ METRIC_PREFIX = "metric "
 """Beginning of the name, in place of an oracle's, of a metric outside its bounds."""
 
 _RANK = {severity: rank for rank, severity in enumerate(Severity)}
-
-
-class Counted(StrEnum):
-    """The violations that are failures."""
-
-    ACCOUNTABLE = "accountable"
-    """An ego is accountable: avoidable, not measurable whether, or fault is not attributed."""
-    AT_FAULT = "at_fault"
-    """As `accountable`, and also those that were not avoidable."""
-    ANY = "any"
-    """Also those that are the fault of others, or undetermined."""
-
-
-COUNTED: Mapping[Counted, frozenset[Accountability]] = {
-    Counted.ACCOUNTABLE: ACCOUNTABLE,
-    Counted.AT_FAULT: ACCOUNTABLE | AT_FAULT,
-    Counted.ANY: frozenset(Accountability),
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, order=True)
@@ -146,7 +122,7 @@ def find_failures(
     Args:
         results: The runs.
         scenarios: Expectations by the name of the scenario.
-        counted: Violations that are failures.
+        counted: Violations that are failures in scenarios that do not say.
         oracles: Oracles that count in scenarios that name none; ``None``: all but observations.
     """
     failures: dict[FailureKey, Failure] = {}
@@ -200,9 +176,10 @@ def _events(
         )
         return
     named = oracles if scenario.oracles is None else scenario.oracles
+    counting = COUNTED[scenario.counts or counted]
     for verdict in run.violations:
         degree = accountability(verdict)
-        if _counts(verdict, named) and degree in COUNTED[counted]:
+        if _counts(verdict, named) and degree in counting:
             yield _Event(
                 key=FailureKey(
                     scenario=run.scenario,

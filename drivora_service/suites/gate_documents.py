@@ -12,7 +12,7 @@ from drivora_service.oracles.accountability import ACCOUNTABLE, Accountability
 from drivora_service.oracles.verdict import Severity
 from drivora_service.scenario.entities import EntityDocument
 from drivora_service.suites.classes import FailureClass
-from drivora_service.suites.failures import Counted
+from drivora_service.suites.counted import Counted
 
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0, json_schema_extra={"x-unit": "1"})]
@@ -81,8 +81,8 @@ class GateDocument(EntityDocument):
     version: Literal["1.0"] = Field("1.0", description="Version of this format.")
     counts: Counted = Field(
         Counted.ACCOUNTABLE,
-        description="Violations that are failures: those that an ego is accountable for, also "
-        "unavoidable ones (at_fault), or also those of others (any).",
+        description="Violations that are failures in scenarios that do not say: those that an ego "
+        "is accountable for, also unavoidable ones (at_fault), or also those of others (any).",
     )
     oracles: OracleNames | None = Field(
         None,

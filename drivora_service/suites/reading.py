@@ -108,6 +108,7 @@ def _scenario(
         document=one.document,
         tags=tuple(dict.fromkeys((*suite.tags, *carried.tags, *one.tags))),
         oracles=None if oracles is None else frozenset(oracles),
+        counts=one.counts or carried.counts or suite.counts,
         metrics={
             name: MetricBounds(at_least=bounds.at_least, at_most=bounds.at_most)
             for name, bounds in {**suite.metrics, **carried.metrics, **one.metrics}.items()

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drivora_service.scenario.documents import ScenarioDocument
+from drivora_service.suites.counted import Counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +74,7 @@ class SuiteScenario:
         name: Unique in the suite.
         tags: Its own and those of the suite.
         oracles: Oracles whose violations count; ``None``: as the gate says.
+        counts: Violations that are failures; ``None``: as the gate says.
         metrics: Expected values by metric, those of the suite included.
         difficulty: ``None``: not known.
     """
@@ -81,6 +83,7 @@ class SuiteScenario:
     document: ScenarioDocument
     tags: tuple[str, ...] = ()
     oracles: frozenset[str] | None = None
+    counts: Counted | None = None
     metrics: Mapping[str, MetricBounds] = field(default_factory=dict)
     known_failures: tuple[KnownFailure, ...] = ()
     difficulty: Difficulty | None = None

@@ -30,7 +30,7 @@ from drivora_service.store.campaign_records import (
 from drivora_service.store.found_records import FoundFilter
 from drivora_service.store.records import BatchState, JobFilter, Priority
 from drivora_service.studies.table_names import CampaignTableName, ResultTableName, TableForm
-from drivora_service.suites.failures import Counted
+from drivora_service.suites.counted import Counted
 
 
 def broken(scenario: dict[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,8 @@ import pytest
 from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.runs.report import RunStatus
-from drivora_service.suites.failures import Counted, FailureKey, find_failures
+from drivora_service.suites.counted import Counted
+from drivora_service.suites.failures import FailureKey, find_failures
 from drivora_service.suites.suite import KnownFailure, MetricBounds
 from tests.suites.made_results import results_of, scenarios_of, suite_run, verdict
 
@@ -54,6 +55,10 @@ def test_what_counts(changes: dict[str, Any], counted: set[str]) -> None:
     for which in Counted:
         found = find_failures(results, scenarios_of(results), counted=which)
         assert bool(found.failures) == (which in counted)
+        # What a scenario says comes first.
+        for other in Counted:
+            own = scenarios_of(results, counts=which)
+            assert bool(find_failures(results, own, counted=other).failures) == (which in counted)
 
 
 def test_named_oracles_count_also_if_they_are_observations() -> None:

@@ -8,6 +8,8 @@ import pytest
 
 from drivora_service.api.examples import SCENARIO
 from drivora_service.errors import InvalidDocument
+from drivora_service.suites.counted import Counted
+from drivora_service.suites.documents import EXTENSION
 from drivora_service.suites.gate_reading import read_gate_document
 from drivora_service.suites.reading import read_suite
 from drivora_service.suites.suite import KnownFailure, MetricBounds, Suite
@@ -52,6 +54,23 @@ def test_expectations_of_the_suite_hold_for_scenarios_without_their_own() -> Non
     assert one.known_failures == (
         KnownFailure(oracle="collision", agents=frozenset({"idm"}), reason="x"),
     )
+
+
+@pytest.mark.parametrize(
+    ("listed", "carried", "suites", "found"),
+    [
+        (None, None, None, None),
+        (None, None, "any", Counted.ANY),
+        (None, "at_fault", "any", Counted.AT_FAULT),
+        ("accountable", "at_fault", "any", Counted.ACCOUNTABLE),
+    ],
+)
+def test_the_nearest_word_on_what_counts_holds(
+    listed: str | None, carried: str | None, suites: str | None, found: Counted | None
+) -> None:
+    document = {**SCENARIO, "extensions": {EXTENSION: {"counts": carried}}}
+    (one,) = read(suite({"document": document, "counts": listed}, counts=suites)).scenarios
+    assert one.counts is found
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from drivora_service.api.documentation import answers
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.security import reader
 from drivora_service.errors import UnknownName
-from drivora_service.suites.failures import Counted
+from drivora_service.suites.counted import Counted
 from drivora_service.suites.paired.comparison import BatchComparison
 from drivora_service.suites.paired.counting import Rules, Unfinished
 

@@ -54,8 +54,8 @@ def export(
     check_folder(suite)
     with connected(server, data_dir) as client:
         from drivora_service.cli.campaign_scenarios import found_scenarios
+        from drivora_service.suites.counted import Counted
         from drivora_service.suites.exporting import export_scenarios
-        from drivora_service.suites.failures import Counted
 
         found = found_scenarios(client, campaigns, each=each, counted=Counted(counts), most=most)
         with writing(suite):

@@ -18,7 +18,7 @@ from drivora_service.errors import ConfigurationError
 if TYPE_CHECKING:
     from drivora_service.cli.pair_running import SideOptions
     from drivora_service.client import Client
-    from drivora_service.suites.failures import Counted
+    from drivora_service.suites.counted import Counted
     from drivora_service.suites.paired.comparison import BatchComparison
     from drivora_service.suites.paired.counting import Unfinished
 
@@ -146,7 +146,7 @@ def _show(comparison: BatchComparison, out: Path | None, *, as_json: bool) -> No
 
 
 def _rules(counts: str, unfinished: str) -> tuple[Counted, Unfinished]:
-    from drivora_service.suites.failures import Counted
+    from drivora_service.suites.counted import Counted
     from drivora_service.suites.paired.counting import Unfinished
 
     for option, value, allowed in (

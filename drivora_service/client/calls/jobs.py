@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.jobs import Job
     from drivora_service.api.schemas.service import Validation
     from drivora_service.store.records import JobFilter, Priority, RunSummary
-    from drivora_service.suites.failures import Counted
+    from drivora_service.suites.counted import Counted
     from drivora_service.suites.paired.comparison import BatchComparison
     from drivora_service.suites.paired.counting import Unfinished
 

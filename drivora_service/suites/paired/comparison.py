@@ -10,7 +10,7 @@ from enum import StrEnum
 from drivora_service.oracles.descriptions import Better
 from drivora_service.runs.report import RunStatus
 from drivora_service.shapes import Shape
-from drivora_service.suites.failures import Counted
+from drivora_service.suites.counted import Counted
 from drivora_service.suites.paired.counting import FailureFound, Unfinished
 from drivora_service.suites.paired.pairing import LeftOutReason
 

@@ -11,7 +11,7 @@ from drivora_service.oracles.failure_facts import failure_sentence, is_consequen
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.runs.report import RunStatus
 from drivora_service.shapes import Shape
-from drivora_service.suites.failures import COUNTED, Counted
+from drivora_service.suites.counted import COUNTED, Counted
 from drivora_service.suites.paired.runs import PairedRun
 
 

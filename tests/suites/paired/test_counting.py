@@ -5,7 +5,7 @@ import pytest
 from drivora_service.oracles.failure_facts import failure_sentence
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
 from drivora_service.runs.report import RunStatus
-from drivora_service.suites.failures import Counted
+from drivora_service.suites.counted import Counted
 from drivora_service.suites.paired.counting import Rules, Unfinished
 from drivora_service.suites.paired.runs import PairedRun
 from tests.suites.paired.samples import lost, run, verdict
