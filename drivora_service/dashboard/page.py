@@ -22,6 +22,7 @@ SECTIONS = (
     "runs",
     "batches",
     "failures",
+    "minimizations",
     "networks",
     "agents",
     "workers",

@@ -79,6 +79,21 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/minimizations",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/minimizations/Minimizations"), "Minimizations"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/minimizations/$id",
+    validateSearch: anySearch,
+    component: lazyScreen(
+      () => import("./screens/minimizations/MinimizationScreen"),
+      "MinimizationScreen",
+    ),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/runs",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/runs/Runs"), "Runs"),

@@ -165,7 +165,8 @@ export function useLiveList<Row>(options: Options<Row>) {
 /** Returns the object of a kind that a change touches: a run's change also touches its batch. */
 function changedOf(change: Change, kind: Owned): string | undefined {
   if (change.kind === kind) return change.id;
-  return kind === "run" ? undefined : change[`${kind}_id`];
+  // Nothing belongs to a run or a minimisation.
+  return kind === "run" || kind === "minimization" ? undefined : change[`${kind}_id`];
 }
 
 /** Returns the tokens of the pages that have a changed row; the first page always, for new rows. */

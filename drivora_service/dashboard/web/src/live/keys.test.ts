@@ -17,3 +17,11 @@ it("a change of a run touches its batch, campaign and study", () => {
 it("a change without owners touches itself and its list", () => {
   expect(touches({ kind: "campaign", id: "c" })).toEqual(["campaign c", "campaign list"]);
 });
+it("a change of a minimisation touches it, its list and the batch of its runs", () => {
+  expect(touches({ kind: "minimization", id: "m", batch_id: "b" })).toEqual([
+    "minimization m",
+    "minimization list",
+    "batch b",
+    "batch list",
+  ]);
+});

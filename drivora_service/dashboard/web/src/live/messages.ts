@@ -1,6 +1,6 @@
 /** What the service tells, and what the tabs of the page tell the one connection. */
 
-export type ChangeKind = "run" | "batch" | "campaign" | "study" | "workers";
+export type ChangeKind = "run" | "batch" | "campaign" | "study" | "minimization" | "workers";
 
 export interface Change {
   readonly kind: ChangeKind;

@@ -9,6 +9,7 @@ const WORDS: Readonly<Record<FoundKind, string>> = {
   batch: "batch",
   campaign: "campaign",
   study: "study",
+  minimization: "minimisation",
   network: "network",
   agent: "ADS",
 };
@@ -35,6 +36,7 @@ export function SearchField() {
     if (kind === "run") void navigate({ to: "/runs/$runId", params: { runId: id } });
     else if (kind === "campaign") void navigate({ to: "/campaigns/$id", params: { id } });
     else if (kind === "study") void navigate({ to: "/studies/$id", params: { id } });
+    else if (kind === "minimization") void navigate({ to: "/minimizations/$id", params: { id } });
     else if (kind === "batch") void navigate({ to: "/batches/$batchId", params: { batchId: id } });
     else if (kind === "network") void navigate({ to: "/networks/$name", params: { name: id } });
     else if (kind === "agent") void navigate({ to: "/agents", search: {}, hash: id });

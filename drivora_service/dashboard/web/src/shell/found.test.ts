@@ -22,6 +22,7 @@ describe("the search field", () => {
   });
   it("tells ids from words", () => {
     expect(isId("01a20b61ff86a4ffe185de78-17-again")).toBe(true);
+    expect(isId("01a215ff5460f2a66a7526da-81f16c3e97bd4fr")).toBe(true);
     expect(isId("nightly")).toBe(false);
   });
 });

@@ -1,5 +1,12 @@
 /** What the search field finds. */
-export type FoundKind = "run" | "batch" | "campaign" | "study" | "network" | "agent";
+export type FoundKind =
+  | "run"
+  | "batch"
+  | "campaign"
+  | "study"
+  | "minimization"
+  | "network"
+  | "agent";
 
 export interface Found {
   readonly kind: FoundKind;
@@ -36,7 +43,10 @@ export function matching(all: readonly Found[], text: string): readonly Found[] 
     .map(({ found }) => found);
 }
 
-/** Returns whether a text may be an id: 24 hexadecimal digits, and an evaluation's number. */
+/**
+ * Returns whether a text may be an id: 24 hexadecimal digits, and an evaluation's number or what
+ * names a run of a minimisation.
+ */
 export function isId(text: string): boolean {
-  return /^[0-9a-f]{24}(-\d+(-again)?)?$/.test(text.trim());
+  return /^[0-9a-f]{24}(-\d+(-again)?|-[0-9a-f]{14}[rtoc])?$/.test(text.trim());
 }

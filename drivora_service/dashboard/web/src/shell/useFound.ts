@@ -1,5 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import { api, body, type Schemas } from "../api/client";
+import { nameOf } from "../screens/minimizations/minimization";
 import { type Found, isId } from "./found";
 
 const NEWEST = 500;
@@ -38,6 +39,11 @@ export function useFound(wanted: boolean, text: string): readonly Found[] {
     queryFn: async () => body(await api.GET("/api/v1/studies", newest)).items,
     enabled: wanted,
   });
+  const minimizations = useQuery({
+    queryKey: ["minimization", "list", "search"],
+    queryFn: async () => body(await api.GET("/api/v1/minimizations", newest)).items,
+    enabled: wanted,
+  });
   const networks = useQuery({
     queryKey: ["networks", "search"],
     queryFn: async () => body(await api.GET("/api/v1/networks")).items,
@@ -60,6 +66,14 @@ export function useFound(wanted: boolean, text: string): readonly Found[] {
     ),
     ...(studies.data ?? []).map(
       ({ id, name, state }): Found => ({ kind: "study", id, name: name || id, note: state }),
+    ),
+    ...(minimizations.data ?? []).map(
+      (one): Found => ({
+        kind: "minimization",
+        id: one.id,
+        name: `${nameOf(one)}, minimised`,
+        note: one.state,
+      }),
     ),
     ...(run.data ? [runFound(run.data)] : []),
     ...(runs.data ?? []).filter((item) => item.id !== run.data?.id).map(runFound),

@@ -39,6 +39,11 @@ export function Failures() {
             › {groupText(group)}
           </p>
         )}
+        <div className="actions">
+          <Link to="/minimizations" search={{}} className="button">
+            Minimisations
+          </Link>
+        </div>
       </div>
       <Filters filters={filters} search={search} />
       {group ? (

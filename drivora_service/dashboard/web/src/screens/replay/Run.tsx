@@ -7,8 +7,10 @@ import { Mark, type MarkLook } from "../../components/Mark";
 import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
+import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
+import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
 import { runQuery } from "./runQuery";
 import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
@@ -34,6 +36,7 @@ export function Run() {
           {run.seed !== null && `, seed ${run.seed}`} <Origin run={run} />
         </p>
         <div className="actions">
+          <MinimizeRun run={run} />
           <Copy text={run.id} label="Copy the id" />
           <Copy
             text={againCommand(run, window.location.origin)}
@@ -52,10 +55,15 @@ export function Run() {
 
 /** Where a run comes from, and what else was run of its scenario. */
 function Origin({ run }: { readonly run: Schemas["Run"] }) {
+  const minimization = minimizationOf(run.id);
   return (
     <>
       {" · "}
-      {run.campaign_id ? (
+      {minimization ? (
+        <Link to="/minimizations/$id" params={{ id: minimization }} search={{}}>
+          its minimisation
+        </Link>
+      ) : run.campaign_id ? (
         <Link
           to="/campaigns/$id"
           params={{ id: run.campaign_id }}
@@ -74,6 +82,7 @@ function Origin({ run }: { readonly run: Schemas["Run"] }) {
       <Link to="/runs" search={{ scenario_sha256: run.scenario_sha256 }}>
         runs of this scenario
       </Link>
+      <Minimised run={run} />
     </>
   );
 }
