@@ -67,3 +67,22 @@ it("a reader signs in with a token, sees the screen of the address, and signs ou
   expect(await page.evaluate("fetch('/api/v1/runs').then(({ status }) => status)")).toBe(401);
   await context.close();
 });
+
+it("only a token that may submit is offered to minimise a failing run", async () => {
+  const api = new Api(address, submitter);
+  const batch = await postBatch(api, "failing", shortScenarios(16));
+  await api.until<{ done: boolean }>(`/batches/${batch}`, ({ done }) => done);
+  const { items } = await api.get<{ items: { id: string }[] }>(
+    `/runs?batch=${batch}&at_fault=true&limit=1`,
+  );
+  const offered: number[] = [];
+  for (const token of [reader, submitter]) {
+    const { page, context } = await open(browser, `${address}/runs/${items[0]?.id}`);
+    await page.getByLabel("Token").fill(token);
+    await page.getByRole("button", { name: "Sign in" }).click();
+    await page.getByRole("button", { name: "Copy the id" }).waitFor();
+    offered.push(await page.getByRole("button", { name: "Minimise" }).count());
+    await context.close();
+  }
+  expect(offered).toEqual([0, 1]);
+});

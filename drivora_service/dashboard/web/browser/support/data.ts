@@ -24,6 +24,8 @@ export interface Made {
   /** A run in which an ego is at fault. */
   readonly run: string;
   readonly otherRun: string;
+  /** A minimisation that has ended, of a run of the campaign. */
+  readonly minimization: string;
 }
 
 interface Posted {
@@ -116,6 +118,11 @@ export function shortScenarios(count: number): readonly Record<string, unknown>[
   return collisions(count).slice(0, count);
 }
 
+/** Scenarios that keep a worker busy for seconds each, and end well. */
+export function longScenarios(count: number): readonly Record<string, unknown>[] {
+  return Array.from({ length: count }, () => scenario("signalised-grid.json"));
+}
+
 export async function makeData(api: Api): Promise<Made> {
   const struck = await postBatch(api, "collisions", collisions(16));
   const examples = await postBatch(api, "examples", [
@@ -152,6 +159,11 @@ export async function makeData(api: Api): Promise<Made> {
   const failing = await api.get<Runs>(`/runs?batch=${struck}&at_fault=true&limit=2`);
   const [run, otherRun] = failing.items;
   if (!run || !otherRun) throw new Error("no ego is at fault in the collisions");
+  const ofCampaign = await api.get<Runs>(`/runs?campaign=${campaign}&at_fault=true&limit=1`);
+  const minimized = ofCampaign.items[0];
+  if (!minimized) throw new Error("no ego is at fault in the campaign");
+  const { id: minimization } = await api.post<{ id: string }>(`/runs/${minimized.id}:minimize`);
+  await api.until<Progress>(`/minimizations/${minimization}`, ({ state }) => state === "finished");
   return {
     batches: [struck, examples],
     collisions: struck,
@@ -161,5 +173,6 @@ export async function makeData(api: Api): Promise<Made> {
     study: study.id,
     run: run.id,
     otherRun: otherRun.id,
+    minimization,
   };
 }

@@ -1,7 +1,12 @@
 /** A tab of the browser, in which nothing may go wrong unseen. */
 
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
 import type { Browser, BrowserContext, Page } from "playwright-core";
 import { expect } from "vitest";
+import { REPOSITORY } from "./service";
+
+const PICTURES = join(REPOSITORY, "build", "screenshots");
 
 export type Theme = "light" | "dark";
 export const THEMES: readonly Theme[] = ["light", "dark"];
@@ -58,4 +63,10 @@ export async function open(browser: Browser, address: string, theme: Theme = "li
 export async function drawn(page: Page): Promise<void> {
   await page.locator("main h1, main h2").first().waitFor();
   await expect.poll(() => page.locator("main .loading").count(), { timeout: 30_000 }).toBe(0);
+}
+
+/** Keeps a picture of what the window shows, for those who judge how it looks. */
+export async function shoot(page: Page, name: string, theme: Theme): Promise<void> {
+  mkdirSync(PICTURES, { recursive: true });
+  await page.screenshot({ path: join(PICTURES, `${name}-${theme}.png`) });
 }

@@ -31,6 +31,12 @@ export function screens(made: Made): readonly Screen[] {
       at: `/compare/batches?a=${made.paired[0]}&b=${made.paired[1]}`,
     },
     { route: "/failures", name: "failures", at: "/failures" },
+    { route: "/minimizations", name: "minimizations", at: "/minimizations" },
+    {
+      route: "/minimizations/$id",
+      name: "minimization",
+      at: `/minimizations/${made.minimization}`,
+    },
     { route: "/studies", name: "studies", at: "/studies" },
     { route: "/studies/$id", name: "study", at: `/studies/${made.study}` },
     { route: "/runs", name: "runs", at: "/runs" },
