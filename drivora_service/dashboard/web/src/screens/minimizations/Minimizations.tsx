@@ -23,7 +23,7 @@ const COLUMNS: readonly Column<Summary>[] = [
   {
     id: "failure",
     title: "Failure",
-    width: "minmax(180px, 1.2fr)",
+    width: "minmax(160px, 1fr)",
     cell: ({ id, failure }) => (
       <Link to="/minimizations/$id" params={{ id }} search={{}}>
         {oracleName(failure.oracle)} of {failure.ego}
@@ -70,7 +70,7 @@ const COLUMNS: readonly Column<Summary>[] = [
   {
     id: "run",
     title: "Run",
-    width: "minmax(200px, 1fr)",
+    width: "minmax(240px, 1fr)",
     cell: ({ run_id }) => (
       <Link className="ink" to="/runs/$runId" params={{ runId: run_id }} search={{}}>
         <code>{run_id}</code>
