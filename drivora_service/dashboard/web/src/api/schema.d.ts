@@ -923,7 +923,7 @@ export interface paths {
         };
         /**
          * Get Scenario
-         * @description Returns the scenario of a run as a document that can be posted again.
+         * @description Returns what a run has driven, as a document that can be posted again.
          */
         get: operations["get_scenario_api_v1_runs__run_id__scenario_get"];
         put?: never;
