@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from benchmarks.smoke_suite.choosing import candidates, choose, table
+from benchmarks.smoke_suite.choosing import candidates, choose, smaller, table
 from benchmarks.smoke_suite.searching import drive, export, minimize, search
 from benchmarks.smoke_suite.writing import write_suite
 
@@ -30,10 +30,11 @@ def main() -> int:
     work.mkdir(parents=True, exist_ok=True)
     export(work, search(work))
     drive(work, "pool")
-    picked = choose(list(candidates(work, "pool")), size=_TO_MINIMIZE)
-    minimize(work, [one.name for one in picked], budget=options.budget)
+    pool = list(candidates(work, "pool"))
+    picked = choose(pool, size=_TO_MINIMIZE)
+    minimize(work, {one.name: one.followed for one in picked}, budget=options.budget)
     drive(work, "small")
-    chosen = choose(list(candidates(work, "small")), size=SIZE)
+    chosen = choose(smaller(pool, list(candidates(work, "small"))), size=SIZE)
     print(table(chosen))
     if options.to is not None:
         write_suite(options.to, chosen)

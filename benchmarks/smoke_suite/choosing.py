@@ -8,13 +8,28 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.smoke_suite.panel import PANEL, SLOW
+from benchmarks.smoke_suite.panel import PANEL, SLOW, Driver
 from benchmarks.smoke_suite.searching import results_path
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.suites.counted import Counted
 from drivora_service.suites.failures import find_failures
 from drivora_service.suites.results import read_results
 from drivora_service.suites.suite import SuiteScenario
+
+_ALIKE_M, _ALIKE_S = 10.0, 2.0
+"""Failures at places and times that are the same when rounded to these are alike."""
+_ARRIVAL = "destination"
+"""Oracle of egos that do not arrive in time."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spot:
+    """A first failure: its oracle, and place and time in steps that are alike."""
+
+    oracle: str
+    place: tuple[int, ...]
+    time: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,12 +39,14 @@ class Candidate:
     Attributes:
         failed_by: Labels of the ADSs that fail.
         oracles: Oracles that they violate.
+        spots: For each of them, where and when its first failure is, roughly.
     """
 
     name: str
     document: ScenarioDocument
     failed_by: tuple[str, ...]
     oracles: tuple[str, ...]
+    spots: tuple[Spot, ...]
 
     @property
     def town(self) -> str:
@@ -40,6 +57,21 @@ class Candidate:
     def place(self) -> str:
         """Network, oracle and road or junction of the failure that was found."""
         return re.sub(r"-\d+$", "", self.name)
+
+    @property
+    def tells_apart(self) -> bool:
+        """Whether some of the panel fail and others do not."""
+        return 0 < len(self.failed_by) < len(PANEL)
+
+    @property
+    def followed(self) -> Driver:
+        """The ADS whose failure its minimal form keeps: the worse version where only that fails.
+
+        Else the first one of the panel that fails.
+        """
+        if self.tells_the_slow_one:
+            return SLOW
+        return next(driver for driver in PANEL if driver.label in self.failed_by)
 
     @property
     def ads_failing(self) -> tuple[str, ...]:
@@ -61,14 +93,19 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
     }
     failed: dict[str, dict[str, None]] = {name: {} for name in paths}
     oracles: dict[str, dict[str, None]] = {name: {} for name in paths}
+    spots: dict[str, list[Spot]] = {name: [] for name in paths}
     judged: Counter[str] = Counter()
     for driver in PANEL:
         results = read_results(results_path(work, suite, driver))
         found = find_failures(results, scenarios, counted=Counted.ANY)
         judged.update(name for name, runs in found.judged.items() if runs)
+        violations = {run.scenario: run.violations for run in results.runs}
         for key in found.failures:
             oracles[key.scenario][key.oracle] = None
-            failed[key.scenario][driver.label] = None
+            if driver.label not in failed[key.scenario]:
+                failed[key.scenario][driver.label] = None
+                of_key = (one for one in violations[key.scenario] if one.oracle == key.oracle)
+                spots[key.scenario].append(_spot(next(of_key)))
     for name, document in documents.items():
         if judged[name] == len(PANEL):
             yield Candidate(
@@ -76,21 +113,50 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
                 document=document,
                 failed_by=tuple(failed[name]),
                 oracles=tuple(sorted(oracles[name])),
+                spots=tuple(spots[name]),
             )
+
+
+def _spot(verdict: Verdict) -> Spot:
+    place = () if verdict.location is None else verdict.location
+    return Spot(
+        oracle=verdict.oracle,
+        place=tuple(round(value / _ALIKE_M) for value in place),
+        time=round((verdict.time or 0.0) / _ALIKE_S),
+    )
+
+
+def smaller(pool: Collection[Candidate], minimal: Collection[Candidate]) -> list[Candidate]:
+    """Returns each scenario that has a minimal form: in that form if it tells as much.
+
+    A minimal form may end too early for an ADS that does not fail to arrive.
+    """
+    original = {one.name: one for one in pool}
+    return [
+        small
+        if small.tells_apart
+        and small.tells_the_slow_one == original[small.name].tells_the_slow_one
+        and _ARRIVAL not in set(small.oracles) - set(original[small.name].oracles)
+        else original[small.name]
+        for small in minimal
+    ]
 
 
 def choose(pool: Collection[Candidate], *, size: int) -> list[Candidate]:
     """Chooses scenarios in which some of the panel fail and others do not.
 
     One after the other, the scenario is taken whose network, place, violated oracles, and number
-    and set of failing ADSs are the rarest among those that were taken before.
+    and set of failing ADSs are the rarest among those that were taken before. One in which the same
+    ADSs fail at the same places as in another is not taken.
     """
-    left = [one for one in pool if 0 < len(one.failed_by) < len(PANEL)]
+    left = [one for one in pool if one.tells_apart]
     chosen: list[Candidate] = []
     taken: Counter[object] = Counter()
     while left and len(chosen) < size:
         best = max(left, key=lambda one: sum(1.0 / (1 + taken[f]) for f in _features(one)))
         left.remove(best)
+        if (best.town, best.failed_by, best.spots) in taken:
+            continue
         chosen.append(best)
         taken.update(_features(best))
     return sorted(chosen, key=lambda one: one.name)
@@ -104,6 +170,7 @@ def _features(one: Candidate) -> tuple[object, ...]:
         len(one.failed_by),
         one.failed_by,
         ("slow", one.tells_the_slow_one),
+        (one.town, one.failed_by, one.spots),
     )
 
 

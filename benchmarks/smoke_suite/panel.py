@@ -32,8 +32,12 @@ SLOW = Driver(label="idm-slow", agent="idm", parameters=(("reaction_time", 1.0),
 """A version of ``idm`` that is worse: failures were searched for against it, too, since a suite
 that tells no two versions apart is of no use."""
 
+_IDM = Driver(label="idm", agent="idm", parameters=(("reaction_time", 0.0),))
+"""With the default, since an ego of this ADS keeps the parameters that its scenario names."""
+
 PANEL = (
-    *map(_plain, ("idm", "idm-mobil", "pdm-closed", "plant-lite", "ad-mlp")),
+    _IDM,
+    *map(_plain, ("idm-mobil", "pdm-closed", "plant-lite", "ad-mlp")),
     *map(_plain, ("sumo-krauss", "sumo-eidm", "sumo-acc")),
     SLOW,
 )

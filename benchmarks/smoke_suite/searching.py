@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Collection, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,9 +18,34 @@ from typing import Any
 import yaml
 
 from benchmarks.smoke_suite.panel import PANEL, Driver
+from drivora_service.cli.connection import connected
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.scenario.documents import ScenarioDocument, document_text, parse_document
-from drivora_service.suites.documents import EXTENSION
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.store.chunks import batched
+from drivora_service.suites.results import read_results
+
+_AT_ONCE = 8
+"""Minimisations that share the workers, so that none waits at the end of another."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seeds:
+    """Generated seed scenarios.
+
+    Attributes:
+        scenes: Seed scenarios of each network.
+        lengths_m: Least and greatest length of the egos' routes.
+        first_seed: Seed of those of the first network; each further one has the next.
+    """
+
+    name: str
+    scenes: int
+    lengths_m: tuple[int, int]
+    first_seed: int
+
+
+LONG = Seeds(name="long", scenes=3, lengths_m=(120, 320), first_seed=1)
+SHORT = Seeds(name="short", scenes=4, lengths_m=(80, 250), first_seed=101)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,17 +53,12 @@ class Search:
     """One study of the search.
 
     Attributes:
-        scenes: Seed scenarios of each network.
-        lengths_m: Least and greatest length of the egos' routes.
-        first_seed: Seed of the seed scenarios of the first network; each further one has the next.
         against: Labels of the ADSs, of the panel.
         simulations: Budget of each campaign.
     """
 
     name: str
-    scenes: int
-    lengths_m: tuple[int, int]
-    first_seed: int
+    seeds: Seeds
     against: tuple[str, ...]
     methods: tuple[str, ...]
     space: Mapping[str, Any]
@@ -51,9 +69,7 @@ class Search:
 SEARCHES = (
     Search(
         name="rules",
-        scenes=3,
-        lengths_m=(120, 320),
-        first_seed=1,
+        seeds=LONG,
         against=("idm", "idm-mobil", "pdm-closed", "plant-lite"),
         methods=("random", "avfuzzer"),
         space={"vehicles": 4, "walkers": 1},
@@ -62,13 +78,20 @@ SEARCHES = (
     ),
     Search(
         name="sudden actors",
-        scenes=4,
-        lengths_m=(80, 250),
-        first_seed=101,
+        seeds=SHORT,
         against=("idm", "idm-slow", "pdm-closed", "sumo-eidm"),
         methods=("avfuzzer", "behavexplor"),
         space={"vehicles": 3, "walkers": 3, "behavior": "replay", "lights": True},
         oracles=("collision", "red_light", "blocked"),
+        simulations=40,
+    ),
+    Search(
+        name="near misses",
+        seeds=SHORT,
+        against=("idm", "idm-slow", "pdm-closed"),
+        methods=("avfuzzer",),
+        space={"vehicles": 3, "walkers": 3, "max_walker_delay": 10},
+        oracles=("collision", "near_miss"),
         simulations=40,
     ),
 )
@@ -89,13 +112,13 @@ def search(work: Path) -> tuple[str, ...]:
 
 
 def _study(work: Path, one: Search) -> dict[str, Any]:
-    seeds = work / f"seeds {one.name}"
+    seeds = work / f"seeds {one.seeds.name}"
     if not seeds.is_dir():
         towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
-        least, most = one.lengths_m
-        for seed, town in enumerate(towns, start=one.first_seed):
+        least, most = one.seeds.lengths_m
+        for seed, town in enumerate(towns, start=one.seeds.first_seed):
             drivora(
-                *("seeds", "generate", "--town", town, "--num", str(one.scenes)),
+                *("seeds", "generate", "--town", town, "--num", str(one.seeds.scenes)),
                 *("--min-length", str(least), "--max-length", str(most), "--seed", str(seed)),
                 *("--out", str(seeds)),
                 work=work,
@@ -116,7 +139,9 @@ def export(work: Path, campaigns: Sequence[str]) -> None:
     pool = work / "pool"
     if not pool.is_dir():
         drivora(
-            *("campaign", "export", *campaigns, "--suite", str(pool), "--each", "group"), work=work
+            *("campaign", "export", *campaigns, "--suite", str(pool), "--each", "group"),
+            *("--counts", "any"),
+            work=work,
         )
 
 
@@ -140,50 +165,37 @@ def results_path(work: Path, suite: str, driver: Driver) -> Path:
     return work / f"panel {suite}" / f"{driver.label}.json"
 
 
-def minimize(work: Path, names: Sequence[str], *, budget: int) -> None:
+def minimize(work: Path, wanted: Mapping[str, Driver], *, budget: int) -> None:
     """Writes the minimal forms of scenarios of the pool, or the scenarios that have none.
 
-    Each keeps failing for the ADS against which it was found.
+    Args:
+        work: The work folder.
+        wanted: For each scenario, the ADS whose failure is kept.
+        budget: Simulations that the search for a minimal form may need.
     """
     small = work / "small" / "scenarios"
     small.mkdir(parents=True, exist_ok=True)
     (work / "small" / "suite.yaml").write_text("name: smoke\nscenarios: [scenarios/*.json]\n")
-
-    def minimized(name: str) -> None:
-        target = small / f"{name}.json"
-        if target.is_file():
-            return
-        document = parse_document((work / "pool" / "scenarios" / target.name).read_bytes(), "json")
-        report = work / "minimal" / name
-        drivora(
-            *("minimize", run_of(document), "--budget", str(budget), "--workers", "1"),
-            *("--out", str(report)),
-            work=work,
-            allowed=(0, 1, 2, 3),
-        )
-        minimal = report / "minimal.json"
-        if minimal.is_file():
-            found = parse_document(minimal.read_bytes(), "json")
-            document = found.model_copy(update={"extensions": document.extensions})
-        target.write_text(document_text(document))
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for _ in pool.map(minimized, names):
-            pass
+    left = [name for name in wanted if not (small / f"{name}.json").is_file()]
+    runs = {driver: _run_ids(work, driver) for driver in PANEL}
+    with connected("", work / "data", works=True) as client:
+        for some in batched(left, _AT_ONCE):
+            started = {
+                name: client.minimize(runs[wanted[name]][name], budget=budget).id for name in some
+            }
+            for name, identity in started.items():
+                found = client.wait_for_minimization(identity)
+                path = work / "pool" / "scenarios" / f"{name}.json"
+                document = parse_document(path.read_bytes(), "json")
+                if found.document is not None:
+                    minimal = parse_document(found.document)
+                    document = minimal.model_copy(update={"extensions": document.extensions})
+                (small / path.name).write_text(document_text(document))
 
 
-def run_of(document: ScenarioDocument) -> str:
-    """Returns the run of a campaign in which an exported scenario was found.
-
-    Raises:
-        ValueError: Its comment does not tell.
-    """
-    carried = document.extensions.get(EXTENSION)
-    comment = carried.get("comment") if isinstance(carried, dict) else None
-    found = re.search(r"evaluation (\d+) of campaign (\w+)", str(comment))
-    if found is None:
-        raise ValueError(f"found no campaign in {comment!r}; `drivora campaign export` writes it")
-    return f"{found[2]}-{found[1]}"
+def _run_ids(work: Path, driver: Driver) -> dict[str, str]:
+    results = read_results(results_path(work, "pool", driver))
+    return {run.scenario: run.run_id for run in results.runs if run.repetition == 0}
 
 
 def drivora(*arguments: str, work: Path, allowed: Collection[int] = (0,)) -> str:

@@ -24,16 +24,19 @@ def write_suite(folder: Path, chosen: Sequence[Candidate]) -> None:
         path.unlink()
     for one in chosen:
         carried = one.document.extensions.get(EXTENSION)
-        expected: dict[str, Any] = dict(carried) if isinstance(carried, dict) else {}
-        found_by = [tag for tag in expected.get("tags", ()) if tag.startswith("found-by-")]
-        expected["tags"] = sorted({one.town, *one.oracles, *found_by})
-        expected["difficulty"] = {
-            "failed_by": list(one.ads_failing),
-            "passed_by": [
-                driver.label
-                for driver in PANEL
-                if driver.label not in one.failed_by and driver is not SLOW
-            ],
+        found: dict[str, Any] = dict(carried) if isinstance(carried, dict) else {}
+        found_by = [tag for tag in found.get("tags", ()) if tag.startswith("found-by-")]
+        expected = {
+            "tags": sorted({one.town, *one.oracles, *found_by}),
+            "difficulty": {
+                "failed_by": list(one.ads_failing),
+                "passed_by": [
+                    driver.label
+                    for driver in PANEL
+                    if driver.label not in one.failed_by and driver is not SLOW
+                ],
+            },
+            "comment": found.get("comment", ""),
         }
         egos = tuple(
             ego.model_copy(update={"agent": AgentDocument(name=_DRIVER), "config_path": None})

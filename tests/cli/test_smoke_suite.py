@@ -1,0 +1,41 @@
+"""The shipped smoke suite catches a worse version of an ADS, and no unchanged one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from drivora_service.cli.suite_files import shipped_suites
+from tests.cli.conftest import Drivora
+
+pytestmark = pytest.mark.slow
+
+BASELINE = shipped_suites() / "smoke" / "idm.baseline.json"
+SLOWER = ("--agent", "idm", "--agent-parameter", "reaction_time=1.0")
+
+
+def test_a_slower_driver_is_caught_and_its_repair_is_seen(drivora: Drivora, tmp_path: Path) -> None:
+    unchanged = drivora("suite", "run", "smoke", "--agent", "idm", "--baseline", BASELINE, "--json")
+    assert unchanged.code == 0, unchanged.out
+    assert unchanged.json()["classes"]["new"] == 0
+
+    results, report = tmp_path / "slower.json", tmp_path / "report.html"
+    slower = drivora(
+        *("suite", "run", "smoke", *SLOWER, "--baseline", BASELINE, "--json"),
+        *("--results", results, "--report", report),
+    )
+    assert slower.code == 1, slower.err
+    new = [one for one in slower.json()["failures"] if one["class"] == "new"]
+    assert len(new) >= 5
+    for one in new:
+        assert one["scenario"] in report.read_text()
+
+    accepted = tmp_path / "slower.baseline.json"
+    made = drivora("suite", "baseline", "smoke", results, "--baseline", accepted)
+    assert made.code == 0, made.err
+    repaired = drivora("suite", "run", "smoke", "--agent", "idm", "--baseline", accepted, "--json")
+    fixed = {one["scenario"] for one in repaired.json()["failures"] if one["class"] == "fixed"}
+    assert fixed >= {one["scenario"] for one in new}
+    assert json.loads(accepted.read_text())["agent_parameters"] == ["reaction_time=1.0"]

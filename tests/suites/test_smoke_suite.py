@@ -1,0 +1,80 @@
+"""The shipped smoke suite: what it holds, and that it tells ADSs apart."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+from drivora_service.cli.suite_files import names_of_installation, read_suite_path, shipped_suites
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.suites.baseline import read_baseline
+from drivora_service.suites.suite import Suite
+
+FOLDER = shipped_suites() / "smoke"
+
+
+@pytest.fixture(scope="module")
+def smoke() -> Suite:
+    return read_suite_path(Path("smoke"), names_of_installation())
+
+
+def test_it_has_a_hundred_scenarios_on_all_networks(smoke: Suite) -> None:
+    assert len(smoke.scenarios) == 100
+    towns = Counter(one.document.map_region.town for one in smoke.scenarios)
+    assert set(towns) == {path.name for path in shipped_networks().iterdir() if path.is_dir()}
+    assert min(towns.values()) >= 5
+    assert max(towns.values()) <= 30
+    hashes = {one.document.model_dump_json(exclude={"extensions"}) for one in smoke.scenarios}
+    assert len(hashes) == 100
+
+
+def test_the_same_ads_drives_all_unless_another_is_named(smoke: Suite) -> None:
+    agents = {ego.agent_name for one in smoke.scenarios for ego in one.document.ego_vehicles}
+    assert agents == {"idm"}
+
+
+def test_the_difficulty_of_each_is_known(smoke: Suite) -> None:
+    panels = set()
+    for one in smoke.scenarios:
+        assert one.difficulty is not None
+        assert one.difficulty.passed_by, f"all fail in {one.name}, which tells nothing"
+        assert not set(one.difficulty.failed_by) & set(one.difficulty.passed_by)
+        panels.add(frozenset((*one.difficulty.failed_by, *one.difficulty.passed_by)))
+    assert len(panels) == 1, "the same ADSs have driven all"
+    (panel,) = panels
+    assert len(panel) == 8
+    failing = Counter(len(one.difficulty.failed_by) for one in smoke.scenarios if one.difficulty)
+    assert max(failing.values()) <= 40, "of all difficulties"
+    for ads in panel:
+        fails = sum(ads in one.difficulty.failed_by for one in smoke.scenarios if one.difficulty)
+        assert 10 <= fails <= 90, f"{ads} fails in {fails} of 100"
+
+
+def test_tags_name_the_network_and_the_violated_oracles(smoke: Suite) -> None:
+    oracles = set(OracleCatalogue().names())
+    for one in smoke.scenarios:
+        assert "smoke" in one.tags
+        assert one.document.map_region.town in one.tags
+        assert oracles & set(one.tags)
+
+
+def test_the_baseline_of_idm_is_what_the_difficulty_says(smoke: Suite) -> None:
+    baseline = read_baseline(FOLDER / "idm.baseline.json")
+    assert (baseline.suite, baseline.agent) == (smoke.name, "idm")
+    assert baseline.scenarios.keys() == smoke.by_name.keys()
+    failing = {name for name, one in baseline.scenarios.items() if one.failures}
+    assert failing == {
+        one.name
+        for one in smoke.scenarios
+        if one.difficulty is not None and "idm" in one.difficulty.failed_by
+    }
+
+
+def test_its_files_are_small() -> None:
+    sizes = [path.stat().st_size for path in (FOLDER / "scenarios").glob("*.json")]
+    assert median(sizes) < 3_000
+    assert max(sizes) < 30_000
