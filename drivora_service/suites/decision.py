@@ -109,6 +109,7 @@ class Decision:
         overall: ``None`` without a baseline, or if the gate does not ask for it.
         known: Known failures of the ADS.
         unfinished: Runs that were not judged.
+        ignores_unfinished: Whether the gate may pass with such runs.
         not_in_baseline: Scenarios of which the baseline knows nothing, or another version.
         not_run: Scenarios of the baseline that were not run.
         scenarios: Scenarios that were run.
@@ -123,6 +124,7 @@ class Decision:
     overall: OverallAnswer | None
     known: tuple[KnownOccurrence, ...]
     unfinished: tuple[SuiteRun, ...]
+    ignores_unfinished: bool
     not_in_baseline: tuple[str, ...]
     not_run: tuple[str, ...]
     scenarios: int

@@ -54,6 +54,7 @@ def decide(
         overall=overall,
         known=found.known,
         unfinished=found.unfinished,
+        ignores_unfinished=gate.unfinished == "ignore",
         not_in_baseline=()
         if baseline is None
         else tuple(name for name in results.scenarios if name not in comparable),
@@ -62,7 +63,7 @@ def decide(
         failing_scenarios=len({key.scenario for key in found.failures}),
         judged_runs=sum(found.judged.values()),
     )
-    return replace(decision, reasons=tuple(_reasons(decision, gate)))
+    return replace(decision, reasons=tuple(_reasons(decision)))
 
 
 def _found(
@@ -212,7 +213,7 @@ def _sum(every: Sequence[Occurrences]) -> Occurrences:
     return Occurrences(runs=sum(one.runs for one in every), of=sum(one.of for one in every))
 
 
-def _reasons(decision: Decision, gate: GateDocument) -> Iterator[str]:
+def _reasons(decision: Decision) -> Iterator[str]:
     failing = [one for one in decision.failures if one.fails]
     for which in IN_ORDER:
         named = [str(one.key) for one in failing if one.failure_class is which]
@@ -229,7 +230,7 @@ def _reasons(decision: Decision, gate: GateDocument) -> Iterator[str]:
             f"{overall.now.of} runs, before {overall.before.runs} of {overall.before.of} "
             f"(p {overall.p:.2g})"
         )
-    if decision.unfinished and gate.unfinished == "fail":
+    if decision.unfinished and not decision.ignores_unfinished:
         named = [f"{run.scenario} ({run.status}: {run.cause})" for run in decision.unfinished]
         verb = "was" if len(named) == 1 else "were"
         yield f"{plural(len(named), 'run')} {verb} not judged: {_few(named)}"

@@ -16,9 +16,9 @@ _NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 def junit_xml(report: SuiteReport) -> bytes:
     """Returns the XML: a test case for each scenario, and one for the gate as a whole.
 
-    A case has a failure if the gate fails for its scenario, and an error if a run was not judged.
-    Accepted, flaky and known failures are skipped, with the reason, so that the XML has failures
-    or errors exactly if the gate fails.
+    A case has a failure if the gate fails for its scenario, and an error if a run was not judged
+    and the gate does not ignore that. Accepted, flaky and known failures are skipped, with the
+    reason, so that the XML has failures or errors exactly if the gate fails.
     """
     suite = ElementTree.Element("testsuite", name=_clean(report.results.suite))
     suite.set("timestamp", report.created_at.isoformat(timespec="seconds"))
@@ -58,7 +58,8 @@ def _add_case(suite: ElementTree.Element, row: ScenarioRow, report: SuiteReport)
         failure.text = _clean("\n".join(_details(one, report) for one in row.failures))
     elif row.state is ScenarioState.NOT_JUDGED:
         run = row.unfinished[0]
-        error = ElementTree.SubElement(case, "error", type=_clean(run.cause or run.status))
+        tag = "skipped" if report.decision.ignores_unfinished else "error"
+        error = ElementTree.SubElement(case, tag, type=_clean(run.cause or run.status))
         error.set("message", _clean(f"{run.status}: {run.message}"))
     elif row.failures:
         message = "; ".join(_message(one, report) for one in row.failures)

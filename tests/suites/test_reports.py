@@ -25,7 +25,7 @@ from drivora_service.suites.results import SuiteRun
 from drivora_service.suites.runs_csv import runs_csv
 from drivora_service.suites.suite import KnownFailure, SuiteScenario
 from drivora_service.suites.summary import summary_markdown
-from tests.suites.made_results import DOCUMENT, counted, results_of, suite_run
+from tests.suites.made_results import DOCUMENT, counted, results_of, scenarios_of, suite_run
 
 NASTY = '<script>alert(1)</script> & "x" | `y` \x00\x1b'
 
@@ -101,6 +101,20 @@ def test_junit_has_failures_and_errors_where_the_gate_fails() -> None:
     found = ElementTree.fromstring(xml).iter("property")
     properties = {one.get("name"): one.get("value") for one in found}
     assert properties == {"agent": "idm", "baseline": "baseline.json"}
+
+
+def test_junit_has_no_error_where_the_gate_ignores_runs_that_were_not_judged() -> None:
+    lost = suite_run("lost", 0, status=RunStatus.TIMED_OUT, cause="limit", message="long")
+    results = results_of([*counted("a", 0, 1), lost])
+    scenarios = scenarios_of(results)
+    for unfinished, errors in (("ignore", 0), ("fail", 1)):
+        gate = GateDocument.model_validate({"unfinished": unfinished})
+        decision = decide(results, scenarios, gate, None)
+        created_at = datetime(2026, 1, 2, tzinfo=UTC)
+        xml = junit_xml(make_report(results, scenarios, decision, created_at=created_at))
+        (suite,) = JUnitXml.fromstring(xml)
+        assert (suite.errors, suite.failures, suite.skipped) == (errors, errors, 1 - errors)
+        assert decision.fails == bool(errors)
 
 
 class _Page(HTMLParser):
