@@ -14,11 +14,17 @@ _FOLDER = ".drivora"
 """Beside the user's files, as the caches of other test runners are."""
 
 
-def remember_failed(suite: Path, names: Collection[str], *, ran: Collection[str]) -> None:
-    """Keeps which scenarios of a suite failed; those that were not run stay as they were."""
+def remember_failed(suite: Path, names: Collection[str], *, waiting: Collection[str]) -> None:
+    """Keeps which scenarios of a suite failed.
+
+    Args:
+        suite: Path of the suite.
+        names: Those that failed.
+        waiting: Those that were not run, which stay as they were.
+    """
     path = _path(suite)
     try:
-        before = set(_read(path)) - set(ran)
+        before = set(_read(path)) & set(waiting)
         path.parent.mkdir(parents=True, exist_ok=True)
         (path.parents[1] / ".gitignore").write_text("*\n")
         path.write_text(json.dumps(sorted(before | set(names)), indent=1) + "\n")
@@ -26,8 +32,12 @@ def remember_failed(suite: Path, names: Collection[str], *, ran: Collection[str]
         note(f"note: {path} cannot be written, so that --last-failed will not know: {error}")
 
 
-def last_failed(suite: Path) -> frozenset[str]:
+def last_failed(suite: Path, scenarios: Collection[str]) -> frozenset[str]:
     """Returns the scenarios that failed the last time.
+
+    Args:
+        suite: Path of the suite.
+        scenarios: Names of the scenarios that it has.
 
     Raises:
         ConfigurationError: The suite was not run from this folder, or nothing failed.
@@ -38,7 +48,7 @@ def last_failed(suite: Path) -> frozenset[str]:
             f"--last-failed: {suite} was not run from this folder before; run it without "
             "--last-failed first"
         )
-    names = frozenset(_read(path))
+    names = frozenset(_read(path)) & frozenset(scenarios)
     if not names:
         raise ConfigurationError(
             f"--last-failed: no scenario of {suite} failed the last time; run it without "

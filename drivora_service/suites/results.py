@@ -56,6 +56,16 @@ class SuiteRun(Shape):
     sim_time_s: float | None = None
     wall_time_s: float | None = None
 
+    def value_of(self, metric: str) -> float | None:
+        """Returns the value of a metric, or of one for an ego, ``NAME[EGO]``.
+
+        A run with a single ego has no values by ego: its own are those of this ego.
+        """
+        name, bracket, ego = metric.partition("[")
+        if bracket and metric not in self.metrics and list(self.agents) == [ego[:-1]]:
+            return self.metrics.get(name)
+        return self.metrics.get(metric)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuiteResults(Shape):
@@ -175,15 +185,17 @@ def merge_results(parts: Sequence[SuiteResults]) -> SuiteResults:
                     f"scenario {name!r} differs between these results; merge only parts of one "
                     "version of a suite"
                 )
-    seen: set[tuple[str, int | None]] = set()
+    seen: set[tuple[str, str]] = set()
     for part in parts:
         for run in part.runs:
-            if (run.scenario, run.seed) in seen:
+            # Runs of an invalid scenario have no seed.
+            which = f"repetition {run.repetition}" if run.seed is None else f"seed {run.seed}"
+            if (run.scenario, which) in seen:
                 raise ConfigurationError(
-                    f"two of these results have a run of {run.scenario!r} with seed {run.seed}; "
+                    f"two of these results have a run of {run.scenario!r} with {which}; "
                     "name each file once"
                 )
-            seen.add((run.scenario, run.seed))
+            seen.add((run.scenario, which))
     merged = replace(
         first,
         size=max(part.size for part in parts),

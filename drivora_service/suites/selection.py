@@ -12,6 +12,9 @@ from drivora_service.suites.suite import SuiteScenario
 _TOKEN = re.compile(r"\s*([()]|[^\s()]+)")
 _SHARD = re.compile(r"([1-9][0-9]{0,3})/([1-9][0-9]{0,3})")
 
+_DEEPEST = 50
+"""Most parentheses around each other."""
+
 Condition = Callable[[SuiteScenario], bool]
 
 
@@ -115,6 +118,7 @@ class _Reader:
         self._text = text
         self._tokens = [match[1] for match in _TOKEN.finditer(text)]
         self._place = 0
+        self._depth = 0
 
     @property
     def next(self) -> str | None:
@@ -123,7 +127,7 @@ class _Reader:
 
     def error(self, message: str) -> ConfigurationError:
         """Returns an error about the expression."""
-        return ConfigurationError(f"--select {self._text!r}: {message}")
+        return ConfigurationError(f"--select {self._text[:200]!r}: {message}")
 
     def alternatives(self) -> Condition:
         """Reads conditions joined by ``or``."""
@@ -147,7 +151,11 @@ class _Reader:
 
     def _word(self) -> Condition:
         if self._takes("("):
+            self._depth += 1
+            if self._depth > _DEEPEST:
+                raise self.error(f"found more than {_DEEPEST} parentheses around each other")
             inner = self.alternatives()
+            self._depth -= 1
             if not self._takes(")"):
                 raise self.error("found no closing parenthesis")
             return inner

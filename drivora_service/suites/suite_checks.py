@@ -6,7 +6,26 @@ from collections.abc import Iterator
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.suites.results import SuiteResults, scenario_hash
+from drivora_service.suites.selection import read_shard
 from drivora_service.suites.suite import Suite
+
+
+def check_shards(results: SuiteResults, suite: Suite) -> None:
+    """Makes sure that no shard is missing among merged results.
+
+    Raises:
+        ConfigurationError: One is: what fails in it would not be seen.
+    """
+    shards = {read_shard(text) for text in results.shards}
+    missing = sorted(
+        {f"{number}/{one.of}" for one in shards for number in range(1, one.of + 1)}
+        - set(results.shards)
+    )
+    if missing and results.scenarios.keys() != suite.by_name.keys():
+        raise ConfigurationError(
+            f"these are the results of the shards {', '.join(results.shards)}, without "
+            f"{', '.join(missing)}: name the results of all shards"
+        )
 
 
 def check_results(results: SuiteResults, suite: Suite) -> Iterator[str]:

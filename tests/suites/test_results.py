@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from drivora_service.errors import ConfigurationError
+from drivora_service.runs.report import RunStatus
 from drivora_service.suites.accepting import accepted_baseline
 from drivora_service.suites.baseline import (
     Baseline,
@@ -24,7 +25,7 @@ from drivora_service.suites.results import (
     results_text,
 )
 from drivora_service.suites.suite import Suite
-from drivora_service.suites.suite_checks import check_results
+from drivora_service.suites.suite_checks import check_results, check_shards
 from tests.suites.made_results import counted, results_of, scenarios_of, suite_run, verdict
 
 
@@ -65,6 +66,29 @@ def test_shards_are_merged_in_the_order_of_runs() -> None:
     changed = replace(parts[0], scenarios={"a": "0" * 64}, runs=())
     with pytest.raises(ConfigurationError, match="'a' differs between these results"):
         merge_results([parts[0], changed])
+
+
+def test_an_invalid_scenario_may_have_several_repetitions() -> None:
+    invalid = [
+        suite_run("a", number, status=RunStatus.INVALID, seed=None, run_id="") for number in (0, 1)
+    ]
+    results = results_of(invalid)
+    assert merge_results([results]) == results
+    with pytest.raises(ConfigurationError, match="have a run of 'a' with repetition 0"):
+        merge_results([results, results])
+
+
+def test_a_missing_shard_is_refused() -> None:
+    whole = results_of([*counted("a", 0, 1), *counted("b", 0, 1), *counted("c", 0, 1)])
+    suite = suite_of(whole)
+    part = replace(
+        whole, scenarios={n: whole.scenarios[n] for n in "ac"}, shards=("1/3", "3/3"), runs=()
+    )
+    with pytest.raises(ConfigurationError, match="of the shards 1/3, 3/3, without 2/3"):
+        check_shards(part, suite)
+    check_shards(replace(part, shards=("1/2", "2/2")), suite)
+    check_shards(replace(part, shards=()), suite)
+    check_shards(replace(whole, shards=("1/3", "3/3")), suite)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"version": "2.0"}', "\0"])

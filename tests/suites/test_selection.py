@@ -43,6 +43,7 @@ def test_words_are_looked_for_in_names_and_tags() -> None:
         ("left and", "found 'the end', where a word is expected"),
         ("(left", "found no closing parenthesis"),
         ("left wet", "found 'wet', where `and`, `or` or the end is expected"),
+        ("(" * 9999 + "left", "found more than 50 parentheses around each other"),
         (")", "found '\\)', where a word is expected"),
         ("nothing", "none of the 4 scenarios is chosen"),
     ],

@@ -150,7 +150,7 @@ def run(
             read.scenarios,
             expression=select,
             tags=tag or (),
-            names=failed_before(suite) if last_failed else None,
+            names=failed_before(suite, read.by_name) if last_failed else None,
             shard=part,
         )
         order = SuiteOrder(
@@ -165,7 +165,9 @@ def run(
         if part is None:
             done = confirmed(client, read, done, order, gate, accepted)
         made = decided(client, done, read, gate, baseline, files)
-        remember_failed(suite, failed_names(made), ran=done.scenarios.keys())
+        # What was not run stays as it was, unless the suite no longer has it.
+        waiting = read.by_name.keys() - done.scenarios.keys()
+        remember_failed(suite, failed_names(made), waiting=waiting)
     tell(made, as_json=as_json, judges=part is None)
 
 
@@ -196,13 +198,14 @@ def judge(
     )
     from drivora_service.cli.suite_reports import ReportFiles
     from drivora_service.suites.results import merge_results, read_results
-    from drivora_service.suites.suite_checks import check_results
+    from drivora_service.suites.suite_checks import check_results, check_shards
 
     files = ReportFiles(junit=junit, page=report, summary=summary, csv=csv, results=merged)
     files.check()
     known = names_of_installation()
     read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     done = merge_results([read_results(path) for path in results])
+    check_shards(done, read)
     for remark in check_results(done, read):
         note(f"note: {remark}")
     made = decided(None, done, read, gate, baseline, files)
