@@ -18,6 +18,9 @@ from drivora_service.suites.results import SuiteResults, SuiteRun
 
 VERSION: Literal["1.0"] = "1.0"
 
+METRIC_DIGITS = 6
+"""Decimals of the means of metrics."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BaselineFailure(Shape):
@@ -233,7 +236,7 @@ def _summary(scenario: BaselineScenario) -> str:
 def _means(runs: list[SuiteRun], names: Collection[str]) -> dict[str, float]:
     means = {}
     for name in sorted(names):
-        values = [value for run in runs if (value := run.metrics.get(name)) is not None]
+        values = [value for run in runs if (value := run.value_of(name)) is not None]
         if values:
-            means[name] = round(sum(values) / len(values), 6)
+            means[name] = round(sum(values) / len(values), METRIC_DIGITS)
     return means

@@ -148,11 +148,19 @@ def find_failures(
 
 def is_known(scenario: SuiteScenario, run: SuiteRun, failure: FailureKey | Verdict) -> bool:
     """Returns whether a failure, or a violation, of a run is known and does not count."""
+    agents = _agents_of(run, failure.ego)
     return any(
-        known.is_of(frozenset(run.agents.values()))
-        and known.covers(failure.oracle, failure.ego, failure.counterpart)
+        known.is_of(agents) and known.covers(failure.oracle, failure.ego, failure.counterpart)
         for known in scenario.known_failures
     )
+
+
+def _agents_of(run: SuiteRun, ego: str) -> frozenset[str]:
+    """Returns the ADS of an ego; those of all egos if a failure is of none."""
+    if ego in run.agents and ego:
+        return frozenset({run.agents[ego]})
+    # A run that ended before its egos were known has the names of all ADSs in one text.
+    return frozenset(name for names in run.agents.values() for name in names.split(","))
 
 
 def is_judged(run: SuiteRun) -> bool:
@@ -193,7 +201,7 @@ def _events(
                 time=verdict.time,
             )
     for name, bounds in scenario.metrics.items():
-        value = run.metrics.get(name)
+        value = run.value_of(name)
         if value is not None and not bounds.hold(value):
             yield _Event(
                 key=FailureKey(scenario=run.scenario, oracle=METRIC_PREFIX + name),
@@ -251,11 +259,15 @@ def _known(
     scenario: SuiteScenario, events: Sequence[tuple[SuiteRun, Sequence[_Event]]]
 ) -> Iterable[KnownOccurrence]:
     for known in scenario.known_failures:
-        concerned = [one for one in events if known.is_of(frozenset(one[0].agents.values()))]
+        concerned = [one for one in events if known.is_of(_agents_of(one[0], ""))]
         if concerned:
             runs = sum(
-                any(known.covers(e.key.oracle, e.key.ego, e.key.counterpart) for e in found)
-                for _, found in concerned
+                any(
+                    known.is_of(_agents_of(run, e.key.ego))
+                    and known.covers(e.key.oracle, e.key.ego, e.key.counterpart)
+                    for e in found
+                )
+                for run, found in concerned
             )
             yield KnownOccurrence(scenario=scenario.name, known=known, runs=runs)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from drivora_service.oracles.accountability import accountability
 from drivora_service.oracles.failure_facts import is_consequence
 from drivora_service.oracles.verdict import Severity, Verdict
-from drivora_service.suites.baseline import BaselineScenario
+from drivora_service.suites.baseline import METRIC_DIGITS, BaselineScenario
 from drivora_service.suites.decision import LimitAnswer
 from drivora_service.suites.failures import is_judged, is_known
 from drivora_service.suites.gate_documents import (
@@ -103,26 +103,28 @@ def _metric_answers(
 ) -> Iterator[LimitAnswer]:
     name = limit.metric
     if limit.at_least is not None or limit.at_most is not None:
-        measured = [run for run in runs if run.metrics.get(name) is not None]
-        values = [run.metrics[name] or 0.0 for run in measured]
+        measured = [run for run in runs if run.value_of(name) is not None]
+        values = [run.value_of(name) or 0.0 for run in measured]
         mean = _over_repetitions(measured, values, confidence=gate.confidence)
         yield _bounded(f"mean {name}", mean, low=limit.at_least, high=limit.at_most)
     if limit.most_drop is not None or limit.most_rise is not None:
         measured = [
             run
             for run in runs
-            if run.metrics.get(name) is not None
+            if run.value_of(name) is not None
             and name in baseline.get(run.scenario, _NOTHING).metrics
         ]
         changes = [
-            (run.metrics[name] or 0.0) - baseline[run.scenario].metrics[name] for run in measured
+            (run.value_of(name) or 0.0) - baseline[run.scenario].metrics[name] for run in measured
         ]
         change = _over_repetitions(measured, changes, confidence=gate.confidence)
         yield _bounded(
             f"change of mean {name}",
             change,
-            low=None if limit.most_drop is None else -limit.most_drop,
+            # Not -most_drop, which is -0 for 0.
+            low=None if limit.most_drop is None else 0.0 - limit.most_drop,
             high=limit.most_rise,
+            slack=10.0**-METRIC_DIGITS,
         )
 
 
@@ -130,8 +132,14 @@ _NOTHING = BaselineScenario(sha256="", seeds=())
 
 
 def _bounded(
-    what: str, value: Interval | None, *, low: float | None, high: float | None
+    what: str,
+    value: Interval | None,
+    *,
+    low: float | None,
+    high: float | None,
+    slack: float = 0.0,
 ) -> LimitAnswer:
+    """Compares a value with bounds, which it may miss by no more than its own error, ``slack``."""
     allowed = " and ".join(
         text
         for text in (
@@ -142,15 +150,15 @@ def _bounded(
     )
     if value is None:
         return LimitAnswer(what=what, value=None, allowed=allowed, fails=True)
-    below = low is not None and value.mean < low
-    above = high is not None and value.mean > high
-    fails = (low is not None and value.most < low) or (high is not None and value.least > high)
+    least = -math.inf if low is None else low - slack
+    most = math.inf if high is None else high + slack
+    fails = value.most < least or value.least > most
     return LimitAnswer(
         what=what,
         value=value,
         allowed=allowed,
         fails=fails,
-        is_uncertain=(below or above) and not fails,
+        is_uncertain=not least <= value.mean <= most and not fails,
     )
 
 

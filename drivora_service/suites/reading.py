@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Literal
 
 from pydantic import ValidationError
@@ -150,6 +151,8 @@ def _unknown_names(
 ) -> Iterator[Problem]:
     yield from _unknown_oracles("", document.oracles or (), oracles)
     yield from _unknown_metrics("", document.metrics, metrics)
+    egos = [[ego.id for ego in one.document.ego_vehicles] for one in document.scenarios]
+    yield from _unknown_egos("", document.metrics, list(dict.fromkeys(chain(*egos))))
     for place, one in enumerate(document.scenarios):
         for prefix, expected in (
             (f"/scenarios/{place}", one),
@@ -157,6 +160,7 @@ def _unknown_names(
         ):
             yield from _unknown_oracles(prefix, expected.oracles or (), oracles)
             yield from _unknown_metrics(prefix, expected.metrics, metrics)
+            yield from _unknown_egos(prefix, expected.metrics, egos[place])
             for index, known in enumerate(expected.known_failures):
                 if known.oracle is not None and known.oracle not in oracles:
                     pointer = f"{prefix}/known_failures/{index}/oracle"
@@ -177,6 +181,16 @@ def _unknown_metrics(
     for name in bounds:
         if not is_metric(name, known):
             yield unknown("metric", name, known, f"{prefix}/metrics/{name}")
+
+
+def _unknown_egos(
+    prefix: str, bounds: Mapping[str, MetricBoundsDocument], egos: Collection[str]
+) -> Iterator[Problem]:
+    """Yields metrics of egos that do not exist: their bounds would always hold."""
+    for name in bounds:
+        _, bracket, ego = name.partition("[")
+        if bracket and ego.removesuffix("]") not in egos:
+            yield unknown("ego", ego.removesuffix("]"), egos, f"{prefix}/metrics/{name}")
 
 
 def is_metric(name: str, known: Collection[str]) -> bool:

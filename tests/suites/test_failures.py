@@ -88,6 +88,37 @@ def test_known_failures_do_not_count_and_are_told() -> None:
     ]
 
 
+def test_a_failure_known_of_one_ads_counts_for_an_ego_that_another_drives() -> None:
+    agents = {"ego": "idm", "other": "pdm-closed"}
+    results = results_of([suite_run("a", 0, verdict(), agents=agents)])
+
+    def oracles(agent: str) -> tuple[list[str], list[int]]:
+        known = KnownFailure(oracle="collision", agents=frozenset({agent}), reason="x")
+        found = find_failures(results, scenarios_of(results, known_failures=(known,)))
+        return [key.oracle for key in found.failures], [one.runs for one in found.known]
+
+    assert oracles("pdm-closed") == (["collision"], [0])
+    assert oracles("idm") == ([], [1])
+
+
+def test_a_known_failure_is_of_any_ads_that_could_not_be_made_ready() -> None:
+    failed = suite_run("a", 0, status=RunStatus.AGENT_FAILED, agents={"": "idm,pdm-closed"})
+    results = results_of([failed])
+    known = KnownFailure(agents=frozenset({"pdm-closed"}), reason="x")
+    assert not find_failures(results, scenarios_of(results, known_failures=(known,))).failures
+
+
+def test_the_only_ego_has_the_metrics_of_the_run() -> None:
+    results = results_of([suite_run("a", 0, metrics={"driving_score": 10.0})])
+    bounds = {"driving_score[ego]": MetricBounds(at_least=60.0)}
+    found = find_failures(results, scenarios_of(results, metrics=bounds))
+    assert [key.oracle for key in found.failures] == ["metric driving_score[ego]"]
+    both = results_of(
+        [suite_run("a", 0, agents={"ego": "idm", "x": "idm"}, metrics={"comfort": 1})]
+    )
+    assert both.runs[0].value_of("comfort[ego]") is None
+
+
 def test_an_ads_that_fails_is_a_failure_and_a_lost_worker_is_not() -> None:
     failed = suite_run(
         "a", 0, status=RunStatus.AGENT_FAILED, cause="agent_raised", message="No such lane."

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from drivora_service.oracles.verdict import Answer, Severity
-from drivora_service.suites.baseline import BaselineScenario
+from drivora_service.suites.baseline import BaselineScenario, make_baseline
 from drivora_service.suites.decision import LimitAnswer
+from drivora_service.suites.failures import find_failures
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.limits import limit_answers
 from drivora_service.suites.results import SuiteResults
@@ -97,6 +98,27 @@ def test_means_of_metrics_are_limited() -> None:
     assert answer(results, metrics=[{**limit, "at_most": 69.9}]).fails
     unknown = answer(results, metrics=[{"metric": "comfort", "at_least": 0.1}])
     assert (unknown.value, unknown.fails) == (None, True)
+
+
+def test_results_do_not_drop_or_rise_against_themselves() -> None:
+    runs = [
+        suite_run(name, number, metrics={"driving_score": value, "comfort": 1.0 - value})
+        for name in ("a", "b")
+        for number, value in enumerate((0.1 + 0.2, 2.0 / 3.0, 1.0 / 3.0, 0.1234567))
+    ]
+    names = ("driving_score", "comfort")
+    limits = [{"metric": name, "most_drop": 0.0, "most_rise": 0.0} for name in names]
+    gate = GateDocument.model_validate({"metrics": limits})
+    for chosen in (runs, runs[:1], runs[3:4], runs[1:3]):
+        results = results_of(chosen)
+        scenarios = scenarios_of(results)
+        baseline = make_baseline(results, find_failures(results, scenarios), metrics=names)
+        answers = limit_answers(results, scenarios, gate, baseline.scenarios)
+        assert [(one.fails, one.is_uncertain) for one in answers] == [(False, False)] * 2
+        assert answers[0].allowed == "at least 0 and at most 0"
+    lower = results_of([suite_run("a", 0, metrics={"driving_score": 0.299})])
+    before = {"a": BaselineScenario(sha256="", seeds=(1,), metrics={"driving_score": 0.3})}
+    assert answer(lower, before, metrics=[{"metric": "driving_score", "most_drop": 0.0}]).fails
 
 
 def test_changes_of_means_are_those_of_the_scenarios_in_both() -> None:

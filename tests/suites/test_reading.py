@@ -18,6 +18,9 @@ ORACLES = ("collision", "red_light", "discomfort")
 METRICS = ("driving_score", "comfort")
 
 
+EGO = SCENARIO["ego_vehicles"][0]["id"]
+
+
 def suite(scenario: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
     """Returns a suite of one scenario."""
     one = {"name": "a", "document": dict(SCENARIO)} | (scenario or {})
@@ -91,6 +94,16 @@ def test_the_nearest_word_on_what_counts_holds(
             "missing",
         ),
         (suite(metrics={"x": {"at_least": 1}}), "/metrics/x", "unknown_metric"),
+        (
+            suite(metrics={"comfort[nobody]": {"at_least": 1}}),
+            "/metrics/comfort[nobody]",
+            "unknown_ego",
+        ),
+        (
+            suite({"metrics": {"comfort[nobody]": {"at_least": 1}}}),
+            "/scenarios/0/metrics/comfort[nobody]",
+            "unknown_ego",
+        ),
         (suite(metrics={"comfort": {}}), "/metrics/comfort", "no_bound"),
         (
             suite(metrics={"comfort": {"at_least": 2, "at_most": 1}}),
@@ -120,7 +133,7 @@ def test_problems_are_named_at_their_places(
 
 
 def test_a_metric_may_be_that_of_one_ego() -> None:
-    assert read(suite(metrics={"comfort[ego:2]": {"at_least": 0.5}})).scenarios[0].metrics
+    assert read(suite(metrics={f"comfort[{EGO}]": {"at_least": 0.5}})).scenarios[0].metrics
 
 
 @pytest.mark.parametrize(
