@@ -25,7 +25,8 @@ def accepted_baseline(
         old: The baseline so far, of which scenarios stay that the results do not have.
 
     Raises:
-        ConfigurationError: The old baseline is of another suite or ADS.
+        ConfigurationError: The old baseline is of another suite or ADS, or scenarios of it stay,
+            and other parameters were set.
     """
     if old is not None:
         for what, before, now in (
@@ -45,8 +46,15 @@ def accepted_baseline(
     )
     metrics = {SCORE, *(one.metric for one in gate.metrics)}
     new = make_baseline(results, found, metrics=metrics)
-    kept = {} if old is None else old.scenarios
-    scenarios = {**kept, **new.scenarios}
+    before = {} if old is None else old.scenarios
+    kept = [name for name in suite.by_name if name in before and name not in new.scenarios]
+    if old is not None and kept and old.agent_parameters != new.agent_parameters:
+        raise ConfigurationError(
+            f"the baseline is of the parameters {list(old.agent_parameters)}, and the results are "
+            f"of {list(new.agent_parameters)} and do not have {kept[0]!r}, which would stay: run "
+            "the whole suite, or give each its own file"
+        )
+    scenarios = {**before, **new.scenarios}
     return replace(
         new, scenarios={name: scenarios[name] for name in suite.by_name if name in scenarios}
     )

@@ -148,6 +148,16 @@ def test_accepting_shows_what_changes_and_keeps_what_was_not_run() -> None:
         accepted_baseline(replace(part, agent="x"), whole, GateDocument(), old)
 
 
+def test_a_baseline_is_not_of_several_parameters() -> None:
+    whole = results_of([*counted("a", 1, 1), *counted("b", 0, 1)])
+    faster = replace(whole, agent_parameters=("speed_factor=1.3",))
+    old = baseline_of(whole)
+    assert baseline_of(faster, old).agent_parameters == ("speed_factor=1.3",)
+    part = replace(faster, scenarios={"a": whole.scenarios["a"]}, runs=whole.runs[:1])
+    with pytest.raises(ConfigurationError, match="and do not have 'b', which would stay"):
+        accepted_baseline(part, suite_of(whole), GateDocument(), old)
+
+
 def test_results_of_another_suite_are_refused() -> None:
     results = results_of([*counted("a", 1, 1), *counted("b", 0, 1)])
     assert list(check_results(results, suite_of(results))) == []
