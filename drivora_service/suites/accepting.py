@@ -46,15 +46,15 @@ def accepted_baseline(
     )
     metrics = {SCORE, *(one.metric for one in gate.metrics)}
     new = make_baseline(results, found, metrics=metrics)
-    before = {} if old is None else old.scenarios
-    kept = [name for name in suite.by_name if name in before and name not in new.scenarios]
+    known = {} if old is None else old.scenarios
+    kept = [name for name in suite.by_name if name in known and name not in new.scenarios]
     if old is not None and kept and old.agent_parameters != new.agent_parameters:
         raise ConfigurationError(
             f"the baseline is of the parameters {list(old.agent_parameters)}, and the results are "
             f"of {list(new.agent_parameters)} and do not have {kept[0]!r}, which would stay: run "
             "the whole suite, or give each its own file"
         )
-    scenarios = {**before, **new.scenarios}
+    scenarios = {**known, **new.scenarios}
     return replace(
         new, scenarios={name: scenarios[name] for name in suite.by_name if name in scenarios}
     )
