@@ -26,6 +26,7 @@ from drivora_service.suites.gating import decide, to_confirm
 from drivora_service.suites.report import SuiteReport
 from drivora_service.suites.results import SuiteResults
 from drivora_service.suites.suite import Suite
+from drivora_service.suites.suite_checks import check_baseline
 
 
 def confirmed(
@@ -94,7 +95,11 @@ def decided(
     Raises:
         ConfigurationError: The baseline cannot be read, or a file cannot be written.
     """
-    decision = decide(results, suite.by_name, gate, baseline_of(baseline))
+    accepted = baseline_of(baseline)
+    if accepted is not None:
+        for remark in check_baseline(accepted, results):
+            note(f"note: {remark}")
+    decision = decide(results, suite.by_name, gate, accepted)
     pictures = {}
     if client is not None and files.page is not None:
         pictures = draw_failures(client, decision, most=files.pictures)

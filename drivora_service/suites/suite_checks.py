@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivora_service.errors import ConfigurationError
+from drivora_service.suites.baseline import Baseline
 from drivora_service.suites.results import SuiteResults, scenario_hash
 from drivora_service.suites.selection import read_shard
 from drivora_service.suites.suite import Suite
@@ -26,6 +27,19 @@ def check_shards(results: SuiteResults, suite: Suite) -> None:
             f"these are the results of the shards {', '.join(results.shards)}, without "
             f"{', '.join(missing)}: name the results of all shards"
         )
+
+
+def check_baseline(baseline: Baseline, results: SuiteResults) -> Iterator[str]:
+    """Yields remarks on a baseline that is of another suite or another ADS than results."""
+    for what, before, now in (
+        ("suite", baseline.suite, results.suite),
+        ("ADS", baseline.agent, results.agent),
+    ):
+        if before != now:
+            yield (
+                f"the baseline is of {what} {before or 'of the scenarios'!r}, and the results are "
+                f"of {now or 'of the scenarios'!r}: what was accepted of one passes for the other"
+            )
 
 
 def check_results(results: SuiteResults, suite: Suite) -> Iterator[str]:

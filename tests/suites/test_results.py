@@ -25,7 +25,7 @@ from drivora_service.suites.results import (
     results_text,
 )
 from drivora_service.suites.suite import Suite
-from drivora_service.suites.suite_checks import check_results, check_shards
+from drivora_service.suites.suite_checks import check_baseline, check_results, check_shards
 from tests.suites.made_results import counted, results_of, scenarios_of, suite_run, verdict
 
 
@@ -76,6 +76,16 @@ def test_an_invalid_scenario_may_have_several_repetitions() -> None:
     assert merge_results([results]) == results
     with pytest.raises(ConfigurationError, match="have a run of 'a' with repetition 0"):
         merge_results([results, results])
+
+
+def test_a_baseline_of_another_ads_or_suite_is_told() -> None:
+    results = results_of(counted("a", 1, 1))
+    baseline = baseline_of(results)
+    assert not list(check_baseline(baseline, results))
+    (ads,) = check_baseline(baseline, replace(results, agent="pdm-closed"))
+    assert ads.startswith("the baseline is of ADS 'idm', and the results are of 'pdm-closed'")
+    (suite,) = check_baseline(baseline, replace(results, suite="other"))
+    assert suite.startswith("the baseline is of suite 'made', and the results are of 'other'")
 
 
 def test_a_missing_shard_is_refused() -> None:
