@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
+from drivora_service.studies.csv_text import safe_cells
 from drivora_service.suites.paired.comparison import (
     BatchComparison,
     FailureComparison,
@@ -84,4 +85,4 @@ def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]])
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows(rows)
+        writer.writerows(map(safe_cells, rows))

@@ -268,3 +268,17 @@ def test_files_hold_what_was_compared(tmp_path: Path) -> None:
     assert (pair["comfort_a"], pair["comfort_b"], pair["same_trace"]) == ("0.5", "", "false")
     (left,) = tables["left-out"]
     assert (left["reason"], left["scenario"], left["b"]) == ("only_a", "lonely", "")
+
+
+def test_labels_in_csv_files_are_no_formulas(tmp_path: Path) -> None:
+    shared = run("=cmd()", metrics={"driving_score": -1.5}), run("=cmd()", fails=["collision"])
+    write_batch_comparison(
+        compare_runs(batch([shared[0], run("+only")]), batch([shared[1]])), tmp_path
+    )
+    named = {}
+    for name in ("pairs", "left-out"):
+        with (tmp_path / f"{name}.csv").open(newline="") as file:
+            named[name] = [row["scenario"] for row in csv.DictReader(file)]
+    assert named == {"pairs": ["'=cmd()"], "left-out": ["'+only"]}
+    # Numbers stay numbers.
+    assert ",-1.5," in (tmp_path / "pairs.csv").read_text()
