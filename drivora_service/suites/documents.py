@@ -60,7 +60,9 @@ MetricBounds = Annotated[
 class KnownFailureDocument(EntityDocument):
     """A failure that is known and does not count."""
 
-    oracle: PluginName | None = Field(None, description="Violated oracle; without it, any.")
+    oracle: PluginName | None = Field(
+        None, description="Violated oracle, or `agent_failed`; without it, any."
+    )
     ego: Annotated[str, Field(strict=True, pattern=fields.ID_PATTERN)] | None = Field(
         None, description="Id of the ego; without it, any."
     )

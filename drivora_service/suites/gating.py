@@ -76,6 +76,8 @@ def _found(
 def to_confirm(decision: Decision, *, most_runs: int) -> tuple[str, ...]:
     """Returns the scenarios whose change against the baseline further runs should confirm.
 
+    Those are scenarios with failures that are new, fixed, or flaky and new.
+
     Args:
         decision: On the runs so far.
         most_runs: Runs of a scenario with which a change is certain enough.
@@ -85,7 +87,9 @@ def to_confirm(decision: Decision, *, most_runs: int) -> tuple[str, ...]:
         dict.fromkeys(
             one.key.scenario
             for one in decision.failures
-            if one.failure_class in steady and one.in_runs_before.of and one.in_runs.of < most_runs
+            if (one.failure_class in steady or not one.in_runs_before.runs)
+            and one.in_runs_before.of
+            and one.in_runs.of < most_runs
         )
     )
 

@@ -19,6 +19,7 @@ from drivora_service.suites.documents import (
     SuiteDocument,
     SuiteScenarioDocument,
 )
+from drivora_service.suites.failures import AGENT_FAILED
 from drivora_service.suites.suite import (
     Difficulty,
     KnownFailure,
@@ -162,9 +163,9 @@ def _unknown_names(
             yield from _unknown_metrics(prefix, expected.metrics, metrics)
             yield from _unknown_egos(prefix, expected.metrics, egos[place])
             for index, known in enumerate(expected.known_failures):
-                if known.oracle is not None and known.oracle not in oracles:
+                if known.oracle not in (None, AGENT_FAILED, *oracles):
                     pointer = f"{prefix}/known_failures/{index}/oracle"
-                    yield unknown("oracle", known.oracle, oracles, pointer)
+                    yield unknown("oracle", known.oracle or "", (AGENT_FAILED, *oracles), pointer)
 
 
 def _unknown_oracles(

@@ -19,7 +19,7 @@ SLOWER = ("--agent", "idm", "--agent-parameter", "reaction_time=1.0")
 def test_a_slower_driver_is_caught_and_its_repair_is_seen(drivora: Drivora, tmp_path: Path) -> None:
     unchanged = drivora("suite", "run", "smoke", "--agent", "idm", "--baseline", BASELINE, "--json")
     assert unchanged.code == 0, unchanged.out
-    assert unchanged.json()["classes"]["new"] == 0
+    assert unchanged.json()["counts"]["new"] == 0
 
     results, report = tmp_path / "slower.json", tmp_path / "report.html"
     slower = drivora(

@@ -124,6 +124,21 @@ def test_shards_are_judged_together(drivora: Drivora, suite: Path, tmp_path: Pat
     assert "name each file once" in twice.err
 
 
+def test_a_shard_confirms_what_changed(drivora: Drivora, suite: Path, tmp_path: Path) -> None:
+    results, baseline = tmp_path / "r.json", tmp_path / "b.json"
+    drivora("suite", "run", suite, "--results", results)
+    drivora("suite", "baseline", suite, results, "--baseline", baseline)
+    content = json.loads(baseline.read_text())
+    assert content["scenarios"]["creeping"].pop("failures")
+    baseline.write_text(json.dumps(content))
+    options = ("--select", "creeping", "--shard", "1/1", "--baseline", baseline)
+    ended = drivora("suite", "run", suite, *options, "--results", results)
+    assert "1 scenarios changed against the baseline: 4 further runs of each" in ended.err
+    together = drivora("suite", "gate", suite, results, "--baseline", baseline, "--json")
+    (failure,) = content_of(together)["failures"]
+    assert (failure["class"], failure["runs"], failure["of"]) == ("new", 5, 5)
+
+
 def test_known_failures_do_not_fail_the_gate(drivora: Drivora, suite: Path) -> None:
     document = yaml.safe_load((suite / "suite.yaml").read_text())
     document["scenarios"][1]["known_failures"] = [{"oracle": "collision", "reason": "issue 17"}]

@@ -141,10 +141,11 @@ def test_confirmations_do_not_count_for_the_whole() -> None:
 
 def test_changes_against_the_baseline_are_confirmed_until_there_are_enough_runs() -> None:
     decision = judged(
-        {"new": (1, 1), "fixed": (0, 1), "same": (1, 1), "unknown": (1, 1)},
-        {"new": (0, 1), "fixed": (1, 1), "same": (1, 1)},
+        {"new": (1, 1), "fixed": (0, 1), "same": (1, 1), "unknown": (1, 1)}
+        | {"rare": (2, 3), "flaky": (2, 3)},
+        {"new": (0, 1), "fixed": (1, 1), "same": (1, 1), "rare": (0, 3), "flaky": (1, 3)},
     )
-    assert set(to_confirm(decision, most_runs=5)) == {"new", "fixed"}
+    assert set(to_confirm(decision, most_runs=5)) == {"new", "fixed", "rare"}
     assert to_confirm(judged({"new": (5, 5)}, {"new": (0, 1)}), most_runs=5) == ()
 
 

@@ -37,7 +37,10 @@ def test_expectations_of_the_suite_hold_for_scenarios_without_their_own() -> Non
             {
                 "tags": ["left", "wet"],
                 "metrics": {"comfort": {"at_least": 0.5}},
-                "known_failures": [{"oracle": "collision", "agents": ["idm"], "reason": "x"}],
+                "known_failures": [
+                    {"oracle": "collision", "agents": ["idm"], "reason": "x"},
+                    {"oracle": "agent_failed", "reason": "y"},
+                ],
                 "difficulty": {"failed_by": ["idm"], "passed_by": []},
             },
             tags=["wet", "smoke"],
@@ -56,6 +59,7 @@ def test_expectations_of_the_suite_hold_for_scenarios_without_their_own() -> Non
     }
     assert one.known_failures == (
         KnownFailure(oracle="collision", agents=frozenset({"idm"}), reason="x"),
+        KnownFailure(oracle="agent_failed", reason="y"),
     )
 
 

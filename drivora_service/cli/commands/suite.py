@@ -162,8 +162,7 @@ def run(
         )
         with run_progress(["runs"], total=len(chosen) * order.repetitions) as count:
             done = run_suite(client, read, chosen, order, shard=part, on_run=lambda: count("runs"))
-        if part is None:
-            done = confirmed(client, read, done, order, gate, accepted)
+        done = confirmed(client, read, done, order, gate, accepted)
         made = decided(client, done, read, gate, baseline, files)
         # What was not run stays as it was, unless the suite no longer has it.
         waiting = read.by_name.keys() - done.scenarios.keys()
