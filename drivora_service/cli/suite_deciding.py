@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import typer
@@ -55,23 +56,19 @@ def confirmed(
     """
     if baseline is None or not gate.confirm:
         return results
-    decision = decide(results, suite.by_name, gate, baseline)
-    names = to_confirm(decision, most_runs=1 + gate.confirm)
-    if not names:
-        return results
-    note(
-        f"{len(names)} scenarios changed against the baseline: {gate.confirm} further runs of each"
-    )
-    with run_progress(["confirmation"], total=len(names) * gate.confirm) as count:
-        return run_again(
-            client,
-            suite,
-            results,
-            names,
-            order,
-            times=gate.confirm,
-            on_run=lambda: count("confirmation"),
+    while names := to_confirm(
+        decide(results, suite.by_name, gate, baseline), results, times=gate.confirm
+    ):
+        note(
+            f"scenarios that changed against the baseline: {len(names)}; {gate.confirm} further "
+            "runs of each"
         )
+        with run_progress(["confirmation"], total=len(names) * gate.confirm) as count:
+            on_run = partial(count, "confirmation")
+            results = run_again(
+                client, suite, results, names, order, times=gate.confirm, on_run=on_run
+            )
+    return results
 
 
 def decided(

@@ -118,8 +118,13 @@ def run_again(
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     scenarios = suite.by_name
+    first = {
+        name: 1 + max(run.repetition for run in runs)
+        for name, runs in results.of_scenario().items()
+        if runs
+    }
     planned = [
-        _planned(scenarios[name], order, results.repetitions + number)
+        _planned(scenarios[name], order, first[name] + number)
         for number in range(times)
         for name in names
     ]

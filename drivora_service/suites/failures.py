@@ -168,6 +168,20 @@ def is_judged(run: SuiteRun) -> bool:
     return run.status in (RunStatus.FINISHED, RunStatus.AGENT_FAILED)
 
 
+def is_seedless(runs: Iterable[SuiteRun]) -> bool:
+    """Returns whether judged runs under different seeds are the same; not for one run.
+
+    Their traces have different hashes, since the seed belongs to the scenario; runs are the same if
+    all that was measured of them is, to the last bit.
+    """
+    judged = [run for run in runs if is_judged(run)]
+    return len(judged) > 1 and all(
+        (run.metrics, run.violations, run.sim_time_s)
+        == (judged[0].metrics, judged[0].violations, judged[0].sim_time_s)
+        for run in judged
+    )
+
+
 def _events(
     run: SuiteRun,
     scenario: SuiteScenario,

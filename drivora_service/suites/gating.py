@@ -14,7 +14,7 @@ from drivora_service.suites.baseline import (
 )
 from drivora_service.suites.classes import IN_ORDER, FailureClass
 from drivora_service.suites.decision import ClassifiedFailure, Decision, OverallAnswer, plural
-from drivora_service.suites.failures import FailureKey, Found, find_failures
+from drivora_service.suites.failures import FailureKey, Found, find_failures, is_seedless
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.limits import limit_answers
 from drivora_service.suites.results import SuiteResults
@@ -73,25 +73,32 @@ def _found(
     return find_failures(results, scenarios, counted=gate.counts, oracles=oracles)
 
 
-def to_confirm(decision: Decision, *, most_runs: int) -> tuple[str, ...]:
+def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tuple[str, ...]:
     """Returns the scenarios whose change against the baseline further runs should confirm.
 
-    Those are scenarios with failures that are new, fixed, or flaky and new.
+    Those are scenarios with failures that are new, fixed, or flaky and new; and once more those
+    with new failures whose runs depend on the seed, as chance makes some fail in every run.
 
     Args:
         decision: On the runs so far.
-        most_runs: Runs of a scenario with which a change is certain enough.
+        results: The runs so far.
+        times: Number of further runs.
     """
-    steady = {FailureClass.NEW, FailureClass.FIXED}
-    return tuple(
-        dict.fromkeys(
-            one.key.scenario
-            for one in decision.failures
-            if (one.failure_class in steady or not one.in_runs_before.runs)
-            and one.in_runs_before.of
-            and one.in_runs.of < most_runs
+    runs = results.of_scenario()
+
+    def is_open(one: ClassifiedFailure) -> bool:
+        if not one.in_runs_before.of:
+            return False
+        if one.in_runs.of < 1 + times:
+            steady = (FailureClass.NEW, FailureClass.FIXED)
+            return one.failure_class in steady or not one.in_runs_before.runs
+        return (
+            one.failure_class is FailureClass.NEW
+            and one.in_runs.of < 1 + 2 * times
+            and not is_seedless(runs[one.key.scenario])
         )
-    )
+
+    return tuple(dict.fromkeys(one.key.scenario for one in decision.failures if is_open(one)))
 
 
 def _comparable(results: SuiteResults, baseline: Baseline | None) -> dict[str, BaselineScenario]:

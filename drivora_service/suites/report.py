@@ -8,7 +8,7 @@ from datetime import datetime
 from enum import StrEnum
 
 from drivora_service.suites.decision import ClassifiedFailure, Decision
-from drivora_service.suites.failures import is_judged
+from drivora_service.suites.failures import is_judged, is_seedless
 from drivora_service.suites.results import SuiteResults, SuiteRun
 from drivora_service.suites.suite import SuiteScenario
 
@@ -39,7 +39,7 @@ class ScenarioRow:
         known: Reasons of known failures that occur.
         gone: Known failures that do not occur any more.
         unfinished: Runs that were not judged.
-        is_seedless: All runs have the same trace, whatever their seeds; false for a single run.
+        is_seedless: All runs are the same, whatever their seeds; false for a single run.
     """
 
     name: str
@@ -120,7 +120,6 @@ def _row(
 ) -> ScenarioRow:
     judged = [run for run in runs if is_judged(run)]
     known = [one for one in decision.known if one.scenario == scenario.name]
-    traces = {run.trace_sha256 for run in judged}
     scores = [score for run in judged if (score := run.metrics.get(SCORE)) is not None]
     unfinished = tuple(run for run in decision.unfinished if run.scenario == scenario.name)
     return ScenarioRow(
@@ -135,7 +134,7 @@ def _row(
         gone=tuple(one.known.reason for one in known if not one.runs),
         unfinished=unfinished,
         runs=tuple(runs),
-        is_seedless=len(judged) > 1 and len(traces) == 1 and "" not in traces,
+        is_seedless=is_seedless(runs),
     )
 
 

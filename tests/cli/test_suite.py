@@ -87,7 +87,8 @@ def test_from_a_first_run_to_a_gate_with_a_baseline(
     told = content_of(worse)
     new = {one["oracle"] for one in told["failures"] if one["class"] == "new"}
     assert "speeding" in new
-    assert all(one["of"] == 5 for one in told["failures"])
+    # Confirmed once, and where runs differ from seed to seed twice.
+    assert {one["of"] for one in told["failures"]} <= {5, 9}
     assert told["reasons"][0].startswith(f"{len(told['failures'])} new failure")
 
     again = drivora("suite", "run", suite, "--last-failed", "--json", *faster)
@@ -133,7 +134,7 @@ def test_a_shard_confirms_what_changed(drivora: Drivora, suite: Path, tmp_path: 
     baseline.write_text(json.dumps(content))
     options = ("--select", "creeping", "--shard", "1/1", "--baseline", baseline)
     ended = drivora("suite", "run", suite, *options, "--results", results)
-    assert "1 scenarios changed against the baseline: 4 further runs of each" in ended.err
+    assert "scenarios that changed against the baseline: 1; 4 further runs of each" in ended.err
     together = drivora("suite", "gate", suite, results, "--baseline", baseline, "--json")
     (failure,) = content_of(together)["failures"]
     assert (failure["class"], failure["runs"], failure["of"]) == ("new", 5, 5)

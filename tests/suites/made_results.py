@@ -76,10 +76,10 @@ def results_of(
     return SuiteResults(**(values | changes)).with_runs(runs)
 
 
-def counted(scenario: str, failing: int, of: int) -> list[SuiteRun]:
+def counted(scenario: str, failing: int, of: int, **changes: Any) -> list[SuiteRun]:
     """Returns runs of a scenario of which some have an avoidable collision."""
     return [
-        suite_run(scenario, number, *([verdict()] if number < failing else []))
+        suite_run(scenario, number, *([verdict()] if number < failing else []), **changes)
         for number in range(of)
     ]
 

@@ -10,7 +10,7 @@ from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.runs.report import RunStatus
 from drivora_service.suites.counted import Counted
-from drivora_service.suites.failures import FailureKey, find_failures
+from drivora_service.suites.failures import FailureKey, find_failures, is_seedless
 from drivora_service.suites.suite import KnownFailure, MetricBounds
 from tests.suites.made_results import results_of, scenarios_of, suite_run, verdict
 
@@ -144,3 +144,12 @@ def test_metrics_outside_their_bounds_are_failures() -> None:
     (failure,) = found.failures.values()
     assert (failure.key.oracle, failure.runs, failure.of) == ("metric driving_score", 1, 3)
     assert failure.sentence == "driving_score is 59.9, and at least 60 and at most 90 is expected."
+
+
+def test_runs_are_the_same_under_all_seeds_if_all_that_is_measured_is() -> None:
+    same = [suite_run("a", number, verdict()) for number in range(3)]
+    assert is_seedless(same)
+    assert not is_seedless(same[:1])
+    assert not is_seedless([*same, suite_run("a", 3, verdict(counterpart="other"))])
+    assert not is_seedless([*same, suite_run("a", 3, verdict(), sim_time_s=10.05)])
+    assert not is_seedless([*same, suite_run("a", 3, verdict(), metrics={"driving_score": 50.1})])
