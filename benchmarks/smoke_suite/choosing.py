@@ -60,8 +60,12 @@ class Candidate:
 
     @property
     def tells_apart(self) -> bool:
-        """Whether some of the panel fail and others do not."""
-        return 0 < len(self.failed_by) < len(PANEL)
+        """Whether some of the panel fail and others do not.
+
+        Where the worse version passes and the other one does not, luck decides.
+        """
+        is_luck = SLOW.agent in self.failed_by and SLOW.label not in self.failed_by
+        return 0 < len(self.failed_by) < len(PANEL) and not is_luck
 
     @property
     def followed(self) -> Driver:

@@ -36,6 +36,7 @@ def test_a_slower_driver_is_caught_and_its_repair_is_seen(drivora: Drivora, tmp_
     made = drivora("suite", "baseline", "smoke", results, "--baseline", accepted)
     assert made.code == 0, made.err
     repaired = drivora("suite", "run", "smoke", "--agent", "idm", "--baseline", accepted, "--json")
+    assert repaired.code == 0, repaired.out
     fixed = {one["scenario"] for one in repaired.json()["failures"] if one["class"] == "fixed"}
     assert fixed >= {one["scenario"] for one in new}
     assert json.loads(accepted.read_text())["agent_parameters"] == ["reaction_time=1.0"]
