@@ -111,7 +111,7 @@ def junit_counts(path: Path) -> tuple[int, int]:
     return suite.tests, suite.failures
 
 
-@pytest.mark.slow(seconds=120)
+@pytest.mark.slow(seconds=240)
 def test_the_github_actions(job: Machine, wheel: Path, templates: Path, tmp_path: Path) -> None:
     github = templates / "github"
     inputs = {
@@ -152,7 +152,7 @@ def test_the_github_actions(job: Machine, wheel: Path, templates: Path, tmp_path
     check_patch(job, tmp_path, int(job.outputs["found"]))
 
 
-@pytest.mark.slow(seconds=90)
+@pytest.mark.slow(seconds=180)
 def test_the_gitlab_jobs(job: Machine, wheel: Path, templates: Path, tmp_path: Path) -> None:
     template = templates / "gitlab" / "drivora.gitlab-ci.yml"
     port = 8790
