@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.suites.baseline import Baseline
+from drivora_service.suites.failures import is_judged
 from drivora_service.suites.results import SuiteResults, scenario_hash
 from drivora_service.suites.selection import read_shard
 from drivora_service.suites.suite import Suite
@@ -62,5 +63,17 @@ def check_results(results: SuiteResults, suite: Suite) -> Iterator[str]:
             )
     missing = [name for name in scenarios if name not in results.scenarios]
     if missing:
-        shown = ", ".join(missing[:5]) + (f" and {len(missing) - 5} more" if missing[5:] else "")
-        yield f"{len(missing)} of {len(scenarios)} scenarios were not run: {shown}"
+        yield f"{len(missing)} of {len(scenarios)} scenarios were not run: {_some(missing)}"
+
+
+def check_judged(results: SuiteResults) -> Iterator[str]:
+    """Yields a remark on scenarios without a judged run, which a baseline cannot have."""
+    unjudged = [
+        name for name, runs in results.of_scenario().items() if not any(map(is_judged, runs))
+    ]
+    if unjudged:
+        yield f"{len(unjudged)} scenarios were not judged and are not updated: {_some(unjudged)}"
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if names[5:] else "")

@@ -244,13 +244,13 @@ def accept(
         read_baseline,
     )
     from drivora_service.suites.results import merge_results, read_results
-    from drivora_service.suites.suite_checks import check_results
+    from drivora_service.suites.suite_checks import check_judged, check_results
 
     check_file(baseline)
     known = names_of_installation()
     read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     done = merge_results([read_results(path) for path in results])
-    for remark in check_results(done, read):
+    for remark in (*check_results(done, read), *check_judged(done)):
         note(f"note: {remark}")
     old = read_baseline(baseline) if baseline.is_file() else None
     new = accepted_baseline(done, read, gate, old)
