@@ -11,9 +11,9 @@ from drivora_service.cli.running import run_files
 from drivora_service.cli.scenario_files import ScenarioFile
 from drivora_service.client import Client
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.fields import MAX_SEED
 from drivora_service.store.records import Priority
 from drivora_service.suites.results import SuiteResults, SuiteRun, driven_document, scenario_hash
+from drivora_service.suites.seeds import seed_of_run
 from drivora_service.suites.selection import Shard
 from drivora_service.suites.suite import Suite, SuiteScenario
 
@@ -30,7 +30,7 @@ class SuiteOrder:
         agent: ADS of every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
         repetitions: Runs of each scenario.
-        seed: Seed of the first repetition; ``None``: as documented.
+        seed: Number from which the seeds follow; ``None``: those of the documents.
         where: Options with which other commands find the runs.
     """
 
@@ -133,11 +133,8 @@ def run_again(
 
 
 def _planned(scenario: SuiteScenario, order: SuiteOrder, repetition: int) -> _Planned:
-    first = scenario.document.seed if order.seed is None else order.seed
-    # Seeds beyond the greatest one begin at 0 again.
-    return _Planned(
-        scenario=scenario, repetition=repetition, seed=(first + repetition) % (MAX_SEED + 1)
-    )
+    seed = seed_of_run(scenario.name, scenario.document.seed, repetition, given=order.seed)
+    return _Planned(scenario=scenario, repetition=repetition, seed=seed)
 
 
 def _run(

@@ -136,7 +136,7 @@ class SuiteDocument(EntityDocument):
     repetitions: Repetitions = Field(
         1,
         description="Number of runs of each scenario: the first under its own seed, each further "
-        "one under the next.",
+        "one under another.",
     )
     tags: Tags = Field((), description="Tags of every scenario.")
     oracles: OracleNames | None = Field(

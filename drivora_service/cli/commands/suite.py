@@ -97,7 +97,7 @@ def run(
         typer.Option(
             min=0,
             max=_MAX_SEED,
-            help="Seed of the first repetition [default: the scenarios' own]; further ones follow.",
+            help="Number from which other seeds follow [default: the scenarios' own seeds first].",
         ),
     ] = None,
     select: SelectOption = "",
