@@ -1,7 +1,7 @@
 """Makes the smoke suite: ``python -m benchmarks.smoke_suite --work FOLDER --to FOLDER``.
 
-What has been done is kept in the work folder, and a second command goes on from there. Without
-``--to`` nothing of the checkout is changed.
+Steps that have ended are kept in the work folder, and a second command leaves them out; one that
+was interrupted is removed by hand. Without ``--to`` nothing of the checkout is changed.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 
 from benchmarks.smoke_suite.choosing import candidates, choose, smaller, table
-from benchmarks.smoke_suite.searching import drive, export, minimize, search
+from benchmarks.smoke_suite.searching import drive, export, make_baseline, minimize, search
 from benchmarks.smoke_suite.writing import write_suite
 
 SIZE = 100
@@ -38,6 +38,7 @@ def main() -> int:
     print(table(chosen))
     if options.to is not None:
         write_suite(options.to, chosen)
+        make_baseline(work, options.to)
     return 0
 
 

@@ -62,10 +62,10 @@ class Candidate:
     def tells_apart(self) -> bool:
         """Whether some of the panel fail and others do not.
 
-        Where the worse version passes and the other one does not, luck decides.
+        Where the worse version passes and the other one does not, chance decides.
         """
-        is_luck = SLOW.agent in self.failed_by and SLOW.label not in self.failed_by
-        return 0 < len(self.failed_by) < len(PANEL) and not is_luck
+        is_chance = SLOW.agent in self.failed_by and SLOW.label not in self.failed_by
+        return 0 < len(self.failed_by) < len(PANEL) and not is_chance
 
     @property
     def followed(self) -> Driver:
@@ -109,7 +109,7 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
             if driver.label not in failed[key.scenario]:
                 failed[key.scenario][driver.label] = None
                 of_key = (one for one in violations[key.scenario] if one.oracle == key.oracle)
-                spots[key.scenario].append(_spot(next(of_key)))
+                spots[key.scenario].append(_spot(key.oracle, next(of_key, None)))
     for name, document in documents.items():
         if judged[name] == len(PANEL):
             yield Candidate(
@@ -121,11 +121,13 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
             )
 
 
-def _spot(verdict: Verdict) -> Spot:
-    place = () if verdict.location is None else verdict.location
+def _spot(failure: str, verdict: Verdict | None) -> Spot:
+    """Returns the spot of a failure; the failure of an ADS itself has no verdict."""
+    if verdict is None:
+        return Spot(oracle=failure, place=(), time=0)
     return Spot(
-        oracle=verdict.oracle,
-        place=tuple(round(value / _ALIKE_M) for value in place),
+        oracle=failure,
+        place=tuple(round(value / _ALIKE_M) for value in verdict.location or ()),
         time=round((verdict.time or 0.0) / _ALIKE_S),
     )
 

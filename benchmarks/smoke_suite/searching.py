@@ -1,7 +1,7 @@
 """The searches for failures, their minimal forms, and what every ADS of the panel does in them.
 
 Each step runs commands of Drivora, keeps what it made in the work folder, and leaves out what is
-there already.
+there already. A study that was interrupted is begun anew.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ SEARCHES = (
 
 
 def search(work: Path) -> tuple[str, ...]:
-    """Runs the studies, or goes on with them; returns the ids of their campaigns."""
+    """Runs the studies; returns the ids of their campaigns."""
     found: list[str] = []
     for one in SEARCHES:
         identity = work / f"study {one.name}.json"
@@ -158,6 +158,19 @@ def drive(work: Path, suite: str) -> None:
                 work=work,
                 allowed=(0, 1, 3),
             )
+
+
+def make_baseline(work: Path, suite: Path) -> None:
+    """Writes what the ADS that drives the scenarios of a suite fails in as its baseline."""
+    baseline, results = suite / "idm.baseline.json", work / "idm.json"
+    baseline.unlink(missing_ok=True)
+    drivora(
+        *("suite", "run", str(suite), "--agent", "idm", "--repetitions", "5"),
+        *("--results", str(results)),
+        work=work,
+        allowed=(0, 1),
+    )
+    drivora("suite", "baseline", str(suite), str(results), "--baseline", str(baseline), work=work)
 
 
 def results_path(work: Path, suite: str, driver: Driver) -> Path:

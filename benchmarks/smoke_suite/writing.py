@@ -36,7 +36,7 @@ def write_suite(folder: Path, chosen: Sequence[Candidate]) -> None:
                     if driver.label not in one.failed_by and driver is not SLOW
                 ],
             },
-            "comment": found.get("comment", ""),
+            "comment": f"Found as: {found.get('comment', '')}",
         }
         egos = tuple(
             ego.model_copy(update={"agent": AgentDocument(name=_DRIVER), "config_path": None})

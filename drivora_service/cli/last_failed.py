@@ -14,17 +14,17 @@ _FOLDER = ".drivora"
 """Beside the user's files, as the caches of other test runners are."""
 
 
-def remember_failed(suite: Path, names: Collection[str], *, waiting: Collection[str]) -> None:
+def remember_failed(suite: Path, names: Collection[str], *, not_run: Collection[str]) -> None:
     """Keeps which scenarios of a suite failed.
 
     Args:
         suite: Path of the suite.
         names: Those that failed.
-        waiting: Those that were not run, which stay as they were.
+        not_run: Those that were not run, which stay as they were.
     """
     path = _path(suite)
     try:
-        before = set(_read(path)) & set(waiting)
+        before = set(_read(path)) & set(not_run)
         path.parent.mkdir(parents=True, exist_ok=True)
         (path.parents[1] / ".gitignore").write_text("*\n")
         path.write_text(json.dumps(sorted(before | set(names)), indent=1) + "\n")

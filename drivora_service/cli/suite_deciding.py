@@ -60,8 +60,8 @@ def confirmed(
         decide(results, suite.by_name, gate, baseline), results, times=gate.confirm
     ):
         note(
-            f"scenarios that changed against the baseline: {len(names)}; {gate.confirm} further "
-            "runs of each"
+            f"scenarios whose change is to be confirmed: {len(names)}; {gate.confirm} further runs "
+            "of each"
         )
         with run_progress(["confirmation"], total=len(names) * gate.confirm) as count:
             on_run = partial(count, "confirmation")

@@ -92,7 +92,7 @@ def _list_file(path: Path) -> ListFile:
                 return _suite_file(path / name)
         return _bare(path.resolve().name, ".", path)
     if not path.is_file():
-        shipped = sorted(one.name for one in shipped_suites().iterdir())
+        shipped = sorted(one.parent.name for one in shipped_suites().glob("*/suite.yaml"))
         if str(path) in shipped:
             return _list_file(shipped_suites() / path)
         raise ConfigurationError(

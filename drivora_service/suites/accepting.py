@@ -51,8 +51,8 @@ def accepted_baseline(
     if old is not None and kept and old.agent_parameters != new.agent_parameters:
         raise ConfigurationError(
             f"the baseline is of the parameters {list(old.agent_parameters)}, and the results are "
-            f"of {list(new.agent_parameters)} and do not have {kept[0]!r}, which would stay: run "
-            "the whole suite, or give each its own file"
+            f"of {list(new.agent_parameters)} and have no judged run of {kept[0]!r}, which would "
+            "stay: run the whole suite, or give each its own file"
         )
     scenarios = {**known, **new.scenarios}
     return replace(

@@ -1,4 +1,4 @@
-"""Which violations are failures, by who is accountable for them."""
+"""Which violations are failures, by accountability."""
 
 from __future__ import annotations
 

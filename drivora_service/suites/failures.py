@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from drivora_service.oracles.accountability import Accountability, accountability, strongest_of
 from drivora_service.oracles.failure_facts import failure_sentence, is_consequence
@@ -122,7 +123,7 @@ def find_failures(
     Args:
         results: The runs.
         scenarios: Expectations by the name of the scenario.
-        counted: Violations that are failures in scenarios that do not say.
+        counted: Violations that are failures in scenarios without `counts`.
         oracles: Oracles that count in scenarios that name none; ``None``: all but observations.
     """
     failures: dict[FailureKey, Failure] = {}
@@ -176,9 +177,9 @@ def is_seedless(runs: Iterable[SuiteRun]) -> bool:
     """
     judged = [run for run in runs if is_judged(run)]
     return len(judged) > 1 and all(
-        (run.metrics, run.violations, run.sim_time_s)
-        == (judged[0].metrics, judged[0].violations, judged[0].sim_time_s)
-        for run in judged
+        (run.status, run.cause, run.metrics, run.violations, run.sim_time_s)
+        == (first.status, first.cause, first.metrics, first.violations, first.sim_time_s)
+        for first, run in pairwise(judged)
     )
 
 

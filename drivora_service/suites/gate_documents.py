@@ -81,7 +81,7 @@ class GateDocument(EntityDocument):
     version: Literal["1.0"] = Field("1.0", description="Version of this format.")
     counts: Counted = Field(
         Counted.ACCOUNTABLE,
-        description="Violations that are failures in scenarios that do not say: those that an ego "
+        description="Violations that are failures in scenarios without `counts`: those that an ego "
         "is accountable for, also unavoidable ones (at_fault), or also those of others (any).",
     )
     oracles: OracleNames | None = Field(

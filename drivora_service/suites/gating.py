@@ -76,8 +76,9 @@ def _found(
 def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tuple[str, ...]:
     """Returns the scenarios whose change against the baseline further runs should confirm.
 
-    Those are scenarios with failures that are new, fixed, or flaky and new; and once more those
-    with new failures whose runs depend on the seed, as chance makes some fail in every run.
+    Those are scenarios with failures that are new, fixed, flaky and new, or more frequent in the
+    few runs so far; and once more those with new failures whose runs depend on the seed, as chance
+    makes some fail in every run.
 
     Args:
         decision: On the runs so far.
@@ -87,14 +88,18 @@ def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tupl
     runs = results.of_scenario()
 
     def is_open(one: ClassifiedFailure) -> bool:
-        if not one.in_runs_before.of:
+        before, now = one.in_runs_before, one.in_runs
+        if not before.of:
             return False
-        if one.in_runs.of < 1 + times:
-            steady = (FailureClass.NEW, FailureClass.FIXED)
-            return one.failure_class in steady or not one.in_runs_before.runs
+        # Runs that are not judged count, or it would not end.
+        made = len(runs[one.key.scenario])
+        if made < 1 + times:
+            is_steady = one.failure_class in (FailureClass.NEW, FailureClass.FIXED)
+            is_more = now.runs == now.of and before.runs < before.of
+            return is_steady or not before.runs or is_more
         return (
             one.failure_class is FailureClass.NEW
-            and one.in_runs.of < 1 + 2 * times
+            and made < 1 + 2 * times
             and not is_seedless(runs[one.key.scenario])
         )
 

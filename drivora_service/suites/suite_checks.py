@@ -6,17 +6,21 @@ from collections.abc import Iterator, Sequence
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.suites.baseline import Baseline
+from drivora_service.suites.decision import plural
 from drivora_service.suites.failures import is_judged
 from drivora_service.suites.results import SuiteResults, scenario_hash
 from drivora_service.suites.selection import read_shard
 from drivora_service.suites.suite import Suite
+
+_DOCUMENTED = "as in the scenarios"
+"""The ADS of results without an ADS of their own."""
 
 
 def check_shards(results: SuiteResults, suite: Suite) -> None:
     """Makes sure that no shard is missing among merged results.
 
     Raises:
-        ConfigurationError: One is: what fails in it would not be seen.
+        ConfigurationError: A shard is missing; its failures would be overlooked.
     """
     shards = {read_shard(text) for text in results.shards}
     missing = sorted(
@@ -38,8 +42,8 @@ def check_baseline(baseline: Baseline, results: SuiteResults) -> Iterator[str]:
     ):
         if before != now:
             yield (
-                f"the baseline is of {what} {before or 'of the scenarios'!r}, and the results are "
-                f"of {now or 'of the scenarios'!r}: what was accepted of one passes for the other"
+                f"the baseline is of {what} {before or _DOCUMENTED!r}, and the results are of "
+                f"{now or _DOCUMENTED!r}: what was accepted of one passes for the other"
             )
 
 
@@ -72,7 +76,7 @@ def check_judged(results: SuiteResults) -> Iterator[str]:
         name for name, runs in results.of_scenario().items() if not any(map(is_judged, runs))
     ]
     if unjudged:
-        yield f"{len(unjudged)} scenarios were not judged and are not updated: {_some(unjudged)}"
+        yield f"{plural(len(unjudged), 'scenario')} without a judged run: {_some(unjudged)}"
 
 
 def _some(names: Sequence[str]) -> str:

@@ -135,7 +135,7 @@ def test_a_shard_confirms_what_changed(drivora: Drivora, suite: Path, tmp_path: 
     baseline.write_text(json.dumps(content))
     options = ("--select", "creeping", "--shard", "1/1", "--baseline", baseline)
     ended = drivora("suite", "run", suite, *options, "--results", results)
-    assert "scenarios that changed against the baseline: 1; 4 further runs of each" in ended.err
+    assert "scenarios whose change is to be confirmed: 1; 4 further runs of each" in ended.err
     together = drivora("suite", "gate", suite, results, "--baseline", baseline, "--json")
     (failure,) = content_of(together)["failures"]
     assert (failure["class"], failure["runs"], failure["of"]) == ("new", 5, 5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -152,4 +153,11 @@ def test_runs_are_the_same_under_all_seeds_if_all_that_is_measured_is() -> None:
     assert not is_seedless(same[:1])
     assert not is_seedless([*same, suite_run("a", 3, verdict(counterpart="other"))])
     assert not is_seedless([*same, suite_run("a", 3, verdict(), sim_time_s=10.05)])
+    # A run that was not judged says nothing; an ADS that fails in some runs does.
+    assert is_seedless([*same, suite_run("a", 3, status=RunStatus.TIMED_OUT)])
+    failed = suite_run("a", 3, status=RunStatus.AGENT_FAILED, cause="agent_raised", metrics={})
+    hung = replace(failed, cause="agent_hung")
+    assert not is_seedless([*same, failed])
+    assert is_seedless([failed, failed])
+    assert not is_seedless([failed, hung])
     assert not is_seedless([*same, suite_run("a", 3, verdict(), metrics={"driving_score": 50.1})])

@@ -168,6 +168,26 @@ def test_changes_against_the_baseline_are_confirmed() -> None:
     assert asked({"rare": (2, 3), "flaky": (2, 3)}, {"rare": (0, 3), "flaky": (1, 3)}) == {"rare"}
 
 
+def test_a_failure_of_some_runs_that_is_in_every_run_now_is_confirmed() -> None:
+    assert asked({"a": (1, 1)}, {"a": (1, 5)}) == {"a"}
+    assert asked({"a": (5, 5)}, {"a": (1, 5)}, depends_on_seed=True) == set()
+    assert asked({"a": (1, 2)}, {"a": (1, 5)}) == set()
+    assert asked({"a": (1, 1)}, {"a": (5, 5)}) == set()
+
+
+def test_confirmations_that_are_not_judged_are_not_asked_for_again() -> None:
+    old = results_of(counted("a", 0, 1))
+    again = [suite_run("a", number, status=RunStatus.TIMED_OUT) for number in range(1, 5)]
+    results = results_of(counted("a", 1, 1)).with_runs(again)
+    decision = decide(results, scenarios_of(results), GATE, accepted(old))
+    asked_again = to_confirm(decision, results, times=4)
+    further = [suite_run("a", number, status=RunStatus.TIMED_OUT) for number in range(5, 9)]
+    results = results.with_runs(further)
+    decision = decide(results, scenarios_of(results), GATE, accepted(old))
+    assert asked_again == ("a",)
+    assert to_confirm(decision, results, times=4) == ()
+
+
 def test_a_new_failure_that_depends_on_the_seed_is_confirmed_twice() -> None:
     before = {"a": (0, 1)}
     assert asked({"a": (5, 5)}, before, depends_on_seed=True) == {"a"}

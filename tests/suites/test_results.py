@@ -164,7 +164,7 @@ def test_a_baseline_is_not_of_several_parameters() -> None:
     old = baseline_of(whole)
     assert baseline_of(faster, old).agent_parameters == ("speed_factor=1.3",)
     part = replace(faster, scenarios={"a": whole.scenarios["a"]}, runs=whole.runs[:1])
-    with pytest.raises(ConfigurationError, match="and do not have 'b', which would stay"):
+    with pytest.raises(ConfigurationError, match="and have no judged run of 'b', which would stay"):
         accepted_baseline(part, suite_of(whole), GateDocument(), old)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
 from pathlib import Path
 from statistics import median
@@ -9,6 +10,7 @@ from statistics import median
 import pytest
 
 from drivora_service.cli.suite_files import names_of_installation, read_suite_path, shipped_suites
+from drivora_service.errors import ConfigurationError
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.suites.baseline import read_baseline
@@ -79,6 +81,35 @@ def test_the_baseline_of_idm_is_what_the_difficulty_says(smoke: Suite) -> None:
         if one.difficulty is not None and "idm" in one.difficulty.failed_by
     }
     assert always <= fails <= sometimes
+
+
+def test_its_page_has_the_figures_of_its_scenarios(smoke: Suite) -> None:
+    page = (FOLDER / "README.md").read_text()
+    towns = Counter(one.document.map_region.town for one in smoke.scenarios)
+    failing: Counter[str] = Counter()
+    numbers: Counter[int] = Counter()
+    for one in smoke.scenarios:
+        assert one.difficulty is not None
+        failing.update(one.difficulty.failed_by)
+        numbers[len(one.difficulty.failed_by)] += 1
+    oracles = Counter(tag for one in smoke.scenarios for tag in one.tags)
+    for name, count in (*towns.items(), *failing.items()):
+        assert f"| `{name}` | {count} |" in page
+    for name in OracleCatalogue().names():
+        assert (f"| `{name}` | {oracles[name]} |" in page) == (name in oracles)
+    assert "| scenarios | " + " | ".join(f"{numbers[n]}" for n in range(8)) + " |" in page
+
+
+def test_its_name_is_one_of_the_shipped_suites(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = names_of_installation()
+    with pytest.raises(ConfigurationError, match="a shipped suite: smoke"):
+        read_suite_path(Path("smok"), known)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "smoke").mkdir()
+    shutil.copy(next((FOLDER / "scenarios").glob("*.json")), tmp_path / "smoke")
+    assert len(read_suite_path(Path("smoke"), known).scenarios) == 1
 
 
 def test_its_files_are_small() -> None:

@@ -21,5 +21,5 @@ def test_scenarios_without_a_judged_run_are_named() -> None:
         ]
     )
     (remark,) = check_judged(results)
-    assert remark == "1 scenarios were not judged and are not updated: lost"
+    assert remark == "1 scenario without a judged run: lost"
     assert not list(check_judged(results_of([suite_run("judged", 0)])))

@@ -92,7 +92,7 @@ def scenario(
     server: ServerOption = "",
     data_dir: DataDirOption = None,
 ) -> None:
-    """Prints the scenario of a run, for `drivora run`."""
+    """Prints what a run has driven as a scenario, for `drivora run`."""
     check_file(out)
     with connected(server, data_dir) as client:
         text = client.run_scenario(run_id)

@@ -97,7 +97,7 @@ def run(
         typer.Option(
             min=0,
             max=_MAX_SEED,
-            help="Number from which other seeds follow [default: the scenarios' own seeds first].",
+            help="Base of the runs' seeds [default: the scenarios' own seeds first].",
         ),
     ] = None,
     select: SelectOption = "",
@@ -165,8 +165,8 @@ def run(
         done = confirmed(client, read, done, order, gate, accepted)
         made = decided(client, done, read, gate, baseline, files)
         # What was not run stays as it was, unless the suite no longer has it.
-        waiting = read.by_name.keys() - done.scenarios.keys()
-        remember_failed(suite, failed_names(made), waiting=waiting)
+        not_run = read.by_name.keys() - done.scenarios.keys()
+        remember_failed(suite, failed_names(made), not_run=not_run)
     tell(made, as_json=as_json, judges=part is None)
 
 

@@ -50,7 +50,7 @@ def run(run_id: str) -> Call[Run]:
 
 
 def run_scenario(run_id: str) -> Call[str]:
-    """Returns the scenario of a run as the text of a document that can be posted again."""
+    """Returns what a run has driven as the text of a document that can be posted again."""
     return get(f"{PREFIX}/runs/{{run_id}}/scenario", str, accept="application/json", run_id=run_id)
 
 

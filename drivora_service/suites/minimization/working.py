@@ -93,7 +93,7 @@ class Work:
         self._before: ScenarioSize | None = None
 
     def resume(self, reports: Iterable[RunReport], waiting: Iterable[str]) -> None:
-        """Takes what a process that has ended left behind.
+        """Restores the state from the runs of a process that has ended.
 
         Args:
             reports: Reports of its runs that have ended; those without a result are made again.
@@ -110,6 +110,9 @@ class Work:
         if report.run_id in self._results:
             return
         if report.status in _WITHOUT_RESULT:
+            if self._minimizer.is_over:
+                # It was made ahead, and is not needed.
+                return
             self._lost += 1
             if self._lost >= _MOST_LOST:
                 why = "" if report.failure is None else f": {report.failure.message}"

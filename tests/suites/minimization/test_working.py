@@ -58,6 +58,17 @@ def test_runs_that_were_cancelled_with_their_process_are_made_again(work: Work) 
     assert message(work) == ""
 
 
+def test_what_is_lost_and_not_needed_any_more_does_no_harm(work: Work) -> None:
+    (wanted,) = work.wanted(2)
+    assert wanted.run_id is not None
+    work.resume([finished(wanted.run_id).report], [f"{number}" for number in range(3)])
+    assert work.wanted(2) == ()
+    for number in range(3):
+        assert message(work) == ""
+        work.take(cancelled(f"{number}"))
+    assert "does not fail in the same way" in message(work)
+
+
 def test_runs_that_are_lost_again_and_again_end_it(work: Work) -> None:
     for number in range(3):
         assert message(work) == ""
