@@ -225,8 +225,14 @@ def test_what_a_run_recorded(client: Client, runs: tuple[Run, ...], tmp_path: Pa
 
 
 def test_a_scenario_of_a_run_can_be_posted_again(client: Client, runs: tuple[Run, ...]) -> None:
+    """The seed that was given beside the document is in it."""
     text = client.run_scenario(runs[0].id)
-    assert client.validate_scenario(text).scenario_sha256 == runs[0].scenario_sha256
+    assert client.validate_scenario(text).scenario_sha256 != runs[0].scenario_sha256
+    submission = client.post_batch([text])
+    (again,) = client.wait_for_batch(submission.batch.id)
+    assert again.trace_sha256 == runs[0].trace_sha256
+    repeated = client.run_scenario(again.id)
+    assert client.validate_scenario(repeated).scenario_sha256 == again.scenario_sha256
 
 
 def test_a_batch_is_paused_resumed_and_cancelled(client: Client, scenario: dict[str, Any]) -> None:
