@@ -309,6 +309,7 @@ class _Recording:
             queued = self._post(f"/runs/{run}:minimize", {"oracle": "collision", "budget": 200})
             self._keep(examples.QUEUED_MINIMIZATION, queued)
             other = self._post(f"/runs/{run}:minimize")
+            self._wait(f"/minimizations/{other['id']}", lambda found: bool(found["started_at"]))
             cancelled = self._post(f"/minimizations/{other['id']}:cancel")
             self._keep(examples.CANCELLED_MINIMIZATION, cancelled)
         one = f"/minimizations/{queued['id']}"

@@ -11,10 +11,12 @@ import pytest
 
 from drivora_service.api.examples import CAMPAIGN
 from drivora_service.api.tokens import Scope, TokenFile
+from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.store.campaign_records import CampaignState
 from tests.api.conftest import MakeOffline, Offline
 from tests.api.test_problems import is_problem
 from tests.api.test_tokens import bearer
+from tests.store.test_campaigns import create
 
 CAMPAIGNS = "/api/v1/campaigns"
 
@@ -377,3 +379,27 @@ def test_failures_are_confirmed_and_can_be_watched_and_run_again(
     assert checked["scenario_sha256"] == evaluation["scenario_sha256"]
     known = {"If-None-Match": scenario.headers["ETag"]}
     assert http.get(failure["scenario_url"], headers=known).status_code == 304
+
+
+@pytest.mark.parametrize("path", ["/api/v1/campaigns/{}", "/api/v1/campaigns"])
+@pytest.mark.parametrize("ends", [True, False])
+def test_one_that_ends_while_it_is_read_is_not_interrupted(
+    make_offline: MakeOffline, monkeypatch: pytest.MonkeyPatch, path: str, ends: bool
+) -> None:
+    """The command of a campaign ends between the reading of its state and that of its lock."""
+    offline = make_offline()
+    database = offline.context.database
+    campaign_id = create(database)
+    with database.write() as transaction:
+        transaction.campaigns.begin(campaign_id)
+
+    def is_running(_folder: CampaignFolder) -> bool:
+        if ends:
+            with database.write() as transaction:
+                transaction.campaigns.end(campaign_id, CampaignState.FINISHED)
+        return False
+
+    monkeypatch.setattr(CampaignFolder, "is_running", property(is_running))
+    answer = offline.client.get(path.format(campaign_id)).raise_for_status().json()
+    (campaign,) = answer.get("items", [answer])
+    assert campaign["state"] == ("finished" if ends else "interrupted")

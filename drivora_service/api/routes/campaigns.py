@@ -20,7 +20,12 @@ from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.folder import ask_for
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
-from drivora_service.store.campaign_records import CampaignRequest, CampaignState, CampaignSummary
+from drivora_service.store.campaign_records import (
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+    CampaignSummary,
+)
 from drivora_service.store.records import Page
 
 if TYPE_CHECKING:
@@ -212,18 +217,43 @@ def _campaign(
     campaign_id: str,
     valid: ValidCampaign | None = None,
 ) -> Campaign:
-    record = _as_seen(context, transaction.campaigns.get(campaign_id))
-    kinds = transaction.campaign_views.kinds(campaign_id)
+    record = transaction.campaigns.get(campaign_id)
+    if not _is_deserted(context, record):
+        return _described(transaction, record, valid)
+    # Its command may have ended since this transaction began: what is stored then is final.
+    with context.database.read() as later:
+        record = later.campaigns.get(campaign_id)
+        return _described(later, _interrupted(record), valid)
+
+
+def _described(
+    transaction: Transaction, record: CampaignRecord, valid: ValidCampaign | None
+) -> Campaign:
+    kinds = transaction.campaign_views.kinds(record.id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
-    seeds = transaction.campaign_views.seeds(campaign_id)
+    seeds = transaction.campaign_views.seeds(record.id)
     return campaign_of(record, kinds, seeds, PREFIX, notes=notes)
 
 
-def _as_seen(context: ApiContext, campaign: C) -> C:
-    """Returns a campaign, ``interrupted`` if it is stored as running and its command was killed."""
-    deserted = (
+def _as_seen(context: ApiContext, campaign: CampaignSummary) -> CampaignSummary:
+    """Returns a campaign of a list, ``interrupted`` if its command was killed."""
+    if not _is_deserted(context, campaign):
+        return campaign
+    with context.database.read() as later:
+        record = later.campaigns.get(campaign.id)
+    return _interrupted(replace(campaign, state=record.state))
+
+
+def _is_deserted(context: ApiContext, campaign: CampaignSummary) -> bool:
+    """Returns whether a campaign is stored as running, and no command runs it."""
+    return (
         campaign.state is CampaignState.RUNNING
         and not campaign.batch_id
         and not context.campaign_folder(campaign.id).is_running
     )
-    return replace(campaign, state=CampaignState.INTERRUPTED) if deserted else campaign
+
+
+def _interrupted(campaign: C) -> C:
+    if campaign.state is not CampaignState.RUNNING:
+        return campaign
+    return replace(campaign, state=CampaignState.INTERRUPTED)
