@@ -39,7 +39,7 @@ class Candidate:
     Attributes:
         failed_by: Labels of the ADSs that fail.
         oracles: Oracles that they violate.
-        spots: For each of them, where and when its first failure is, roughly.
+        spots: For each ADS that fails, where and when it first does, roughly.
     """
 
     name: str

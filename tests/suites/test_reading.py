@@ -16,8 +16,6 @@ from drivora_service.suites.suite import KnownFailure, MetricBounds, Suite
 
 ORACLES = ("collision", "red_light", "discomfort")
 METRICS = ("driving_score", "comfort")
-
-
 EGO = SCENARIO["ego_vehicles"][0]["id"]
 
 
@@ -99,13 +97,13 @@ def test_the_nearest_word_on_what_counts_holds(
         ),
         (suite(metrics={"x": {"at_least": 1}}), "/metrics/x", "unknown_metric"),
         (
-            suite(metrics={"comfort[nobody]": {"at_least": 1}}),
-            "/metrics/comfort[nobody]",
+            suite(metrics={"comfort[no_such_ego]": {"at_least": 1}}),
+            "/metrics/comfort[no_such_ego]",
             "unknown_ego",
         ),
         (
-            suite({"metrics": {"comfort[nobody]": {"at_least": 1}}}),
-            "/scenarios/0/metrics/comfort[nobody]",
+            suite({"metrics": {"comfort[no_such_ego]": {"at_least": 1}}}),
+            "/scenarios/0/metrics/comfort[no_such_ego]",
             "unknown_ego",
         ),
         (suite(metrics={"comfort": {}}), "/metrics/comfort", "no_bound"),
