@@ -165,7 +165,7 @@ def make_baseline(work: Path, suite: Path) -> None:
     baseline, results = suite / "idm.baseline.json", work / "idm.json"
     baseline.unlink(missing_ok=True)
     drivora(
-        *("suite", "run", str(suite), "--agent", "idm", "--repetitions", "5"),
+        *("suite", "run", str(suite), "--agent", "idm", "--repetitions", "10"),
         *("--results", str(results)),
         work=work,
         allowed=(0, 1),

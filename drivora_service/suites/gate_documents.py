@@ -105,7 +105,7 @@ class GateDocument(EntityDocument):
         "the gate decides; 0: none.",
     )
     alpha: _Probability = Field(
-        0.05,
+        0.01,
         description="Probability with which a failure that occurs in some runs of a scenario may "
         "be called new or worse by chance, over all of them.",
     )

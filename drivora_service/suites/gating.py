@@ -77,8 +77,8 @@ def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tupl
     """Returns the scenarios whose change against the baseline further runs should confirm.
 
     Those are scenarios with failures that are new, fixed, flaky and new, or more frequent in the
-    few runs so far; and once more those with new failures whose runs depend on the seed, as chance
-    makes some fail in every run.
+    few runs so far; and once more those with failures that are new, worse or still in every run,
+    if the runs depend on the seed, as chance makes some fail in every run.
 
     Args:
         decision: On the runs so far.
@@ -93,12 +93,12 @@ def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tupl
             return False
         # Runs that are not judged count, or it would not end.
         made = len(runs[one.key.scenario])
+        is_more = now.runs == now.of and before.runs < before.of
         if made < 1 + times:
             is_steady = one.failure_class in (FailureClass.NEW, FailureClass.FIXED)
-            is_more = now.runs == now.of and before.runs < before.of
             return is_steady or not before.runs or is_more
         return (
-            one.failure_class is FailureClass.NEW
+            (is_more or one.failure_class in (FailureClass.NEW, FailureClass.WORSE))
             and made < 1 + 2 * times
             and not is_seedless(runs[one.key.scenario])
         )

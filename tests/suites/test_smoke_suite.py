@@ -70,7 +70,7 @@ def test_the_baseline_of_idm_is_what_the_difficulty_says(smoke: Suite) -> None:
     assert baseline.scenarios.keys() == smoke.by_name.keys()
     always, sometimes = set(), set()
     for name, one in baseline.scenarios.items():
-        assert len(one.seeds) == 5
+        assert len(one.seeds) == 10
         for failure in one.failures:
             sometimes.add(name)
             if failure.runs == len(one.seeds):
