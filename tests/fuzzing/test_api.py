@@ -1,6 +1,6 @@
 """Requests made from the OpenAPI document, against a real service with real workers.
 
-``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 45),
+``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 25),
 and ``DRIVORA_FUZZ_SEED`` another seed.
 """
 
@@ -20,10 +20,10 @@ from drivora_service.api.examples import CAMPAIGN, SCENARIO
 from drivora_service.api.tokens import Scope, TokenFile
 from drivora_service.cli.service_process import running_service
 
-pytestmark = pytest.mark.slow(seconds=50)
+pytestmark = pytest.mark.slow(seconds=30)
 
 PREFIX = "/api/v1"
-SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "45")
+SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "25")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
 CONFIG = """

@@ -1,0 +1,171 @@
+"""Runs of candidates of a scene, outside a campaign, with what their traces show."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.judging import violations_of
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import read_campaign
+from drivora_service.geometry.arrays import FloatArray
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.observations.trace import Col, Trace
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.oracles.collision import Collision
+from drivora_service.oracles.verdict import Answer, Outcome
+from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+
+AT_ONCE = 200
+"""Runs whose traces are on the disk at a time."""
+
+_MOTION = (Col.X, Col.Y, Col.YAW, Col.VX, Col.VY)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A seed scenario and its space.
+
+    Attributes:
+        scenario: The document, without the ADS.
+        space: What varies, as in a campaign file.
+    """
+
+    name: str
+    scenario: dict[str, Any]
+    space: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ran:
+    """A simulated candidate.
+
+    Attributes:
+        values: (d,) genes.
+        report: What was judged and measured.
+        collided: Whether an ego touched another actor, by whose fault ever.
+        at_fault: Whether an ego violated an oracle of the campaign by its own fault.
+        avoidable: Whether it did in a way that a careful and competent driver avoids.
+        motion: Hash of the motion of all egos.
+        parent: Place of the parent among the parents; -1 if it was drawn.
+    """
+
+    values: FloatArray
+    report: RunReport
+    collided: bool
+    at_fault: bool
+    avoidable: bool
+    motion: str
+    parent: int = -1
+
+
+@cache
+def catalogues() -> Catalogues:
+    """Returns the catalogues of campaigns; one a process."""
+    return Catalogues(NetworkCatalogue(shipped_networks()))
+
+
+def scenes_of(study: Path) -> tuple[Scene, ...]:
+    """Reads the scenes of a study file; each has a scenario and a space of its own."""
+    return tuple(
+        Scene(
+            name=one["label"],
+            scenario=json.loads((study.parent / one["file"]).read_text()),
+            space=one["space"],
+        )
+        for one in yaml.safe_load(study.read_text())["scenarios"]
+    )
+
+
+class Laboratory:
+    """Runs candidates of one scene against one ADS."""
+
+    def __init__(self, evaluator: Evaluator, scene: Scene, agent: str, folder: Path) -> None:
+        """Prepares the space.
+
+        Args:
+            evaluator: Runs the candidates; it has no other user meanwhile.
+            scene: The scene.
+            agent: The ADS of every ego.
+            folder: Where traces are written for the moment.
+        """
+        document = {
+            "name": scene.name,
+            "tester": {"name": "random"},
+            "agent": {"name": agent},
+            "scenario": scene.scenario,
+            "space": scene.space,
+            "budget": {"simulations": 1},
+        }
+        search = prepare_search(
+            read_campaign(json.dumps(document), catalogues()), catalogues(), run_prefix="landscape"
+        )
+        (part,) = search.parts
+        self._evaluator, self._candidates, self._folder = evaluator, part.candidates, folder
+        self._oracles = search.oracles
+        self.space = part.candidates.genes
+        self.network = catalogues().networks.get(scene.scenario["map_region"]["town"])
+
+    def run(
+        self, values: Sequence[FloatArray], parents: Sequence[int] = ()
+    ) -> list[tuple[Ran, Trace]]:
+        """Runs the valid candidates; those that could not be judged are left out."""
+        prepared = [self._candidates.prepare(one) for one in values]
+        valid = [number for number, candidate in enumerate(prepared) if not candidate.problem]
+        specs = [
+            RunSpec(
+                run_id=f"landscape-{number}",
+                document=prepared[number].document,
+                trace_path=str(self._path(number)),
+            )
+            for number in valid
+        ]
+        self._evaluator.submit(list(zip(valid, specs, strict=True)))
+        reports: dict[int, RunReport] = {}
+        while answers := self._evaluator.wait():
+            reports.update({answer.number: answer.report for answer in answers})
+        found = []
+        for number in valid:
+            report = reports[number]
+            if report.status is not RunStatus.FINISHED:
+                continue
+            trace = read_trace(self._path(number))
+            self._path(number).unlink()
+            parent = parents[number] if parents else -1
+            found.append(
+                (self._ran(np.array(prepared[number].values), report, trace, parent), trace)
+            )
+        return found
+
+    def _path(self, number: int) -> Path:
+        return self._folder / f"{number}.parquet"
+
+    def _ran(self, values: FloatArray, report: RunReport, trace: Trace, parent: int) -> Ran:
+        own = [one for one in violations_of(report, self._oracles) if one.at_fault]
+        return Ran(
+            values=values,
+            report=report,
+            collided=any(
+                one.oracle == Collision().name and one.outcome is Outcome.VIOLATED
+                for one in report.verdicts
+            ),
+            at_fault=bool(own),
+            avoidable=any(one.avoidable is Answer.YES for one in own),
+            motion=_motion_of_egos(trace),
+            parent=parent,
+        )
+
+
+def _motion_of_egos(trace: Trace) -> str:
+    moved = trace.states[:, : trace.ego_count][:, :, list(_MOTION)]
+    return hashlib.sha256(np.ascontiguousarray(moved).tobytes()).hexdigest()
