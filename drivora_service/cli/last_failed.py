@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Collection
 from pathlib import Path
 
@@ -27,7 +28,10 @@ def remember_failed(suite: Path, names: Collection[str], *, not_run: Collection[
         before = set(_read(path)) & set(not_run)
         path.parent.mkdir(parents=True, exist_ok=True)
         (path.parents[1] / ".gitignore").write_text("*\n")
-        path.write_text(json.dumps(sorted(before | set(names)), indent=1) + "\n")
+        # Whole or not at all, also where the command is killed.
+        partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+        partial.write_text(json.dumps(sorted(before | set(names)), indent=1) + "\n")
+        partial.replace(path)
     except (OSError, ConfigurationError) as error:
         note(f"note: {path} cannot be written, so that --last-failed will not know: {error}")
 

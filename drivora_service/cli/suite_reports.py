@@ -198,6 +198,8 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
         "sentence": decision.sentence,
         "reasons": list(decision.reasons),
         "counts": {str(which): count for which, count in decision.counts.items()},
+        "not_in_baseline": list(decision.not_in_baseline),
+        "not_run": list(decision.not_run),
         "failures": [
             {
                 "class": str(one.failure_class),

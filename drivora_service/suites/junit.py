@@ -77,7 +77,8 @@ def _add_case(suite: ElementTree.Element, row: ScenarioRow, report: SuiteReport)
 
 def _add_gate(suite: ElementTree.Element, report: SuiteReport) -> None:
     case = ElementTree.SubElement(suite, "testcase", name=_GATE, time="0.000")
-    case.set("classname", _clean(report.results.suite))
+    # Of a class of its own: a scenario may have the same name.
+    case.set("classname", _clean(f"{report.results.suite}.{_GATE}"))
     if report.decision.fails:
         failure = ElementTree.SubElement(case, "failure", type=_GATE)
         failure.set("message", _clean(report.decision.sentence))

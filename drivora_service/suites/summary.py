@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from drivora_service.suites.decision import ClassifiedFailure
+from drivora_service.suites.markdown_text import escaped
 from drivora_service.suites.report import SuiteReport
 
 _MOST_ROWS = 50
@@ -17,11 +18,12 @@ def summary_markdown(report: SuiteReport) -> str:
 
 def _lines(report: SuiteReport) -> Iterator[str]:
     decision, results = report.decision, report.results
-    yield f"## {'❌' if decision.fails else '✅'} {_text(results.suite)}: {_text(report.subject)}"
+    mark = "❌" if decision.fails else "✅"
+    yield f"## {mark} {escaped(results.suite)}: {escaped(report.subject)}"
     yield ""
-    yield f"{_text(decision.sentence)}."
+    yield f"{escaped(decision.sentence)}."
     for reason in decision.reasons:
-        yield f"- {_text(reason)}"
+        yield f"- {escaped(reason)}"
     if decision.failures:
         yield ""
         rows = [
@@ -46,7 +48,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         yield ""
         yield "Known failures that did not occur:"
         for name, reason in gone[:_MOST_ROWS]:
-            yield f"- {_text(name)}: {_text(reason)}"
+            yield f"- {escaped(name)}: {escaped(reason)}"
     for what, names in (
         ("Not in the baseline, or changed since", decision.not_in_baseline),
         ("In the baseline, and not run", decision.not_run),
@@ -54,7 +56,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         if names:
             more = "" if len(names) <= _MOST_ROWS else f" and {len(names) - _MOST_ROWS} more"
             yield ""
-            yield f"{what}: {_text(', '.join(names[:_MOST_ROWS]))}{more}"
+            yield f"{what}: {escaped(', '.join(names[:_MOST_ROWS]))}{more}"
 
 
 def _class(one: ClassifiedFailure, *, has_baseline: bool) -> str:
@@ -70,14 +72,7 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[st
         first, *rest = row
         # Bold is the only markup of a cell, and only of the first one.
         bold = first.startswith("**")
-        head = f"**{_text(first.strip('*'))}**" if bold else _text(first)
-        yield "| " + " | ".join((head, *map(_text, rest))) + " |"
+        head = f"**{escaped(first.strip('*'))}**" if bold else escaped(first)
+        yield "| " + " | ".join((head, *map(escaped, rest))) + " |"
     if len(rows) > _MOST_ROWS:
         yield f"| | and {len(rows) - _MOST_ROWS} more |" + " |" * (len(columns) - 2)
-
-
-def _text(text: str) -> str:
-    """Escapes what Markdown would read as markup or HTML."""
-    for character in "\\`*_[]<>|#":
-        text = text.replace(character, f"\\{character}")
-    return text.replace("\n", " ")

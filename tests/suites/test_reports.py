@@ -95,6 +95,7 @@ def test_junit_has_failures_and_errors_where_the_gate_fails() -> None:
     }
     assert (suite.tests, suite.failures, suite.errors, suite.skipped) == (8, 2, 1, 3)
     assert cases["new"].classname == "made"
+    assert cases["gate"].classname == "made.gate"
     assert cases["new"].time == pytest.approx(1.0)
     assert cases["new"].result[0].message.startswith("new: Violated collision")
     assert cases["lost"].result[0].message.startswith("timed_out: <script>alert(1)</script>")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from drivora_service.suites.markdown_text import escaped
 from drivora_service.suites.paired.comparison import (
     SIGNIFICANT,
     BatchComparison,
@@ -30,11 +31,9 @@ _FAILS = {
 def comparison_markdown(comparison: BatchComparison) -> str:
     """Writes a comparison as Markdown."""
     lines = ["# Two batches on the same scenarios", "", comparison.sentence, ""]
-    lines += [f"- {name}: {line}" for name, line in sides(comparison)]
-    lines += [
-        f"- {one.name}: {one.a or '-'} (A), {one.b or '-'} (B)" for one in comparison.differences
-    ]
-    lines += [f"- Note: {note}" for note in comparison.notes]
+    lines += [f"- {name}: {escaped(line)}" for name, line in sides(comparison)]
+    lines += [f"- {escaped(line)}" for line in setting_lines(comparison)]
+    lines += [f"- Note: {escaped(note)}" for note in comparison.notes]
     lines += ["", "## Failures", "", how_to_read_failures(comparison), ""]
     lines += _table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     lines += ["", "## Metrics", "", how_to_read_metrics(), ""]
@@ -197,5 +196,5 @@ def _table(columns: Sequence[str], rows: Iterator[Sequence[str]]) -> list[str]:
     return [
         f"| {' | '.join(columns)} |",
         "|" + "---|" * len(columns),
-        *(f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows),
+        *(f"| {' | '.join(map(escaped, row))} |" for row in rows),
     ]
