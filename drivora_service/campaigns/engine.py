@@ -304,7 +304,7 @@ class Engine:
         """
         new, old = waiting.proposal, stored.proposal
         problem = ""
-        if (new.origin, new.generation, new.parents) != (old.origin, old.generation, old.parents):
+        if _making(new) != _making(old):
             problem = "another origin"
         elif stored.asked_sha256 not in ("", waiting.asked_sha256):
             problem = "other values"
@@ -336,6 +336,11 @@ class Engine:
             ) from error
         finally:
             self._search_s += time.perf_counter() - begun
+
+
+def _making(proposal: Proposal) -> tuple[object, ...]:
+    """Returns how a candidate was made."""
+    return proposal.origin, proposal.generation, proposal.parents, proposal.redrawn
 
 
 def _sha256(data: bytes) -> str:

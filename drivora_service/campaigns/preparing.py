@@ -85,6 +85,7 @@ def _tester(
         random=_generator(campaign.seed, _SEARCH, place),
         budget=math.ceil(campaign.budget / len(valid.seeds)),
         conflicts=space.conflicts,
+        decode_alike=space.decode_alike,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

@@ -42,6 +42,27 @@ def trace_sha256(trace: Trace) -> str:
     return digest.hexdigest()
 
 
+def egos_sha256(trace: Trace) -> str:
+    """Returns the SHA-256 of the motion of the egos and the ends of their parts, hexadecimal.
+
+    Two runs have the same if every ego did the same in every step of its part, whatever the other
+    actors did, and however the scenarios differ in them. What agents logged is not covered.
+    """
+    facts = [
+        float(trace.step_length),
+        [
+            [str(end), int(step), float(start), trace.actors[row].id, trace.actors[row].model]
+            for row, (end, step, start) in enumerate(
+                zip(trace.ego_ends, trace.ego_end_steps, trace.ego_start_times, strict=True)
+            )
+        ],
+    ]
+    digest = hashlib.sha256(json.dumps(facts, separators=(",", ":")).encode())
+    for row, end in enumerate(trace.ego_end_steps):
+        _feed(digest, _canonical_floats(trace.states[: end + 1, row]))
+    return digest.hexdigest()
+
+
 def _header(trace: Trace) -> bytes:
     """Returns the data that is not in arrays, in one canonical form."""
     facts = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
@@ -35,12 +35,15 @@ class Proposal:
         origin: How it was made, in a word or two: ``initial``, ``mutation``, ``crossover`` ...
         generation: Number of its generation, cycle or round, from 0.
         parents: Numbers of the evaluations from which it was made.
+        redrawn: Number of mutants that were drawn for it before, and drawn again since they could
+            not have changed the run of any ego.
     """
 
     values: FloatArray
     origin: str
     generation: int = 0
     parents: tuple[int, ...] = ()
+    redrawn: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,16 +54,23 @@ class Evaluation:
         number: Number of the proposal in the order of asking, from 0.
         violations: Verdicts of the campaign's oracles that count as failures of the ego: violated,
             and not known to be another actor's fault. Empty unless judged.
+        verdicts: All verdicts of the run, those of oracles that the campaign does not count and
+            those at another actor's fault among them. Empty unless judged.
         scores: The general objectives by name, to be minimised; ``None`` is not measurable.
         measurement: Measurement by the tester's feedback; ``None`` unless judged.
+        without_effect: Indices of genes whose change, to whatever values, could not have changed
+            the run of any ego (``worker.without_effect``). Told truly also where the results are
+            shuffled.
     """
 
     number: int
     proposal: Proposal
     status: EvaluationStatus
     violations: tuple[Verdict, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
     scores: Mapping[str, float | None] = field(default_factory=dict)
     measurement: Measurement | None = None
+    without_effect: tuple[int, ...] = ()
 
 
 class Tester(Protocol):
@@ -101,9 +111,12 @@ class TesterContext:
         budget: Number of simulations that the campaign may make.
         conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
             conflict; symmetric, none with itself. ``None``: not known.
+        decode_alike: Returns whether two candidates (d,), the first of them repaired, decode to
+            scenarios that cannot be told apart by their runs. ``None``: not known.
     """
 
     space: GeneSpace
     random: np.random.Generator
     budget: int
     conflicts: BoolArray | None = None
+    decode_alike: Callable[[FloatArray, FloatArray], bool] | None = None

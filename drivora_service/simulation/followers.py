@@ -92,6 +92,17 @@ _BRAKES = float(Reaction.BRAKES)
 
 
 @compiled
+def look_ahead(speed: float, deceleration: float) -> float:
+    """Returns the metres from its front up to which a reactive vehicle brakes for others.
+
+    Args:
+        speed: m/s.
+        deceleration: Its hardest braking, m/s², positive.
+    """
+    return 8.0 + 1.5 * speed + speed * speed / (2.0 * 0.5 * deceleration)
+
+
+@compiled
 def advance_followers(
     time: float,
     dt: float,
@@ -181,7 +192,7 @@ def _acceleration(
     most, least = min(me[_MOST], grip), -min(me[_LEAST], grip)
     acceleration = (target - v) / dt
     if me[_REACTION] == _BRAKES:
-        reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * me[_LEAST])
+        reach = look_ahead(v, me[_LEAST])
         gap, other, ahead = gap_ahead(
             row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
             states, sizes, axis, radius, positions, rows,

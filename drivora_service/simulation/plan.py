@@ -46,7 +46,8 @@ OFF_ROAD_SPEED = 8.0
 TIME_PER_METRE = 0.8
 """Time limit of an ego in seconds for each metre of route (CARLA Leaderboard)."""
 TIME_TO_START = 5.0
-_COMFORTABLE_BRAKING_SHARE = 0.4
+COMFORTABLE_BRAKING_SHARE = 0.4
+"""Share of its hardest braking with which an NPC vehicle brakes for a lower speed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -316,7 +317,7 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
                 marks,
                 yaw,
                 friction,
-                _COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
+                COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
                 is_vehicle=True,
             ),
             network,

@@ -113,7 +113,8 @@ def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBo
             board.leave(note_of_candidate(candidate, spec.run_id))
             if candidate.problem:
                 return _invalid(spec, candidate.problem)
-            spec = replace(spec, document=candidate.document, candidate=None)
+            repaired = replace(spec.candidate, values=candidate.values)
+            spec = replace(spec, document=candidate.document, candidate=repaired)
         return perform(spec, task.setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -16,6 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.interface import Agent
+from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import (
     AgentError,
     InvalidDocument,
@@ -29,8 +31,9 @@ from drivora_service.errors import (
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in import measure
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_file import write_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_hash import egos_sha256, trace_sha256
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
@@ -39,13 +42,15 @@ from drivora_service.scenario.model import AgentChoice
 from drivora_service.scenario.overrides import with_overrides
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.plan import EpisodePlan, plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
 from drivora_service.worker.integrity import judging_code, sentence
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
+from drivora_service.worker.preparing import space_of_candidates
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
+from drivora_service.worker.without_effect import genes_without_effect
 
 _LOG_LINES = 12
 """Number of traceback entries that are kept."""
@@ -182,6 +187,10 @@ def _perform(
         metrics=measure(trace, network, verdicts, view=view),
         scores=score(trace, network, view=view),
         trace_sha256=trace_sha256(trace),
+        egos_sha256=egos_sha256(trace),
+        without_effect=_without_effect(
+            spec, setup, plan, trace, is_bounded=not has_guests and _is_bounded(plan, agents, trace)
+        ),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),
         wall_time_s=time.perf_counter() - course.started,
@@ -217,6 +226,28 @@ def _perform(
         report,
         verdicts=(*verdicts, *own),
         wall_time_s=time.perf_counter() - course.started,
+    )
+
+
+def _without_effect(
+    spec: RunSpec, setup: WorkerSetup, plan: EpisodePlan, trace: Trace, *, is_bounded: bool
+) -> tuple[int, ...]:
+    """Returns the genes without an effect; none if the document was not made of genes."""
+    if spec.candidate is None:
+        return ()
+    space = space_of_candidates(spec.candidate.space, setup)
+    values = np.array(spec.candidate.values)
+    return genes_without_effect(space, values, plan, trace, is_bounded=is_bounded)
+
+
+def _is_bounded(plan: EpisodePlan, agents: Sequence[Agent | SumoDriver], trace: Trace) -> bool:
+    """Returns whether agents perceive only what is near, and SUMO drives no actor."""
+    flow = plan.scenario.background_traffic
+    return not (
+        plan.driven
+        or (flow is not None and flow.count)
+        or any(trace.privileged)
+        or any(isinstance(agent, SumoDriver) for agent in agents)
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
 from drivora_service.search.space.candidates import ScenarioCandidates
+from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import space_of
 from drivora_service.worker.catalogues import agents_of, networks_of
 from drivora_service.worker.setup import WorkerSetup
@@ -24,6 +25,11 @@ def prepare(source: CandidateSource, setup: WorkerSetup) -> Candidate:
         DrivoraError: The space cannot be built here.
     """
     return _candidates(source.space, setup).prepare(np.array(source.values))
+
+
+def space_of_candidates(source: SpaceSource, setup: WorkerSetup) -> ScenarioSpace:
+    """Returns the space in which a worker decodes genes."""
+    return _candidates(source, setup).space
 
 
 @lru_cache(maxsize=64)

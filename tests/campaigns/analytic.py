@@ -103,6 +103,7 @@ def perform(spec: RunSpec) -> RunReport:
             objectives={"min_gap": first, "time_to_collision": second, "progress": None},
             features={"profile": ((first, 1.0 / 3.0), (second, 0.1 + 0.2))},
         ),
+        without_effect=(int(17 * first), 20),
         trace_sha256=hashlib.sha256(spec.document.encode()).hexdigest(),
         steps=100,
         sim_time_s=5.0,

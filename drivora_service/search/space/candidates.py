@@ -24,7 +24,11 @@ from drivora_service.search.space.source import source_of
 
 
 class ScenarioCandidates:
-    """Decodes values, and validates the scenario as a document."""
+    """Decodes values, and validates the scenario as a document.
+
+    Attributes:
+        space: Decodes values.
+    """
 
     def __init__(
         self, space: ScenarioSpace, networks: NetworkLookup, agents: Collection[str]
@@ -36,24 +40,24 @@ class ScenarioCandidates:
             networks: Catalogue for the town of a scenario.
             agents: Names of the available agents.
         """
-        self._space, self._networks, self._agents = space, networks, agents
+        self.space, self._networks, self._agents = space, networks, agents
         self._check_route = remembering_routes(space.seed)
 
     @property
     def genes(self) -> GeneSpace:
         """The genes of the candidates."""
-        return self._space.genes
+        return self.space.genes
 
     @cached_property
     def source(self) -> SpaceSource:
         """The space in text."""
-        return source_of(self._space)
+        return source_of(self.space)
 
     def prepare(self, values: FloatArray) -> Candidate:
         """Repairs values (d,), decodes them, and checks the scenario."""
         begun = time.perf_counter()
-        repaired = self._space.repair(values)
-        scenario = self._space.scenario(repaired)
+        repaired = self.space.repair(values)
+        scenario = self.space.scenario(repaired)
         problems = scenario_problems(scenario, self._networks, self._agents, self._check_route)
         return Candidate(
             values=tuple(repaired.tolist()),

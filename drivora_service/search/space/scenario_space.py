@@ -10,7 +10,8 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_meetings import meeting_matrix
 from drivora_service.scenario.model import Scenario
-from drivora_service.search.genes import GeneSpace, Part
+from drivora_service.search.genes import Block, GeneSpace, Part
+from drivora_service.search.space.alike import Decode, decode_alike
 from drivora_service.search.space.conditions import (
     light_genes,
     traffic_lights,
@@ -26,6 +27,7 @@ from drivora_service.search.space.option_checks import check_options
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
+from drivora_service.search.space.vehicle_ways import VehicleWay
 from drivora_service.search.space.vehicles import VehicleDecoder, vehicle_genes
 from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
 
@@ -128,6 +130,33 @@ class ScenarioSpace:
             if self._lights is None
             else traffic_lights(self._lights, values, seed.traffic_lights),
         )
+
+    def decode_alike(self, one: FloatArray, other: FloatArray) -> bool:
+        """Returns whether two candidates cannot be told apart by their runs; see ``alike``.
+
+        Args:
+            one: (d,) repaired genes.
+            other: (d,) genes within the bounds.
+        """
+        return decode_alike(self._parts(one), one, other)
+
+    def _parts(self, base: FloatArray) -> tuple[tuple[Block, Decode], ...]:
+        """Returns the blocks, with what decodes them beside the egos of a candidate."""
+        egos = self._placed_egos(base)
+        parts: list[tuple[Block, Decode]] = [(one.block, one.decoded) for one in self._egos]
+        parts += [(one.block, one.decoded) for one in self._vehicles]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._walkers]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._obstacles]
+        seed = self.seed
+        if (of_weather := self._weather) is not None:
+            parts.append((of_weather, lambda v: (weather(of_weather, v, seed.weather), None)))
+        if (lights := self._lights) is not None:
+            parts.append((lights, lambda v: (traffic_lights(lights, v, seed.traffic_lights), None)))
+        return tuple(parts)
+
+    def vehicle_ways(self, values: FloatArray) -> tuple[VehicleWay, ...]:
+        """Returns the ways of the NPC vehicles that are present, from repaired values (d,)."""
+        return tuple(one.way(values) for one in self._vehicles if one.is_present(values))
 
     def _make_egos(self) -> tuple[tuple[FixedEgo, ...], tuple[GeneEgo, ...]]:
         own = self.seed.ego_vehicles

@@ -12,11 +12,13 @@ from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_m
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
 from drivora_service.scenario.route_checks import JOIN_DISTANCE
 from drivora_service.search.genes import Block, Gene
+from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.layout import choice, number, presence, whole
 from drivora_service.search.space.npc_paths import NpcPath
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.starts import Start
+from drivora_service.search.space.vehicle_ways import SpeedGene, VehicleWay
 
 MODELS = (
     "vehicle.nissan.micra",
@@ -135,6 +137,33 @@ class VehicleDecoder:
             )
         return NpcVehicle(
             id=self._id, model=model.name, route=route, behavior=self._options.behavior
+        )
+
+    def decoded(self, values: FloatArray) -> Decoded:
+        """Returns the vehicle and its appearance, as ``alike`` compares them."""
+        if not self.is_present(values):
+            return ABSENT
+        return self.vehicle(values), self.start(values)
+
+    def way(self, values: FloatArray) -> VehicleWay:
+        """Returns where the vehicle drives, and from where on its genes have an effect."""
+        path = self.path(values).path
+        begin = self.path(values).start_at(float(values[self.shift_gene]))
+        places = self._places(values, path, begin)
+        speeds = values[self._speeds]
+        return VehicleWay(
+            block=self.block,
+            line=path.line,
+            arc=path.arc,
+            speeds=tuple(
+                SpeedGene(
+                    index=self._speeds[k],
+                    after=places[k - 1],
+                    before=max(float(speeds[:k].max()), LEAST_SPEED),
+                )
+                for k in range(1, len(places))
+            ),
+            places=(*self._lanes, *self._shifts),
         )
 
     def _model_of(self, values: FloatArray) -> ActorModel:
