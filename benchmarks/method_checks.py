@@ -107,6 +107,7 @@ def run_whole(
             ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes
             for seed in valid.seeds
         ],
+        oracles=valid.campaign.oracles,
     )
     return {
         "method": wanted.tester,
