@@ -2202,9 +2202,19 @@ export interface components {
             at_fault: number;
             /**
              * Avoidable
-             * @description Those of them with one that a careful and competent driver avoids.
+             * @description Those of them with one that a careful and competent driver avoids: the target.
              */
             avoidable: number;
+            /**
+             * Avoidable Kinds
+             * @description Kinds of those failures that are the fault of an ego and avoidable.
+             */
+            avoidable_kinds: number;
+            /**
+             * Avoidable Situations
+             * @description Situations of failures that are the fault of an ego and avoidable.
+             */
+            avoidable_situations: number;
             /**
              * Budget
              * @description Simulations that it could make; `None`: those that it made.
@@ -2226,6 +2236,16 @@ export interface components {
              */
             failing: number;
             /**
+             * First Avoidable
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable: number | null;
+            /**
+             * First Avoidable S
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable_s?: number | null;
+            /**
              * First Failure
              * @description Simulations up to the first failure, itself included; `None`: none found.
              */
@@ -2241,13 +2261,18 @@ export interface components {
              */
             found: number[];
             /**
+             * Found Avoidable
+             * @description The same for those that are the fault of an ego and avoidable.
+             */
+            found_avoidable: number[];
+            /**
              * Gene Coverage
              * @description Share of all combinations of two genes' levels that were tried; with several seed scenarios the mean of theirs.
              */
             gene_coverage: number;
             /**
              * Groups
-             * @description Groups of similar failures; `None` if they were not grouped.
+             * @description Groups of similar failures among its own; `None` if they were not grouped.
              */
             groups: number | null;
             /**
@@ -2271,6 +2296,21 @@ export interface components {
              */
             network_coverage?: number | null;
             /**
+             * Not At Fault
+             * @description Simulations without a failure, but with a violation at another actor's fault.
+             */
+            not_at_fault: number;
+            /**
+             * Not Judged
+             * @description Simulations that failed by oracles alone that do not attribute fault.
+             */
+            not_judged: number;
+            /**
+             * Not Measurable
+             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             */
+            not_measurable: number;
+            /**
              * Oracles
              * @description Different oracles violated; collisions count by the other actor: an ego, an NPC vehicle, background traffic, a walker or an obstacle.
              */
@@ -2285,6 +2325,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Redrawn Share
+             * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
+             */
+            redrawn_share?: number | null;
             /**
              * Scenario
              * @description Name of the seed scenario; only campaigns of the same one are compared.
@@ -2307,9 +2352,9 @@ export interface components {
             simulations: number;
             /**
              * Situations
-             * @description Situations in which failures occurred (`studies.situations`); `None` if they were not counted.
+             * @description Situations in which failures occurred (`studies.situations`).
              */
-            situations: number | null;
+            situations: number;
             /**
              * Time Limit S
              * @description Seconds after which evaluations were left out, for a comparison at equal time; `None`: none were.
@@ -2320,6 +2365,11 @@ export interface components {
              * @description Those of them in which that driver avoids none.
              */
             unavoidable: number;
+            /**
+             * Unchanged Share
+             * @description Simulated candidates with the run of a parent, as far as the egos are concerned, over all with a parent; `None`: without any, or not recorded.
+             */
+            unchanged_share?: number | null;
             /**
              * Undetermined
              * @description Simulations in which the fault of no failure can be determined.
@@ -5808,6 +5858,11 @@ export interface components {
              */
             evaluations: number;
             /**
+             * First Avoidable
+             * @description Number of the first one with a failure that a careful and competent driver avoids; null without one.
+             */
+            first_avoidable: number | null;
+            /**
              * First Failure
              * @description Number of the first evaluation with a failure; null without one.
              */
@@ -6412,9 +6467,19 @@ export interface components {
             at_fault: number;
             /**
              * Avoidable
-             * @description Those of them with one that a careful and competent driver avoids.
+             * @description Those of them with one that a careful and competent driver avoids: the target.
              */
             avoidable: number;
+            /**
+             * Avoidable Kinds
+             * @description Kinds of those failures that are the fault of an ego and avoidable.
+             */
+            avoidable_kinds: number;
+            /**
+             * Avoidable Situations
+             * @description Situations of failures that are the fault of an ego and avoidable.
+             */
+            avoidable_situations: number;
             /**
              * Budget
              * @description Simulations that it could make; `None`: those that it made.
@@ -6436,6 +6501,16 @@ export interface components {
              */
             failing: number;
             /**
+             * First Avoidable
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable: number | null;
+            /**
+             * First Avoidable S
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable_s?: number | null;
+            /**
              * First Failure
              * @description Simulations up to the first failure, itself included; `None`: none found.
              */
@@ -6451,13 +6526,18 @@ export interface components {
              */
             found: number[];
             /**
+             * Found Avoidable
+             * @description The same for those that are the fault of an ego and avoidable.
+             */
+            found_avoidable: number[];
+            /**
              * Gene Coverage
              * @description Share of all combinations of two genes' levels that were tried; with several seed scenarios the mean of theirs.
              */
             gene_coverage: number;
             /**
              * Groups
-             * @description Groups of similar failures; `None` if they were not grouped.
+             * @description Groups of similar failures among its own; `None` if they were not grouped.
              */
             groups: number | null;
             /**
@@ -6481,6 +6561,21 @@ export interface components {
              */
             network_coverage?: number | null;
             /**
+             * Not At Fault
+             * @description Simulations without a failure, but with a violation at another actor's fault.
+             */
+            not_at_fault: number;
+            /**
+             * Not Judged
+             * @description Simulations that failed by oracles alone that do not attribute fault.
+             */
+            not_judged: number;
+            /**
+             * Not Measurable
+             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             */
+            not_measurable: number;
+            /**
              * Oracles
              * @description Different oracles violated; collisions count by the other actor: an ego, an NPC vehicle, background traffic, a walker or an obstacle.
              */
@@ -6495,6 +6590,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Redrawn Share
+             * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
+             */
+            redrawn_share?: number | null;
             /**
              * Scenario
              * @description Name of the seed scenario; only campaigns of the same one are compared.
@@ -6517,9 +6617,9 @@ export interface components {
             simulations: number;
             /**
              * Situations
-             * @description Situations in which failures occurred (`studies.situations`); `None` if they were not counted.
+             * @description Situations in which failures occurred (`studies.situations`).
              */
-            situations: number | null;
+            situations: number;
             /**
              * Time Limit S
              * @description Seconds after which evaluations were left out, for a comparison at equal time; `None`: none were.
@@ -6530,6 +6630,11 @@ export interface components {
              * @description Those of them in which that driver avoids none.
              */
             unavoidable: number;
+            /**
+             * Unchanged Share
+             * @description Simulated candidates with the run of a parent, as far as the egos are concerned, over all with a parent; `None`: without any, or not recorded.
+             */
+            unchanged_share?: number | null;
             /**
              * Undetermined
              * @description Simulations in which the fault of no failure can be determined.
