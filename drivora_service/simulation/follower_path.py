@@ -24,6 +24,8 @@ _SIDE_GRIP_SHARE = 0.6
 """Share of the grip that a follower uses in bends, if it is told nothing else."""
 _MOST_SIDE_SHARE = 0.9
 """Greatest such share: some grip is left for braking, and for the corners of the line."""
+_PLANNED_SHARE = 0.98
+"""Share of the grip with which braking is planned: the rest is for keeping to the plan."""
 
 _ROUNDS = 4
 """Corrections of the braking on a stretch of path; after an even number it is on the safe side."""
@@ -82,6 +84,11 @@ class PathPlan:
     waits: FloatArray
     stops_at_end: bool
     lateral_acceleration: float | None
+
+
+def planned_grip(friction: float) -> float:
+    """Returns the grip with which paths plan, m/s²."""
+    return _PLANNED_SHARE * friction * GRAVITY
 
 
 def most_lateral(lateral_acceleration: float | None, friction: float) -> float:
@@ -144,7 +151,7 @@ def build_path(
         wanted[wait > 0.0] = 0.0
         if plan.stops_at_end:
             wanted[-1] = 0.0
-        slow_down_within_grip(wanted, fine, bend, deceleration, friction * GRAVITY)
+        slow_down_within_grip(wanted, fine, bend, deceleration, planned_grip(friction))
     return FollowerPath(
         line=np.column_stack((x, y)),
         yaw=yaw,

@@ -35,12 +35,12 @@ from drivora_service.scenario.model import (
     Waypoint,
 )
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
-from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.follower_path import (
     FollowerPath,
     PathPlan,
     build_path,
     most_lateral,
+    planned_grip,
 )
 from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
@@ -333,7 +333,7 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
     deceleration = _COMFORTABLE_BRAKING_SHARE * model.max_deceleration
     if plan is not None:
         wanted = deceleration if npc.deceleration is None else npc.deceleration
-        deceleration = min(wanted, model.max_deceleration, friction * GRAVITY)
+        deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
     return FollowerPlan(
         id=npc.id,
         role=Role.NPC_VEHICLE,

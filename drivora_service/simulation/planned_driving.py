@@ -42,10 +42,10 @@ def planned_speed(me: FloatArray, way: FloatArray, dt: float) -> float:
     at = me[_S] + me[_SPEED] * dt
     if left >= 0:
         at = max(at, way[left, _ARC])
-    if stop < count and at >= way[stop, _ARC]:
+    if stop < count and me[_S] >= way[stop, _ARC]:
         return 0.0
     i = max(int(me[_CURSOR]), left)
-    while i + 2 < count and way[i + 1, _ARC] <= at:
+    while i + 2 < count and i + 1 != stop and way[i + 1, _ARC] <= at:
         i += 1
     i = min(i, count - 2)
     here, there = way[i, _WANTED] ** 2, way[i + 1, _WANTED] ** 2
@@ -53,8 +53,14 @@ def planned_speed(me: FloatArray, way: FloatArray, dt: float) -> float:
     if i == left:
         # The plan is to stand here, which is done.
         here = there if there > 0.0 else 2.0 * me[_PLANNED] * room
-    share = min(max((at - way[i, _ARC]) / room, 0.0), 1.0)
-    return float(math.sqrt(here + share * (there - here)))
+    # The square of the speed is linear in the way, which is the mean of both speeds by the time:
+    # a quadratic equation for the speed at the end of the step.
+    slope = (there - here) / room
+    now = here + slope * (max(me[_S], way[left, _ARC] if left >= 0 else 0.0) - way[i, _ARC])
+    quarter = 0.25 * slope * dt
+    root = quarter * quarter + now + 0.5 * slope * dt * me[_SPEED]
+    speed = quarter + math.sqrt(root) if root > 0.0 else 0.0
+    return float(min(max(speed, 0.0), math.sqrt(max(here, there))))
 
 
 @compiled

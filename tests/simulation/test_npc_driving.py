@@ -55,12 +55,12 @@ def driven(*route: Waypoint, weather: Weather = DRY, seconds: float = 25.0, **mo
 
 def positions(trace: Trace) -> NDArray[np.float64]:
     points = track(trace, "npc")
-    return points[~np.isnan(points[:, 0])]
+    return np.asarray(points[~np.isnan(points[:, 0])])
 
 
 def speeds_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """m/s in each step, by displacement."""
-    return np.hypot(*np.diff(points, axis=0).T) / DT
+    return np.asarray(np.hypot(*np.diff(points, axis=0).T) / DT)
 
 
 def hardest_braking(points: NDArray[np.float64]) -> float:
@@ -96,7 +96,7 @@ def test_brakes_as_hard_as_told_up_to_model_and_grip(
     )  # fmt: skip
     points = positions(trace)
     allowed = min(wanted, MODEL_BRAKING, friction * G)
-    assert hardest_braking(points) == pytest.approx(allowed, rel=0.02)
+    assert 0.975 * allowed < hardest_braking(points) < 1.01 * allowed
     # The way of braking from some 8 m/s, by the energy.
     begin = int(np.flatnonzero(speeds_of(points) >= 8.0)[-1])
     way = float(np.hypot(*np.diff(points[begin + 1 :], axis=0).T).sum())
@@ -171,7 +171,8 @@ def change(
     far = ego(place(away.id, 20, on="arterial"), place(away.id, 120, on="arterial"))
     what = scenario(far, npc_vehicles=(npc,), weather=weather, on="arterial", seconds=14.0)
     points = positions(run(what, standing()))
-    return points, shapely.distance(shapely.points(points), shapely.LineString(lane.shape))
+    aside = shapely.distance(shapely.points(points), shapely.LineString(lane.shape))
+    return points, np.asarray(aside)
 
 
 @pytest.mark.parametrize(("weather", "friction"), [(DRY, 1.0), (UNDER_WATER, 0.4)])
