@@ -6,6 +6,7 @@ import difflib
 import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from dataclasses import fields as dataclass_fields
 from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -16,6 +17,7 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import (
     MAX_SEEDS,
     CampaignDocument,
+    SpaceDocument,
     TesterDocument,
     to_campaign,
 )
@@ -39,6 +41,7 @@ from drivora_service.search.catalogue import (
     mutation_plugins,
     selection_plugins,
 )
+from drivora_service.search.space.presets import PRESETS
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -175,13 +178,30 @@ def read_campaign(
         document=document,
         campaign=campaign,
         seeds=seeds,
-        notes=tuple(
-            f"{seed.name}: {note}" if seed.name else note
-            for seed, one in zip(seeds, found, strict=True)
-            for note in one.notes
+        notes=(
+            *_space_notes(document.space),
+            *(
+                f"{seed.name}: {note}" if seed.name else note
+                for seed, one in zip(seeds, found, strict=True)
+                for note in one.notes
+            ),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
     )
+
+
+def _space_notes(space: SpaceDocument) -> Iterator[str]:
+    """Yields how a preset of the space was interpreted."""
+    if space.preset is None:
+        return
+    preset = PRESETS[space.preset]
+    changed = [
+        one.name
+        for one in dataclass_fields(preset.options)
+        if getattr(space, one.name) != getattr(preset.options, one.name)
+    ]
+    note = f"the space is the preset {space.preset.value!r}: {preset.description}"
+    yield f"{note}; changed in the file: {', '.join(changed)}" if changed else note
 
 
 def _versions(

@@ -14,6 +14,7 @@ from drivora_service.scenario.agent_checks import check_agents
 from drivora_service.scenario.conversion import background_count, frame_of, region
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.drafts import Doubts
+from drivora_service.scenario.driving_checks import check_driving
 from drivora_service.scenario.entities import BackgroundTrafficDocument, EgoDocument
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import EgoVehicle, Region, Scenario
@@ -72,6 +73,7 @@ def check(
     actors, model_problems = place_actors(content, frame)
     problems += model_problems
     problems += _check_speeds(content, actors)
+    problems += check_driving(content)
     snapped: list[OffLanePlace] = []
     if network is not None:
         if not doubts.cover("/frame"):

@@ -40,6 +40,7 @@ def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Wayp
         z=place.z,
         yaw=None if place.yaw is None else frame.yaw_to_network(place.yaw),
         speed=getattr(place, "speed", None),
+        wait=getattr(place, "wait", None),
     )
 
 
@@ -67,6 +68,9 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 route=tuple(waypoint(place, frame) for place in npc.route),
                 start_time=npc.start_time,
                 behavior=npc.behavior,
+                at_end=npc.at_end,
+                deceleration=npc.deceleration,
+                lateral_acceleration=npc.lateral_acceleration,
             )
             for npc in document.npc_vehicles
         ),

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, mo
 from pydantic_core import PydanticCustomError
 
 from drivora_service.scenario import fields
-from drivora_service.scenario.model import NpcBehavior, VehicleDynamics
+from drivora_service.scenario.model import NpcBehavior, RouteEnd, VehicleDynamics
 
 MAX_FREE_DATA_BYTES = 262_144
 """Maximum serialised size of ``extensions``, and of the parameters of one agent, bytes."""
@@ -65,6 +65,15 @@ class WaypointDocument(PlaceDocument):
         None,
         description="Desired speed on the way to this place; for the first place, at the start. "
         "Without it the speed limit of the lane. No effect on egos.",
+    )
+
+
+class NpcWaypointDocument(WaypointDocument):
+    """A waypoint of an NPC vehicle."""
+
+    wait: fields.StandTime | None = Field(
+        None,
+        description="How long the vehicle stands at this place. Without it, it drives through.",
     )
 
 
@@ -146,7 +155,7 @@ class NpcVehicleDocument(EntityDocument):
     id: fields.ActorId = Field(description="Unique among all actors.")
     model: fields.ModelName = Field(description="A vehicle model.")
     route: Annotated[
-        tuple[WaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
+        tuple[NpcWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
     ] = Field(description="Waypoints in order; a single one is a parked vehicle.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
     behavior: NpcBehavior = Field(
@@ -154,6 +163,21 @@ class NpcVehicleDocument(EntityDocument):
         description="replay: follows its waypoints regardless of other actors; reactive: follows "
         "them and brakes for actors ahead; sumo: SUMO's car-following and lane-changing along "
         "the route.",
+    )
+    at_end: RouteEnd = Field(
+        RouteEnd.LEAVE,
+        description="leave: it leaves the road at its last waypoint; stay: it brakes to a "
+        "standstill there, and stays.",
+    )
+    deceleration: fields.Acceleration | None = Field(
+        None,
+        description="Braking for its waypoints, bends and end, at most what its model and the "
+        "grip of the road allow. Without it 40 % of its model's.",
+    )
+    lateral_acceleration: fields.Acceleration | None = Field(
+        None,
+        description="Lateral acceleration in bends and lane changes, at most what the grip of the "
+        "road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.",
     )
 
 

@@ -96,6 +96,8 @@ def _place(waypoint: Waypoint) -> dict[str, float]:
         place["yaw"] = _yaw(waypoint.yaw)
     if waypoint.speed is not None:
         place["speed"] = waypoint.speed
+    if waypoint.wait is not None:
+        place["wait"] = waypoint.wait
     return place
 
 
@@ -118,6 +120,9 @@ def _npc(npc: NpcVehicle) -> dict[str, Any]:
         "route": _route(npc.route),
         "start_time": npc.start_time,
         "behavior": npc.behavior.value,
+        "at_end": npc.at_end.value,
+        "deceleration": npc.deceleration,
+        "lateral_acceleration": npc.lateral_acceleration,
     }
 
 

@@ -25,6 +25,8 @@ MAX_VEHICLE_SPEED = 100.0
 MAX_WALKER_SPEED = 10.0
 MAX_START_TIME = 7200.0
 MAX_SIM_TIME = 7200.0
+ACCELERATIONS = (0.5, 12.0)
+"""m/s², of NPC vehicles: from gently rolling to more than a dry road allows."""
 MAX_SEED = 2**31 - 1
 """SUMO's seed is a signed 32-bit integer."""
 
@@ -45,6 +47,8 @@ Yaw = Annotated[float, _number("deg", -720.0, 720.0)]
 VehicleSpeed = Annotated[float, _number("m/s", 0.0, MAX_VEHICLE_SPEED)]
 WalkerSpeed = Annotated[float, _number("m/s", 0.0, MAX_WALKER_SPEED)]
 StartTime = Annotated[float, _number("s", 0.0, MAX_START_TIME)]
+StandTime = Annotated[float, _number("s", 0.0, MAX_SIM_TIME)]
+Acceleration = Annotated[float, _number("m/s²", *ACCELERATIONS)]
 SimTime = Annotated[float, _number("s", 1.0, MAX_SIM_TIME)]
 StepLength = Annotated[float, _number("s", 0.01, 0.2)]
 Extent = Annotated[float, _number("m", 0.05, 50.0)]

@@ -26,6 +26,15 @@ class NpcBehavior(StrEnum):
     """SUMO's car-following and lane-changing along the route through its waypoints."""
 
 
+class RouteEnd(StrEnum):
+    """What an NPC vehicle does at the end of its route."""
+
+    LEAVE = "leave"
+    """Leaves the road at its last waypoint, at the speed that it has there."""
+    STAY = "stay"
+    """Brakes to a standstill at its last waypoint, and stays there."""
+
+
 class VehicleDynamics(StrEnum):
     """Vehicle model of an ego."""
 
@@ -46,6 +55,7 @@ class Waypoint:
             actors follow the heights of their lanes.
         yaw: Heading in radians; ``None``: derived from the path.
         speed: Desired speed in m/s at this place; ``None``: the default of the actor's kind.
+        wait: Seconds for which an NPC vehicle stands at this place; ``None``: it drives through.
     """
 
     x: float
@@ -53,6 +63,7 @@ class Waypoint:
     z: float | None = None
     yaw: float | None = None
     speed: float | None = None
+    wait: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,13 +95,23 @@ class EgoVehicle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcVehicle:
-    """A vehicle that follows waypoints; absent before ``start_time`` and after its route."""
+    """A vehicle that follows waypoints; absent before ``start_time``.
+
+    Attributes:
+        deceleration: m/s² with which it plans to brake, at most those of its model and the grip of
+            the road; ``None``: a comfortable share of its model's.
+        lateral_acceleration: m/s² that it uses in bends and lane changes, at most the grip of the
+            road; ``None``: a share of the grip in bends, and lane changes of a fixed time.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
     behavior: NpcBehavior = NpcBehavior.REACTIVE
+    at_end: RouteEnd = RouteEnd.LEAVE
+    deceleration: float | None = None
+    lateral_acceleration: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -92,14 +92,16 @@ class _Bounds:
     """The bounds of all values of a scenario."""
 
     def __init__(self) -> None:
-        place = ("x", "y", "z", "yaw", "speed")
-        self._vehicle_places = _Columns(entities.WaypointDocument, *place)
+        place = ("x", "y", "z", "yaw", "speed", "wait")
+        self._ego_places = _Columns(entities.WaypointDocument, *place)
+        self._vehicle_places = _Columns(entities.NpcWaypointDocument, *place)
         self._walker_places = _Columns(entities.WalkerWaypointDocument, *place)
         self._locations = _Columns(entities.LocationDocument, *place)
         actor = ("id", "model", "start_time")
         self._egos = _Columns(entities.EgoDocument, *actor, "route", "initial_speed", "dynamics")
         self._agents = _Columns(entities.AgentDocument, "name", "parameters")
-        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", "behavior")
+        driving = ("behavior", "at_end", "deceleration", "lateral_acceleration")
+        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", *driving)
         self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route")
         self._obstacles = _Columns(entities.NpcObstacleDocument, *actor, "length", "width")
         times = {"green_time": "green", "red_time": "red", "yellow_time": "yellow"}
@@ -125,7 +127,7 @@ class _Bounds:
         self._egos.check(egos)
         self._agents.check(ego.agent for ego in egos)
         self._vehicles.check(vehicles)
-        self._vehicle_places.check(place for ego in egos for place in ego.route)
+        self._ego_places.check(place for ego in egos for place in ego.route)
         self._vehicle_places.check(place for npc in vehicles for place in npc.route)
         self._walkers.check(walkers)
         self._walker_places.check(place for walker in walkers for place in walker.route)

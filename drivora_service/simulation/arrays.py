@@ -15,12 +15,8 @@ from drivora_service.scenario.actor_models import ActorModel
 from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.dynamics import Limit
 from drivora_service.simulation.follower_path import PathCol, write_directions
-from drivora_service.simulation.followers import (
-    FollowerCol,
-    FollowerPhase,
-    Followers,
-    Reaction,
-)
+from drivora_service.simulation.follower_state import FollowerCol, FollowerPhase, Reaction
+from drivora_service.simulation.followers import Followers
 from drivora_service.simulation.lights import RunningProgram, light_of
 from drivora_service.simulation.perception import Sense
 from drivora_service.simulation.plan import EgoPlan, FollowerPlan, ObstaclePlan
@@ -57,6 +53,7 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         points[:, : PathCol.YAW] = line.line
         points[:, PathCol.YAW], points[:, PathCol.ARC] = line.yaw, line.arc
         points[:, PathCol.WANTED], points[:, PathCol.HEIGHT] = line.wanted, line.height
+        points[:, PathCol.WAIT] = line.wait
     write_directions(path)
     state = np.zeros((len(plans), len(FollowerCol)))
     for row, plan in zip(state, plans, strict=True):
@@ -69,7 +66,11 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         row[FollowerCol.MAX_DECELERATION] = plan.model.max_deceleration
         row[FollowerCol.LENGTH] = plan.model.length
         row[FollowerCol.WIDTH] = plan.model.width
-        row[FollowerCol.WAITS_FOR] = -1.0
+        row[FollowerCol.WAITS_FOR] = row[FollowerCol.LAST_STOP] = -1.0
+        row[FollowerCol.STOOD] = -1.0
+        row[FollowerCol.DECELERATION] = plan.deceleration
+        stops = np.flatnonzero(plan.path.wait)
+        row[FollowerCol.NEXT_STOP] = stops[0] if len(stops) else len(plan.path.wait)
     return Followers(
         places=np.array((rows, begins[:-1], counts), dtype=np.int64).T.copy(),
         path=path,

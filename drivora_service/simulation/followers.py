@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -18,6 +17,8 @@ from drivora_service.geometry.kernels import wrapped
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.follower_gaps import gap_ahead, order_actors
 from drivora_service.simulation.follower_path import PathCol
+from drivora_service.simulation.follower_state import FollowerCol, FollowerPhase, Reaction
+from drivora_service.simulation.planned_driving import free_grip, planned_speed, stand_at_stop
 
 PATIENCE = 10.0
 """Seconds for which reactive vehicles wait for each other in a ring before one of them is removed:
@@ -28,45 +29,6 @@ STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
 
 
-class FollowerPhase(IntEnum):
-    """The phase of a follower."""
-
-    WAITING = 0
-    MOVING = 1
-    DONE = 2
-
-
-class Reaction(IntEnum):
-    """A follower's reaction to other actors."""
-
-    NONE = 0
-    BRAKES = 1
-
-
-class FollowerCol(IntEnum):
-    """Columns of ``Followers.state``."""
-
-    S = 0
-    """Arc length, metres."""
-    SPEED = 1
-    """m/s; before the start, the initial speed."""
-    CURSOR = 2
-    """Index of the path point at or before ``S``, relative to the path's beginning."""
-    PHASE = 3
-    START_TIME = 4
-    REACTION = 5
-    STAYS = 6
-    """Whether it stays at its last point instead of being removed."""
-    MAX_ACCELERATION = 7
-    MAX_DECELERATION = 8
-    LENGTH = 9
-    WIDTH = 10
-    WAITED = 11
-    """Seconds for which it has stood, waiting for another."""
-    WAITS_FOR = 12
-    """Row of the actor that it waits for; -1 for none."""
-
-
 @dataclass(slots=True, kw_only=True, eq=False)
 class Followers:
     """All followers of an episode, in a few wide arrays: each array adds time to a compiled call.
@@ -74,8 +36,8 @@ class Followers:
     Attributes:
         places: (F, 3) row of each follower in the world's arrays, begin of its path in ``path``,
             and number of its points.
-        path: (n, 8) concatenated paths, columns ``follower_path.PathCol``.
-        state: (F, 13), columns ``FollowerCol``.
+        path: (n, 9) concatenated paths, columns ``follower_path.PathCol``.
+        state: (F, 17), columns ``FollowerCol``.
     """
 
     places: IntArray
@@ -85,7 +47,8 @@ class Followers:
 
 # The columns as plain integers, which compiled functions use as indices.
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
-_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
+_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:13])
+_PLANNED, _NEXT_STOP = int(FollowerCol.DECELERATION), int(FollowerCol.NEXT_STOP)
 _X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in tuple(PathCol)[:6])
 _WAITING, _MOVING, _DONE = (float(phase) for phase in FollowerPhase)
 _BRAKES = float(Reaction.BRAKES)
@@ -184,7 +147,10 @@ def _acceleration(
     v = me[_SPEED]
     cursor = int(me[_CURSOR])
     target = way[cursor, _WANTED]
-    if cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
+    if me[_PLANNED] > 0.0:
+        target = planned_speed(me, way, dt)
+        grip = free_grip(me, way, grip)
+    elif cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
         room = max(way[cursor + 1, _ARC] - me[_S], 0.0)
         target = min(
             target, math.sqrt(way[cursor + 1, _WANTED] ** 2 + 2.0 * 0.5 * me[_LEAST] * room)
@@ -225,6 +191,8 @@ def _advance(me: FloatArray, way: FloatArray, acceleration: float, dt: float) ->
         cursor += 1
     me[_CURSOR] = cursor
     done = count > 1 and (me[_S] >= end or (end - me[_S] < 0.5 and v_next < 0.2))
+    if me[_PLANNED] > 0.0:
+        done = stand_at_stop(me, way, dt)
     if done:
         me[_S] = min(me[_S], end)
         me[_SPEED] = 0.0

@@ -20,6 +20,7 @@ from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position, project_points
 from drivora_service.networks.road_network import Lane, RoadNetwork, make_read_only
+from drivora_service.networks.route_line import QuickChange
 from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
@@ -29,11 +30,18 @@ from drivora_service.scenario.model import (
     NpcObstacle,
     NpcVehicle,
     NpcWalker,
+    RouteEnd,
     Scenario,
     Waypoint,
 )
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
-from drivora_service.simulation.follower_path import FollowerPath, build_path
+from drivora_service.simulation.follower_path import (
+    FollowerPath,
+    PathPlan,
+    build_path,
+    most_lateral,
+    planned_grip,
+)
 from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
 
@@ -77,6 +85,11 @@ class FollowerPlan:
         edges: SUMO edges of its path, not empty; for a path off the road, the nearest edge.
         on_lanes: Whether its path keeps to those edges.
         first_speed: m/s at the start.
+        stays: Whether it stays at the end of its path.
+        is_fixed: Whether it has ended in SUMO's eyes from its start on, and needs to be checked in
+            each step: a parked vehicle, a walker.
+        deceleration: m/s² of its braking where its path plans it within the grip; 0: the path plans
+            comfortably.
     """
 
     id: str
@@ -89,6 +102,8 @@ class FollowerPlan:
     start_time: float
     reacts: bool
     stays: bool
+    is_fixed: bool
+    deceleration: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -262,21 +277,28 @@ def _straight(waypoints: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
 
 
 def _along_lanes(
-    waypoints: Sequence[Waypoint], network: RoadNetwork
+    waypoints: Sequence[Waypoint],
+    network: RoadNetwork,
+    changes: Sequence[QuickChange | None],
 ) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Connects waypoints: near ones straight, distant ones along the lanes between them.
 
     A waypoint beside its lane's centre keeps its offset, which fades into that of the next.
+
+    Args:
+        waypoints: The waypoints.
+        network: The network.
+        changes: The lane changes on the way to each waypoint.
     """
     pieces: list[FloatArray] = [np.array([(waypoints[0].x, waypoints[0].y)])]
     marks = [0.0]
     edges: list[str] = []
     travelled = 0.0
-    for here, there in itertools.pairwise(waypoints):
+    for (here, there), change in zip(itertools.pairwise(waypoints), changes[1:], strict=True):
         ends = np.array([(here.x, here.y), (there.x, there.y)])
         piece = ends
         if float(np.hypot(*(ends[1] - ends[0]))) > JOIN_DISTANCE:
-            route = plan_route(network, _route_points((here, there)))
+            route = plan_route(network, _route_points((here, there)), change)
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
@@ -295,30 +317,31 @@ def _along_lanes(
 def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> FollowerPlan:
     """Prepares a replayed or reactive NPC vehicle."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
+    is_parked = len(npc.route) == 1
+    plan = None if is_parked else _path_plan(npc)
+    speeds = _waypoint_speeds(npc.route, network, None)
     edges: tuple[str, ...] = ()
-    if npc.behavior is NpcBehavior.REACTIVE and len(npc.route) > 1:
-        line, marks, edges = _along_lanes(npc.route, network)
+    if npc.behavior is NpcBehavior.REACTIVE and not is_parked:
+        changes = _lane_changes(npc, model, speeds, friction)
+        line, marks, edges = _along_lanes(npc.route, network, changes)
     else:
         line, marks = _straight(npc.route)
-    speeds = _waypoint_speeds(npc.route, network, None)
     start = npc.route[0]
     yaw = start.yaw
-    if yaw is None and len(npc.route) == 1:
+    if yaw is None and is_parked:
         place = nearest_lane_position(network, start.x, start.y)
         yaw = 0.0 if place is None else place.heading
+    deceleration = COMFORTABLE_BRAKING_SHARE * model.max_deceleration
+    if plan is not None:
+        wanted = deceleration if npc.deceleration is None else npc.deceleration
+        deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
     return FollowerPlan(
         id=npc.id,
         role=Role.NPC_VEHICLE,
         model=model,
         path=_with_heights(
             build_path(
-                line,
-                speeds,
-                marks,
-                yaw,
-                friction,
-                COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
-                is_vehicle=True,
+                line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan
             ),
             network,
         ),
@@ -327,7 +350,35 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
         first_speed=float(speeds[0]),
         start_time=npc.start_time,
         reacts=npc.behavior is NpcBehavior.REACTIVE,
-        stays=len(npc.route) == 1,
+        stays=is_parked or npc.at_end is RouteEnd.STAY,
+        is_fixed=is_parked,
+        deceleration=0.0 if plan is None else deceleration,
+    )
+
+
+def _path_plan(npc: NpcVehicle) -> PathPlan | None:
+    """Returns what a vehicle's path plans beside the speeds; ``None`` if it is told nothing else.
+
+    Vehicles that are told nothing else drive as they did before there was anything to tell.
+    """
+    waits = np.array([place.wait or 0.0 for place in npc.route])
+    stops = npc.at_end is RouteEnd.STAY
+    if not (waits.any() or stops or npc.deceleration or npc.lateral_acceleration):
+        return None
+    return PathPlan(waits=waits, stops_at_end=stops, lateral_acceleration=npc.lateral_acceleration)
+
+
+def _lane_changes(
+    npc: NpcVehicle, model: ActorModel, speeds: FloatArray, friction: float
+) -> tuple[QuickChange | None, ...]:
+    """Returns the lane changes on the way to each waypoint; ``None``: those of reference lines."""
+    if npc.lateral_acceleration is None:
+        return (None,) * len(npc.route)
+    side = most_lateral(npc.lateral_acceleration, friction)
+    turning_circle = model.wheelbase / math.tan(model.max_steer)
+    return tuple(
+        QuickChange(speed=speed, lateral_acceleration=side, least_radius=turning_circle)
+        for speed in speeds.tolist()
     )
 
 
@@ -358,6 +409,7 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
         start_time=walker.start_time,
         reacts=False,
         stays=True,
+        is_fixed=True,
     )
 
 

@@ -3,13 +3,14 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
+from drivora_service.campaigns import documents
 from drivora_service.campaigns.campaign import DEFAULT_ORACLES, FeedbackMode
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import SpaceDocument, campaign_text
@@ -20,6 +21,7 @@ from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.presets import PRESETS, SpacePreset
 from tests.oracles.installing import install_oracles
 
 Change = Callable[[dict[str, Any]], object]
@@ -85,6 +87,27 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     ),
     "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
     "unknown selection": (put("tester", "selection", value="best"), "/tester/selection", "nown:"),
+    "unknown preset": (
+        put("space", value={"preset": "avfuzzr"}),
+        "/space/preset",
+        "'default', 'avfuzzer', 'behavexplor' or 'doppeltest'",
+    ),
+    "preset as a list": (put("space", value={"preset": ["avfuzzer"]}), "/space/preset", "found"),
+    "unknown option of a preset": (
+        put("space", value={"preset": "avfuzzer", "vehicle": 3}),
+        "/space/vehicle",
+        "did you mean 'vehicles'",
+    ),
+    "too hard braking": (
+        put("space", value={"max_deceleration": 12.5}),
+        "/space/max_deceleration",
+        "12",
+    ),
+    "too gentle braking": (
+        put("space", value={"max_deceleration": 0.25}),
+        "/space/max_deceleration",
+        "0 and 0.5 or more are allowed",
+    ),
     "unknown feedback": (
         put("tester", "feedback", value="none"),
         "/tester/feedback",
@@ -263,10 +286,52 @@ def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalog
 
 
 def test_documents_have_the_options_of_the_space() -> None:
-    assert set(SpaceDocument.model_fields) == {field.name for field in fields(SpaceOptions)}
+    options = {field.name for field in fields(SpaceOptions)}
+    assert set(SpaceDocument.model_fields) == {"preset", *options}
     defaults = SpaceDocument()
     for field in fields(SpaceOptions):
         assert getattr(defaults, field.name) == getattr(SpaceOptions(), field.name)
+
+
+@pytest.mark.parametrize("name", SpacePreset)
+def test_a_preset_fills_the_space(
+    name: SpacePreset, content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["space"] = {"preset": name.value}
+    valid = read_campaign(content, catalogues)
+    assert valid.campaign.space == PRESETS[name].options
+    (note,) = valid.notes
+    assert f"the preset {name.value!r}: {PRESETS[name].description}" in note
+    assert "changed" not in note
+
+
+def test_values_of_a_preset_can_be_replaced(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    # `null` is as little a value here as elsewhere; 0 is one.
+    own = {"vehicles": 3, "slice_time": 2.0, "min_speed": None, "max_deceleration": 0.0}
+    content["space"] = {"preset": "avfuzzer", **own}
+    valid = read_campaign(content, catalogues)
+    given = PRESETS[SpacePreset.AVFUZZER].options
+    assert valid.campaign.space == replace(given, vehicles=3, slice_time=2.0, max_deceleration=0.0)
+    assert valid.notes[0].endswith("; changed in the file: vehicles, slice_time, max_deceleration")
+    # What is stored has all values, and is read to the same.
+    stored = campaign_text(valid.document)
+    assert read_campaign(stored, catalogues).campaign == valid.campaign
+
+
+def test_a_stored_space_does_not_follow_its_preset(
+    content: dict[str, Any], catalogues: Catalogues, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content["space"] = {"preset": "behavexplor"}
+    valid = read_campaign(content, catalogues)
+    stored = campaign_text(valid.document)
+    later = replace(
+        PRESETS[SpacePreset.BEHAVEXPLOR], options=SpaceOptions(vehicles=9, slice_time=2.0)
+    )
+    monkeypatch.setattr(documents, "PRESETS", {**PRESETS, SpacePreset.BEHAVEXPLOR: later})
+    assert read_campaign(stored, catalogues).campaign.space == valid.campaign.space
+    assert read_campaign(content, catalogues).campaign.space.vehicles == 9
 
 
 def test_a_space_that_cannot_be_is_a_problem_of_the_space(

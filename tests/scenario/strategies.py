@@ -11,6 +11,7 @@ angles = st.floats(-360, 360, allow_nan=False)
 speeds = st.floats(0, 10, allow_nan=False)
 percentages = st.floats(0, 100, allow_nan=False)
 times = st.floats(0, 100, allow_nan=False)
+accelerations = st.floats(0.5, 12, allow_nan=False)
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
 json_values = st.recursive(
     st.none()
@@ -31,6 +32,10 @@ def optional(**keys: st.SearchStrategy[Any]) -> dict[str, st.SearchStrategy[Any]
 waypoints = st.fixed_dictionaries(
     {"x": coordinates, "y": coordinates}, optional=optional(z=angles, yaw=angles, speed=speeds)
 )
+npc_waypoints = st.fixed_dictionaries(
+    {"x": coordinates, "y": coordinates},
+    optional=optional(z=angles, yaw=angles, speed=speeds, wait=times),
+)
 locations = st.fixed_dictionaries(
     {"x": coordinates, "y": coordinates}, optional=optional(z=angles, yaw=angles)
 )
@@ -49,9 +54,11 @@ light_times = st.fixed_dictionaries(
 )
 
 
-def routes(fewest: int) -> st.SearchStrategy[list[dict[str, Any]]]:
+def routes(
+    fewest: int, places: st.SearchStrategy[dict[str, Any]] = waypoints
+) -> st.SearchStrategy[list[dict[str, Any]]]:
     """Lists of waypoints."""
-    return st.lists(waypoints, min_size=fewest, max_size=4)
+    return st.lists(places, min_size=fewest, max_size=4)
 
 
 @st.composite
@@ -70,9 +77,13 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
         optional=optional(start_time=times, initial_speed=speeds, agent=agents),
     )
     vehicles = st.fixed_dictionaries(
-        {"model": st.just("tesla.model3"), "route": routes(1)},
+        {"model": st.just("tesla.model3"), "route": routes(1, npc_waypoints)},
         optional=optional(
-            start_time=times, behavior=st.sampled_from(["replay", "reactive", "sumo"])
+            start_time=times,
+            behavior=st.sampled_from(["replay", "reactive", "sumo"]),
+            at_end=st.sampled_from(["leave", "stay"]),
+            deceleration=accelerations,
+            lateral_acceleration=accelerations,
         ),
     )
     walkers = st.fixed_dictionaries(

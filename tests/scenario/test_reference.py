@@ -21,6 +21,7 @@ SECTIONS = {
     "NpcWalkerDocument": "npc_walkers",
     "NpcObstacleDocument": "npc_obstacles",
     "WaypointDocument": "Waypoints of vehicles",
+    "NpcWaypointDocument": "Waypoints of NPC vehicles",
     "WalkerWaypointDocument": "Waypoints of walkers",
     "LocationDocument": "location",
     "WeatherDocument": "weather",

@@ -36,7 +36,7 @@ def plan(
     )
     return FollowerPlan(
         id="npc", role=Role.NPC_VEHICLE, model=CAR, path=path, edges=("e",), on_lanes=True,
-        first_speed=speeds[0], start_time=start_time, reacts=reacts, stays=stays,
+        first_speed=speeds[0], start_time=start_time, reacts=reacts, stays=stays, is_fixed=False,
     )  # fmt: skip
 
 

@@ -20,15 +20,18 @@ from drivora_service.search.space.conditions import (
 )
 from drivora_service.search.space.ego_routes import routes_of_egos
 from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
+from drivora_service.search.space.fixed_starts import fixed_starts
 from drivora_service.search.space.layout import Layout
 from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
 from drivora_service.search.space.obstacles import ObstacleDecoder, blocks_lane, obstacle_genes
 from drivora_service.search.space.option_checks import check_options
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.options import SpaceOptions, VehicleStarts
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
+from drivora_service.search.space.vehicle_genes import vehicle_genes
+from drivora_service.search.space.vehicle_places import GenePlaces, VehiclePlace
 from drivora_service.search.space.vehicle_ways import VehicleWay
-from drivora_service.search.space.vehicles import VehicleDecoder, vehicle_genes
+from drivora_service.search.space.vehicles import VehicleDecoder
 from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
 
 
@@ -66,6 +69,7 @@ class ScenarioSpace:
                 count=options.paths,
                 region=seed.map_region.region_segment,
             )
+        self._seed_starts = seed_starts(seed, network)
         self._layout, self._names = Layout(), ActorNames(seed)
         self._fixed_egos, self._egos = self._make_egos()
         self._vehicles = self._make_vehicles()
@@ -80,7 +84,6 @@ class ScenarioSpace:
             else None
         )
         self.genes = GeneSpace(self._layout.blocks)
-        self._seed_starts = seed_starts(seed, network)
 
     @cached_property
     def conflicts(self) -> BoolArray | None:
@@ -101,6 +104,11 @@ class ScenarioSpace:
         """
         repaired = self.genes.clip(values)
         taken = [*self._seed_starts, *(ego.place().start for ego in self._fixed_egos)]
+        taken += [
+            vehicle.start(repaired)
+            for vehicle in self._vehicles
+            if vehicle.genes is None and vehicle.is_present(repaired)
+        ]
         for mover in self._ego_and_vehicle_movers(repaired):
             settle(repaired, mover, taken)
         egos = self._placed_egos(repaired)
@@ -174,12 +182,29 @@ class ScenarioSpace:
 
     def _make_vehicles(self) -> tuple[VehicleDecoder, ...]:
         made = []
+        fixed = self._fixed_starts()
         for i in range(self.options.vehicles):
             name = f"vehicle_{i}"
-            genes = vehicle_genes(self.options, self.paths)
+            genes = vehicle_genes(self.options, (fixed[i].path,) if fixed else self.paths)
             block = self._layout.add(name, Part.VEHICLE, genes, self._names.free(name))
-            made.append(VehicleDecoder(block, block.actor, self.paths, self.options))
+            place = fixed[i] if fixed else GenePlaces(block, self.paths)
+            made.append(VehicleDecoder(block, block.actor, place, self.options))
         return tuple(made)
+
+    def _fixed_starts(self) -> tuple[VehiclePlace, ...]:
+        """Returns the starts of NPC vehicles, if they do not vary."""
+        options = self.options
+        if options.starts is VehicleStarts.FREE or not options.vehicles:
+            return ()
+        ego, *others = (ego.place().start for ego in self._fixed_egos)
+        limit = max(float(one.path.route.speed_limits.max()) for one in self.paths)
+        return fixed_starts(
+            self.paths,
+            ego,
+            [*others, *self._seed_starts],
+            options.vehicles,
+            options.max_speed_factor * limit,
+        )
 
     def _make_walkers(self) -> tuple[WalkerDecoder, ...]:
         made = []
@@ -217,12 +242,13 @@ class ScenarioSpace:
                     alternatives=other_choices(ego.path_gene, values, len(self.routes)),
                 )
         for vehicle in self._vehicles:
-            if vehicle.is_present(values):
+            genes = vehicle.genes
+            if genes is not None and vehicle.is_present(values):
                 yield Mover(
                     start=vehicle.start,
-                    room=vehicle.shift_room,
-                    shift_gene=vehicle.shift_gene,
-                    alternatives=other_choices(vehicle.path_gene, values, len(self.paths)),
+                    room=genes.shift_room,
+                    shift_gene=genes.shift_gene,
+                    alternatives=other_choices(genes.path_gene, values, len(self.paths)),
                 )
 
     def _roadside_movers(self, values: FloatArray, egos: tuple[PlacedEgo, ...]) -> Iterator[Mover]:

@@ -4694,15 +4694,32 @@ export interface components {
          */
         NpcVehicleDocument: {
             /**
+             * @description leave: it leaves the road at its last waypoint; stay: it brakes to a standstill there, and stays.
+             * @default leave
+             */
+            at_end: components["schemas"]["RouteEnd"];
+            /**
              * @description replay: follows its waypoints regardless of other actors; reactive: follows them and brakes for actors ahead; sumo: SUMO's car-following and lane-changing along the route.
              * @default reactive
              */
             behavior: components["schemas"]["NpcBehavior"];
             /**
+             * Deceleration
+             * @description Braking for its waypoints, bends and end, at most what its model and the grip of the road allow. Without it 40 % of its model's.
+             * @default null
+             */
+            deceleration: number | null;
+            /**
              * Id
              * @description Unique among all actors.
              */
             id: string;
+            /**
+             * Lateral Acceleration
+             * @description Lateral acceleration in bends and lane changes, at most what the grip of the road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.
+             * @default null
+             */
+            lateral_acceleration: number | null;
             /**
              * Model
              * @description A vehicle model.
@@ -4712,7 +4729,7 @@ export interface components {
              * Route
              * @description Waypoints in order; a single one is a parked vehicle.
              */
-            route: components["schemas"]["WaypointDocument"][];
+            route: components["schemas"]["NpcWaypointDocument"][];
             /**
              * Start Time
              * @description Absent before this time.
@@ -4746,6 +4763,46 @@ export interface components {
              * @default 0
              */
             start_time: number;
+        };
+        /**
+         * NpcWaypointDocument
+         * @description A waypoint of an NPC vehicle.
+         */
+        NpcWaypointDocument: {
+            /**
+             * Speed
+             * @description Desired speed on the way to this place; for the first place, at the start. Without it the speed limit of the lane. No effect on egos.
+             * @default null
+             */
+            speed: number | null;
+            /**
+             * Wait
+             * @description How long the vehicle stands at this place. Without it, it drives through.
+             * @default null
+             */
+            wait: number | null;
+            /**
+             * X
+             * @description East.
+             */
+            x: number;
+            /**
+             * Y
+             * @description North (frame sumo) or south (frame carla).
+             */
+            y: number;
+            /**
+             * Yaw
+             * @description Heading: counter-clockwise from east (frame sumo), clockwise (frame carla). Without it, that of the path; for objects without a path, that of the nearest lane.
+             * @default null
+             */
+            yaw: number | null;
+            /**
+             * Z
+             * @description Height. Moving actors follow the heights of the lanes; for objects that stand still, it selects the level of a bridge.
+             * @default null
+             */
+            z: number | null;
         };
         /**
          * Oracle
@@ -5259,6 +5316,12 @@ export interface components {
          * @enum {string}
          */
         Role: "ego" | "npc_vehicle" | "npc_walker" | "npc_obstacle" | "background";
+        /**
+         * RouteEnd
+         * @description What an NPC vehicle does at the end of its route.
+         * @enum {string}
+         */
+        RouteEnd: "leave" | "stay";
         /**
          * Run
          * @description A run and, once it has ended, its results.
@@ -6073,6 +6136,11 @@ export interface components {
          */
         SpaceDocument: {
             /**
+             * @description leave: NPC vehicles leave the road at the end of their way; stay: they brake to a standstill there, and stay.
+             * @default leave
+             */
+            at_end: components["schemas"]["RouteEnd"];
+            /**
              * @description Behavior of the NPC vehicles.
              * @default reactive
              */
@@ -6084,11 +6152,23 @@ export interface components {
              */
             egos: number;
             /**
+             * Lane Changes
+             * @description Whether NPC vehicles change lanes.
+             * @default true
+             */
+            lane_changes: boolean;
+            /**
              * Lights
              * @description Whether the times of the lights vary.
              * @default false
              */
             lights: boolean;
+            /**
+             * Max Deceleration
+             * @description Greatest planned braking of an NPC vehicle. 0: they are told none.
+             * @default 0
+             */
+            max_deceleration: number;
             /**
              * Max Ego Delay
              * @description Latest start time of egos, if egos vary.
@@ -6096,17 +6176,35 @@ export interface components {
              */
             max_ego_delay: number;
             /**
+             * Max Lateral Acceleration
+             * @description Greatest lateral acceleration of an NPC vehicle in bends and lane changes. 0: they are told none.
+             * @default 0
+             */
+            max_lateral_acceleration: number;
+            /**
              * Max Speed Factor
              * @description Greatest desired speed of an NPC vehicle over the speed limit of its lane.
              * @default 1.3
              */
             max_speed_factor: number;
             /**
+             * Max Wait
+             * @description Longest time for which an NPC vehicle stands at one of its waypoints; 0: none does.
+             * @default 0
+             */
+            max_wait: number;
+            /**
              * Max Walker Delay
              * @description Latest start time of walkers.
              * @default 15
              */
             max_walker_delay: number;
+            /**
+             * Min Speed
+             * @description Least desired speed of an NPC vehicle.
+             * @default 2
+             */
+            min_speed: number;
             /**
              * Obstacles
              * @description Static objects beside or partly on an ego's way.
@@ -6126,17 +6224,33 @@ export interface components {
              */
             paths: number;
             /**
+             * @description A named space, whose values stand where none is given here.
+             * @default null
+             */
+            preset: components["schemas"]["SpacePreset"] | null;
+            /**
              * Reach
              * @description NPC vehicles start at most this far from the egos' routes.
              * @default 80
              */
             reach: number;
             /**
+             * Slice Time
+             * @description Seconds of a slice, in which an NPC vehicle drives at its speed, or stands, and keeps its lane or changes to the left or right. 0: slices are places on its path.
+             * @default 0
+             */
+            slice_time: number;
+            /**
              * Slices
              * @description Number of waypoints along an NPC vehicle's path.
              * @default 5
              */
             slices: number;
+            /**
+             * @description free: model, path and start of NPC vehicles vary; fixed: they are chosen once, near the first ego, and only what the vehicles do varies.
+             * @default free
+             */
+            starts: components["schemas"]["VehicleStarts"];
             /**
              * Vehicles
              * @description NPC vehicles.
@@ -6156,6 +6270,12 @@ export interface components {
              */
             weather: boolean;
         };
+        /**
+         * SpacePreset
+         * @description Name of a preset.
+         * @enum {string}
+         */
+        SpacePreset: "default" | "avfuzzer" | "behavexplor" | "doppeltest";
         /**
          * StepSpan
          * @description Steps from ``first`` to ``last``.
@@ -7053,6 +7173,12 @@ export interface components {
          * @enum {string}
          */
         VehicleDynamics: "kinematic" | "dynamic";
+        /**
+         * VehicleStarts
+         * @description Whether model, path and start of the NPC vehicles vary.
+         * @enum {string}
+         */
+        VehicleStarts: "free" | "fixed";
         /**
          * Verdict
          * @description An oracle's verdict on one ego.
