@@ -22,18 +22,18 @@ from pydantic import TypeAdapter
 
 from drivora_service.scenario import model
 
-_LATER_FIELDS = ("stuck_after",)
+_LATER_FIELDS = ("stuck_after", "friction_patches")
 
 
 def canonical_json(scenario: model.Scenario) -> str:
     """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
 
-    Values of ``_LATER_FIELDS`` are omitted if they are ``None``, so that scenarios keep the
-    identity that they had before these fields existed.
+    Values of ``_LATER_FIELDS`` are omitted if they are ``None`` or empty, so that scenarios keep
+    the identity that they had before these fields existed.
     """
     content = _plain(scenario)
     for name in _LATER_FIELDS:
-        if content[name] is None:
+        if content[name] is None or content[name] == []:
             del content[name]
     return json.dumps(
         content,
