@@ -85,6 +85,7 @@ def _tester(
         random=_generator(campaign.seed, _SEARCH, place),
         budget=math.ceil(campaign.budget / len(valid.seeds)),
         conflicts=space.conflicts,
+        ego_distance=space.ego_distance,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

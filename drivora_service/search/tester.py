@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
@@ -12,7 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import GeneSpace
+from drivora_service.search.genes import Block, GeneSpace
 
 
 class EvaluationStatus(StrEnum):
@@ -101,9 +101,12 @@ class TesterContext:
         budget: Number of simulations that the campaign may make.
         conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
             conflict; symmetric, none with itself. ``None``: not known.
+        ego_distance: Returns from a block of an actor or patch and (d,) genes how many metres from
+            an ego's start it appears; ``None`` for other blocks. ``None``: not known.
     """
 
     space: GeneSpace
     random: np.random.Generator
     budget: int
     conflicts: BoolArray | None = None
+    ego_distance: Callable[[Block, FloatArray], float | None] | None = None
