@@ -51,6 +51,7 @@ SPACES: dict[str, dict[str, Any]] = {
     "behavexplor": {},
     "samota": {},
     "doppeltest": {"egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True},
+    "drivefuzz": {"vehicles": 5, "walkers": 3, "obstacles": 2, "patches": 3, "optional": True},
 }
 """The space of each method, apart from defaults."""
 

@@ -86,6 +86,7 @@ def _no_second_name(seeds: tuple[SeedDocument, ...]) -> tuple[SeedDocument, ...]
 
 PluginName = Annotated[str, Field(strict=True, pattern=fields.NAME_PATTERN)]
 Actors = Annotated[int, _count(0, MAX_ACTORS)]
+Patches = Annotated[int, _count(0, fields.MAX_FRICTION_PATCHES)]
 Egos = Annotated[int, _count(1, fields.MAX_EGOS)]
 Slices = Annotated[int, _count(1, 50)]
 Paths = Annotated[int, _count(1, 1000)]
@@ -145,6 +146,7 @@ class SpaceDocument(EntityDocument):
     obstacles: Actors = Field(
         _DEFAULTS.obstacles, description="Static objects beside or partly on an ego's way."
     )
+    patches: Patches = Field(_DEFAULTS.patches, description="Slippery patches on an ego's way.")
     optional: bool = Field(
         _DEFAULTS.optional, strict=True, description="Whether each of these may be absent."
     )

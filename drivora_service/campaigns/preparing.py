@@ -86,6 +86,7 @@ def _tester(
         budget=math.ceil(campaign.budget / len(valid.seeds)),
         conflicts=space.conflicts,
         decode_alike=space.decode_alike,
+        ego_distance=space.ego_distance,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

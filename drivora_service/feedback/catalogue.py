@@ -6,13 +6,14 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.doppeltest import DOPPELTEST
+from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
+BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA, DRIVEFUZZ)
 
 
 class FeedbackCatalogue:

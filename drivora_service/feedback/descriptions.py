@@ -8,6 +8,7 @@ _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
+_DRIVEFUZZ = "DriveFuzz (Kim et al. 2022)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
 
 
@@ -144,6 +145,15 @@ OBJECTIVES = (
         "The least time before running a red light, mapped to a share; zero where the ego ran one.",
         threshold="3 s give one half",
         source=_SAMOTA,
+    ),
+    _objective(
+        "drivefuzz",
+        "driving_quality",
+        "The negated sum of the frames in which the ego accelerated, braked or turned hard, "
+        "oversteered or understeered, and of the inverse of its least distance to another actor "
+        "in metres.",
+        threshold="20 frames a second; hard from 5.9 m/s² along and 4.9 m/s² across",
+        source=_DRIVEFUZZ,
     ),
 )
 """The objectives, feedback by feedback."""

@@ -25,7 +25,7 @@ from drivora_service.scenario import model
 
 _LATER_FIELDS: Mapping[type, Mapping[str, object]] = MappingProxyType(
     {
-        model.Scenario: {"stuck_after": None},
+        model.Scenario: {"stuck_after": None, "friction_patches": []},
         model.Waypoint: {"wait": None},
         model.NpcVehicle: {
             "at_end": model.RouteEnd.LEAVE,

@@ -18,6 +18,7 @@ from drivora_service.scenario.driving_checks import check_driving
 from drivora_service.scenario.entities import BackgroundTrafficDocument, EgoDocument
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import EgoVehicle, Region, Scenario
+from drivora_service.scenario.patch_checks import check_patches, place_patches
 from drivora_service.scenario.place_checks import OffLanePlace, check_places
 from drivora_service.scenario.placed_actors import PlacedActor, place_actors
 from drivora_service.scenario.plain_data import pointer
@@ -80,6 +81,7 @@ def check(
             segment = region(content.map_region.region_segment, frame)
             place_problems, snapped = _check_on_network(actors, network, segment, doubts, routes)
             problems += place_problems
+            problems += check_patches(place_patches(content, frame), network, segment)
         problems += _check_lights(content, network)
         problems += _check_background(content, network)
     return Checked(

@@ -44,6 +44,17 @@ def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Wayp
     )
 
 
+def patch(one: entities.FrictionPatchDocument, frame: FrameTransform) -> model.FrictionPatch:
+    """Converts a slippery patch."""
+    return model.FrictionPatch(
+        id=one.id,
+        location=waypoint(one.location, frame),
+        length=one.length,
+        width=one.width,
+        friction=one.friction,
+    )
+
+
 def background_count(background: entities.BackgroundTrafficDocument, network: RoadNetwork) -> int:
     """Returns the number of vehicles for ``count`` or ``density``."""
     if background.count is not None:
@@ -94,6 +105,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
             )
             for obstacle in document.npc_obstacles
         ),
+        friction_patches=tuple(patch(one, frame) for one in document.friction_patches),
         map_region=model.MapRegion(
             town=document.map_region.town,
             region_segment=region(document.map_region.region_segment, frame),

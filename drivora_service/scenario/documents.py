@@ -22,6 +22,7 @@ from drivora_service.scenario.entities import (
     EgoDocument,
     EntityDocument,
     FreeData,
+    FrictionPatchDocument,
     MapRegionDocument,
     NpcObstacleDocument,
     NpcVehicleDocument,
@@ -64,6 +65,9 @@ class ScenarioDocument(EntityDocument):
     npc_obstacles: Annotated[
         tuple[NpcObstacleDocument, ...], Field(max_length=fields.MAX_NPC_OBSTACLES)
     ] = Field((), description="Static objects.")
+    friction_patches: Annotated[
+        tuple[FrictionPatchDocument, ...], Field(max_length=fields.MAX_FRICTION_PATCHES)
+    ] = Field((), description="Slippery places of the road.")
     map_region: MapRegionDocument = Field(description="Road network and region.")
     weather: WeatherDocument = Field(
         default_factory=WeatherDocument, description="Weather; clear by default."
@@ -107,7 +111,7 @@ class ReadDocument:
         content: The plain data.
         document: The document; ``None`` if the data is not a scenario.
         malformed: Structural mistakes, and unsupported values.
-        duplicates: Actors whose id is used before.
+        duplicates: Actors and patches whose id is used before.
     """
 
     content: Mapping[str, Any]

@@ -209,6 +209,20 @@ class NpcObstacleDocument(EntityDocument):
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
 
 
+class FrictionPatchDocument(EntityDocument):
+    """A slippery rectangle of the road."""
+
+    id: fields.ActorId = Field(description="Unique among all actors and patches.")
+    location: LocationDocument = Field(
+        description="Its centre; `yaw` is the direction of its length."
+    )
+    length: fields.PatchExtent = Field(description="Along its heading.")
+    width: fields.PatchExtent = Field(description="Across its heading.")
+    friction: fields.PatchFriction = Field(
+        description="Friction coefficient on it; where the road itself has less, that counts."
+    )
+
+
 class RegionDocument(EntityDocument):
     """A rectangle; positions outside it are rejected."""
 

@@ -47,6 +47,16 @@ def document_content(scenario: Scenario) -> dict[str, Any]:
             for walker in scenario.npc_walkers
         ],
         "npc_obstacles": [_obstacle(obstacle) for obstacle in scenario.npc_obstacles],
+        "friction_patches": [
+            {
+                "id": patch.id,
+                "location": _place(patch.location),
+                "length": patch.length,
+                "width": patch.width,
+                "friction": patch.friction,
+            }
+            for patch in scenario.friction_patches
+        ],
         "map_region": {
             "town": scenario.map_region.town,
             "region_segment": _region(scenario.map_region.region_segment),

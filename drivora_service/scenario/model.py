@@ -137,6 +137,25 @@ class NpcObstacle:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionPatch:
+    """A slippery rectangle of the road: ice, a puddle, oil.
+
+    Attributes:
+        location: Its centre; ``yaw`` is the direction of its length, ``z`` selects the level of a
+            bridge.
+        length: Metres.
+        width: Metres.
+        friction: Tyre-road friction coefficient on it; where the road itself has less, that counts.
+    """
+
+    id: str
+    location: Waypoint
+    length: float
+    width: float
+    friction: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Region:
     """An axis-parallel rectangle of the network's plane, in metres."""
 
@@ -224,6 +243,7 @@ class Scenario:
     npc_vehicles: tuple[NpcVehicle, ...] = ()
     npc_walkers: tuple[NpcWalker, ...] = ()
     npc_obstacles: tuple[NpcObstacle, ...] = ()
+    friction_patches: tuple[FrictionPatch, ...] = ()
     weather: Weather = field(default_factory=Weather)
     traffic_lights: TrafficLights = field(default_factory=TrafficLights)
     background_traffic: BackgroundTraffic | None = None

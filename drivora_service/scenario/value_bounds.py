@@ -104,6 +104,9 @@ class _Bounds:
         self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", *driving)
         self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route")
         self._obstacles = _Columns(entities.NpcObstacleDocument, *actor, "length", "width")
+        self._patches = _Columns(
+            entities.FrictionPatchDocument, "id", "length", "width", "friction"
+        )
         times = {"green_time": "green", "red_time": "red", "yellow_time": "yellow"}
         times["offset"] = "offset"
         self._junctions = _Columns(entities.LightTimesDocument, **times)
@@ -112,6 +115,7 @@ class _Bounds:
         self._whole = _Columns(
             ScenarioDocument,
             *("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles"),
+            "friction_patches",
             *("seed", "step_length", "max_sim_time", "stuck_after", "extensions"),
         )
 
@@ -133,6 +137,8 @@ class _Bounds:
         self._walker_places.check(place for walker in walkers for place in walker.route)
         self._obstacles.check(obstacles)
         self._locations.check(obstacle.location for obstacle in obstacles)
+        self._patches.check(scenario.friction_patches)
+        self._locations.check(patch.location for patch in scenario.friction_patches)
         self._lights.check((scenario.traffic_lights,))
         self._junctions.check(scenario.traffic_lights.junctions.values())
         # Single parts have fields and attributes of the same names.

@@ -12,7 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import GeneSpace
+from drivora_service.search.genes import Block, GeneSpace
 
 
 class EvaluationStatus(StrEnum):
@@ -113,6 +113,8 @@ class TesterContext:
             conflict; symmetric, none with itself. ``None``: not known.
         decode_alike: Returns whether two candidates (d,), the first of them repaired, decode to
             scenarios that cannot be told apart by their runs. ``None``: not known.
+        ego_distance: Returns from a block of an actor or patch and (d,) genes how many metres from
+            an ego's start it appears; ``None`` for other blocks. ``None``: not known.
     """
 
     space: GeneSpace
@@ -120,3 +122,4 @@ class TesterContext:
     budget: int
     conflicts: BoolArray | None = None
     decode_alike: Callable[[FloatArray, FloatArray], bool] | None = None
+    ego_distance: Callable[[Block, FloatArray], float | None] | None = None

@@ -10,6 +10,7 @@ import numpy as np
 
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.observations.ground import PatchCol
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorModel
 from drivora_service.scenario.weather import WeatherEffects
@@ -119,6 +120,19 @@ def wind_of(weather: WeatherEffects) -> FloatArray:
     return weather.wind_acceleration * np.array(
         [math.cos(weather.wind_direction), math.sin(weather.wind_direction)]
     )
+
+
+def lay_ground(weather: WeatherEffects, patches: FloatArray) -> FloatArray:
+    """Returns the road as (1 + P, 8).
+
+    The first row is its friction coefficient and the (2,) acceleration by the wind, m/s²; the
+    others are the patches, columns ``ground.PatchCol``.
+    """
+    ground = np.zeros((1 + len(patches), len(PatchCol)))
+    ground[0, 0] = weather.friction
+    ground[0, 1:3] = wind_of(weather)
+    ground[1:] = patches
+    return ground
 
 
 def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:

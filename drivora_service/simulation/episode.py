@@ -24,8 +24,8 @@ from drivora_service.simulation import background
 from drivora_service.simulation.arrays import (
     append_follower,
     lay_followers,
+    lay_ground,
     lay_obstacles,
-    wind_of,
 )
 from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
@@ -49,6 +49,7 @@ from drivora_service.simulation.step_kernels import (
     write_velocity,
 )
 from drivora_service.simulation.sumo import SumoWorld
+from drivora_service.simulation.sumo_patches import SumoPatches
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
 from drivora_service.simulation.traffic import Traffic
 from drivora_service.simulation.world import World
@@ -120,7 +121,7 @@ class Episode:
         )
         self._followers = lay_followers(plan.followers, cast.follower_rows)
         self._static = lay_obstacles(plan.obstacles, cast.obstacle_rows, len(actors))
-        self._wind = wind_of(plan.weather)
+        self._ground = lay_ground(plan.weather, plan.patch_array)
         self._seen = np.zeros((len(plan.egos), len(actors)), dtype=np.bool_)
         sublanes = lane_change_model == "SL2015"
         self._sumo = SumoWorld(
@@ -140,7 +141,15 @@ class Episode:
             mirrored=mirrored,
             holding=(
                 partial(Holding, plan.network, plan.weather.friction)
-                if holding and not (mirrored or sublanes) and look_ahead_is_bounded(agents)
+                # On slippery places SUMO's vehicles need the room of farther actors than elsewhere.
+                if holding
+                and not (mirrored or sublanes or plan.patches)
+                and look_ahead_is_bounded(agents)
+                else None
+            ),
+            patches=(
+                SumoPatches(self._sumo, plan.weather.friction, plan.patch_array)
+                if plan.patches
                 else None
             ),
         )
@@ -209,10 +218,10 @@ class Episode:
         world, team, traffic = self._world, self._team, self._traffic
         routes, followers = team.routes, self._followers
         self._make_arguments: tuple[Any, ...] = (
-            self._dt, self.plan.weather.friction, self._wind, world.states, world.present,
-            world.sizes, self._static, team.bodies, team.limits, team.modes, team.commands,
-            team.in_world, followers.places, followers.path, followers.state, traffic.is_moved,
-            traffic.known, traffic.placements, world.ego_values,
+            self._dt, self._ground, world.states, world.present, world.sizes, self._static,
+            team.bodies, team.limits, team.modes, team.commands, team.in_world, followers.places,
+            followers.path, followers.state, traffic.is_moved, traffic.known, traffic.placements,
+            world.ego_values,
         )  # fmt: skip
         self._finish_arguments: tuple[Any, ...] = (
             self._dt, world.states, world.present, world.sizes, team.bodies, team.active,
@@ -354,7 +363,8 @@ class Episode:
             )
             self._traffic.add_driven(row, plan)
             return
-        self._add_follower(plan_npc(npc, self.plan.network, self.plan.weather.friction))
+        run = self.plan
+        self._add_follower(plan_npc(npc, run.network, run.weather.friction, run.patches))
 
     def add_walker(self, walker: NpcWalker) -> None:
         """Adds a walker during the run; it starts at its start time, at the earliest now."""

@@ -7,12 +7,12 @@ comfortable limits; cornering and braking stay within the friction of the road.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
 
-from drivora_service.agents.speed_profile import slow_down_in_time
+from drivora_service.agents.speed_profile import slow_down_in_time, slow_down_within
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.geometry.lines import arc_lengths
@@ -160,6 +160,32 @@ def build_path(
         height=np.zeros(len(fine)),
         wait=wait,
     )
+
+
+def slower_on(
+    path: FollowerPath, frictions: FloatArray, road: float, deceleration: float
+) -> FollowerPath:
+    """Returns a path on which speeds and braking keep to the friction of slippery places.
+
+    Args:
+        path: A vehicle's path, made for the friction of the road.
+        frictions: (n,) coefficient at each point.
+        road: Coefficient of the road.
+        deceleration: Comfortable braking where the road is not slippery, m/s², positive.
+    """
+    if len(path.arc) < 2:
+        return path
+    grip = frictions * GRAVITY
+    slippery = frictions < road
+    bend = np.abs(np.gradient(path.yaw, path.arc))
+    in_bend = np.sqrt(_SIDE_GRIP_SHARE * grip / np.maximum(bend, 1e-4))
+    wanted = np.where(slippery, np.minimum(path.wanted, in_bend), path.wanted)
+    # What bends leave of the friction circle.
+    left = math.sqrt(1.0 - _SIDE_GRIP_SHARE**2) * grip
+    slow_down_within(
+        wanted, path.arc, np.where(slippery, np.minimum(left, deceleration), deceleration)
+    )
+    return replace(path, wanted=wanted)
 
 
 @compiled

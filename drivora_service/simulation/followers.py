@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
+from drivora_service.observations.ground import friction_at
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.follower_gaps import gap_ahead, order_actors
 from drivora_service.simulation.follower_path import PathCol
@@ -70,6 +71,7 @@ def advance_followers(
     time: float,
     dt: float,
     friction: float,
+    patches: FloatArray,
     places: IntArray,
     path: FloatArray,
     followers: FloatArray,
@@ -84,6 +86,8 @@ def advance_followers(
     Reads the world at ``time`` from ``states`` (N, 9), ``sizes`` (N, 2) and ``present`` (N,);
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
     ``places``, ``path`` and ``followers``, which is changed in place, are those of ``Followers``.
+    A follower has the friction at its centre: ``friction``, or less on ``patches`` (P, 8), columns
+    ``ground.PatchCol``.
     """
     axis, radius, positions, rows = order_actors(states, sizes, present)
     for f in range(places.shape[0]):
@@ -96,8 +100,12 @@ def advance_followers(
             me[_SPEED] = min(me[_SPEED], way[0, _WANTED])
             next_present[row] = True
         elif me[_PHASE] == _MOVING:
+            mu = friction
+            if patches.shape[0] > 0:
+                at = states[row]
+                mu = friction_at(at[0], at[1], at[8], friction, patches)
             acceleration = _acceleration(
-                row, dt, friction, me, way, states, sizes, axis, radius, positions, rows
+                row, dt, mu, me, way, states, sizes, axis, radius, positions, rows
             )
             done = _advance(me, way, acceleration, dt)
             next_present[row] = not done or me[_STAYS] > 0.0

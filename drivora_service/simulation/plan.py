@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -22,10 +22,12 @@ from drivora_service.networks.projection import nearest_lane_position, project_p
 from drivora_service.networks.road_network import Lane, RoadNetwork, make_read_only
 from drivora_service.networks.route_line import QuickChange
 from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.observations.ground import frictions_along, patch_array
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import (
     EgoVehicle,
+    FrictionPatch,
     NpcBehavior,
     NpcObstacle,
     NpcVehicle,
@@ -34,6 +36,7 @@ from drivora_service.scenario.model import (
     Scenario,
     Waypoint,
 )
+from drivora_service.scenario.patch_checks import patch_yaw
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
 from drivora_service.simulation.follower_path import (
     FollowerPath,
@@ -41,6 +44,7 @@ from drivora_service.simulation.follower_path import (
     build_path,
     most_lateral,
     planned_grip,
+    slower_on,
 )
 from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
@@ -138,11 +142,30 @@ class ObstaclePlan:
     edge: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PatchPlan:
+    """A slippery rectangle of the road: centre, height and size in metres, heading in radians."""
+
+    id: str
+    x: float
+    y: float
+    z: float
+    yaw: float
+    length: float
+    width: float
+    friction: float
+
+    def recorded(self) -> dict[str, str | float]:
+        """Returns it as traces record it."""
+        return asdict(self)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EpisodePlan:
     """The plan of an episode, without the agents.
 
     Attributes:
+        patches: Slippery places of the road.
         max_sim_time: Seconds after which it ends.
         stuck_after: Seconds that an ego may stand before its part ends.
     """
@@ -155,8 +178,14 @@ class EpisodePlan:
     followers: tuple[FollowerPlan, ...]
     driven: tuple[DrivenPlan, ...]
     obstacles: tuple[ObstaclePlan, ...]
+    patches: tuple[PatchPlan, ...]
     max_sim_time: float
     stuck_after: float
+
+    @property
+    def patch_array(self) -> FloatArray:
+        """(P, 8) ``patches``, columns ``ground.PatchCol``."""
+        return patch_array([patch.recorded() for patch in self.patches])
 
 
 def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
@@ -169,7 +198,8 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     weather = weather_effects(scenario.weather)
     egos = tuple(_plan_ego(ego, network) for ego in scenario.ego_vehicles)
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
-    followers = [plan_npc(npc, network, weather.friction) for npc in vehicles]
+    patches = tuple(_plan_patch(patch, network) for patch in scenario.friction_patches)
+    followers = [plan_npc(npc, network, weather.friction, patches) for npc in vehicles]
     followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
     programs = run_programs(
         network.programs, scenario.traffic_lights, step_length=scenario.step_length
@@ -188,6 +218,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
             if npc.behavior is NpcBehavior.SUMO
         ),
         obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        patches=patches,
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
         stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
     )
@@ -314,7 +345,9 @@ def _along_lanes(
 
 
 @lru_cache(maxsize=1024)
-def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> FollowerPlan:
+def plan_npc(
+    npc: NpcVehicle, network: RoadNetwork, friction: float, patches: tuple[PatchPlan, ...] = ()
+) -> FollowerPlan:
     """Prepares a replayed or reactive NPC vehicle."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
     is_parked = len(npc.route) == 1
@@ -335,16 +368,17 @@ def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> Follower
     if plan is not None:
         wanted = deceleration if npc.deceleration is None else npc.deceleration
         deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
+    path = _with_heights(
+        build_path(line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan),
+        network,
+    )
+    if patches:
+        path = _on_patches(path, friction, patches, deceleration)
     return FollowerPlan(
         id=npc.id,
         role=Role.NPC_VEHICLE,
         model=model,
-        path=_with_heights(
-            build_path(
-                line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan
-            ),
-            network,
-        ),
+        path=path,
         edges=edges or (_nearest_edge(network, start.x, start.y),),
         on_lanes=bool(edges),
         first_speed=float(speeds[0]),
@@ -379,6 +413,33 @@ def _lane_changes(
     return tuple(
         QuickChange(speed=speed, lateral_acceleration=side, least_radius=turning_circle)
         for speed in speeds.tolist()
+    )
+
+
+def _on_patches(
+    path: FollowerPath, friction: float, patches: tuple[PatchPlan, ...], braking: float
+) -> FollowerPath:
+    """Lowers the speeds of a path to those for which patches leave enough grip."""
+    poses = np.column_stack((path.line, path.yaw))
+    laid = patch_array([patch.recorded() for patch in patches])
+    frictions = frictions_along(poses, path.height, 0.0, friction, laid)
+    if not (frictions < friction).any():
+        return path
+    return slower_on(path, frictions, friction, braking)
+
+
+def _plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
+    yaw = patch_yaw(patch, network)
+    place = patch.location
+    return PatchPlan(
+        id=patch.id,
+        x=place.x,
+        y=place.y,
+        z=_height_at(network, place, yaw),
+        yaw=yaw,
+        length=patch.length,
+        width=patch.width,
+        friction=patch.friction,
     )
 
 

@@ -14,6 +14,7 @@ from drivora_service.agents.log import AgentLog
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.ground import PATCHES_KEY
 from drivora_service.observations.trace import (
     Col,
     Contact,
@@ -149,6 +150,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             "seed": plan.scenario.seed,
             "friction": plan.weather.friction,
             "perception_range": plan.weather.perception_range,
+            **({PATCHES_KEY: [p.recorded() for p in plan.patches]} if plan.patches else {}),
         },
     )
 

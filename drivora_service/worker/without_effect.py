@@ -112,6 +112,9 @@ def _out_of_reach(ways: Sequence[VehicleWay], plan: EpisodePlan, trace: Trace) -
         came = _came(way, _places(trace, row, rows))
         if margins.size and margins.min() > 0.0:
             yield from way.places
+        if plan.patches:
+            # They move the places from which on a speed shows.
+            continue
         braking = COMFORTABLE_BRAKING_SHARE * follower.model.max_deceleration
         arc = way.arc[_line_points(way)]
         for gene in way.speeds:

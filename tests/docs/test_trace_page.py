@@ -41,6 +41,9 @@ def trace_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "location": {"x": start["x"], "y": start["y"] - 8.0},
         }
     ]
+    document["friction_patches"] = [
+        {"id": "ice", "location": start, "length": 4.0, "width": 2.0, "friction": 0.9}
+    ]
     path = tmp_path_factory.mktemp("trace") / "first.trace.parquet"
     networks = NetworkCatalogue(shipped_networks())
     report = perform(

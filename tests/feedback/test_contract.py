@@ -14,6 +14,7 @@ from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.catalogue import BUILT_IN
 from drivora_service.feedback.doppeltest import DOPPELTEST
+from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
@@ -40,6 +41,10 @@ class TestDoppelTest(FeedbackContract):
 
 class TestSamota(FeedbackContract):
     plugin = SAMOTA
+
+
+class TestDriveFuzz(FeedbackContract):
+    plugin = DRIVEFUZZ
 
 
 def test_every_built_in_feedback_is_under_contract() -> None:

@@ -94,6 +94,14 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
         {"model": st.just("static.prop.trafficcone01"), "location": locations},
         optional=optional(length=st.floats(0.1, 10), width=st.floats(0.1, 10), start_time=times),
     )
+    patches = st.fixed_dictionaries(
+        {
+            "location": locations,
+            "length": st.floats(0.5, 50),
+            "width": st.floats(0.5, 50),
+            "friction": st.floats(0.02, 1),
+        }
+    )
     weather = st.fixed_dictionaries(
         {},
         optional=optional(
@@ -127,6 +135,7 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
     content["npc_vehicles"] = [named(npc) for npc in draw(st.lists(vehicles, max_size=2))]
     content["npc_walkers"] = [named(npc) for npc in draw(st.lists(walkers, max_size=2))]
     content["npc_obstacles"] = [named(npc) for npc in draw(st.lists(obstacles, max_size=2))]
+    content["friction_patches"] = [named(one) for one in draw(st.lists(patches, max_size=2))]
     return content
 
 

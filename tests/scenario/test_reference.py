@@ -20,6 +20,7 @@ SECTIONS = {
     "NpcVehicleDocument": "npc_vehicles",
     "NpcWalkerDocument": "npc_walkers",
     "NpcObstacleDocument": "npc_obstacles",
+    "FrictionPatchDocument": "friction_patches",
     "WaypointDocument": "Waypoints of vehicles",
     "NpcWaypointDocument": "Waypoints of NPC vehicles",
     "WalkerWaypointDocument": "Waypoints of walkers",

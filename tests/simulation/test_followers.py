@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drivora_service.geometry.lines import arc_lengths
+from drivora_service.observations.ground import NO_PATCHES
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import lay_followers
@@ -58,8 +59,8 @@ def follow(
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, f.places, f.path, f.state, states[before], sizes,
-            present[before], states[k], present[k],
+            (k - 1) * DT, DT, friction, NO_PATCHES, f.places, f.path, f.state, states[before],
+            sizes, present[before], states[k], present[k],
         )  # fmt: skip
     return states, present
 

@@ -15,6 +15,13 @@ import numpy as np
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
+from drivora_service.observations.ground import (
+    NO_PATCHES,
+    PatchCol,
+    trace_friction,
+    trace_patches,
+    wheelbase_of,
+)
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role, Trace
 
@@ -58,6 +65,9 @@ class Replay:
         sizes: (M, 2) length and width, metres.
         walks: (M,) flags of walkers.
         rows: (M,) rows of the others in the trace.
+        patches: (S, 8) slippery places on the ego's level, columns ``ground.PatchCol``, at height
+            0 and with their friction as a share of the road's.
+        wheelbase: Of the ego, metres.
     """
 
     step: float
@@ -72,6 +82,8 @@ class Replay:
     sizes: FloatArray
     walks: BoolArray
     rows: IntArray
+    patches: FloatArray
+    wheelbase: float
 
 
 def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
@@ -103,7 +115,19 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
         sizes=np.array([(actor.length, actor.width) for actor in actors]),
         walks=np.array([actor.role is Role.NPC_WALKER for actor in actors]),
         rows=np.array(rows, dtype=np.int32),
+        patches=_patches(trace, float(states[-1, Col.Z])),
+        wheelbase=wheelbase_of(ego.actor),
     )
+
+
+def _patches(trace: Trace, height: float) -> FloatArray:
+    patches, friction = trace_patches(trace), trace_friction(trace)
+    if not len(patches) or friction is None:
+        return NO_PATCHES
+    here = patches[np.abs(patches[:, PatchCol.Z] - height) <= LEVEL_GAP]
+    here[:, PatchCol.Z] = 0.0
+    here[:, PatchCol.FRICTION] /= friction
+    return here
 
 
 def _near(trace: Trace, ego: EgoView, k: int, counterpart: int) -> list[int]:

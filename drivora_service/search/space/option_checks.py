@@ -27,6 +27,7 @@ def check_options(seed: Scenario, options: SpaceOptions) -> None:
         *_out_of_range("vehicles", options.vehicles, 0, fields.MAX_NPC_VEHICLES),
         *_out_of_range("walkers", options.walkers, 0, fields.MAX_NPC_WALKERS),
         *_out_of_range("obstacles", options.obstacles, 0, fields.MAX_NPC_OBSTACLES),
+        *_out_of_range("patches", options.patches, 0, fields.MAX_FRICTION_PATCHES),
         *_out_of_range("slices", options.slices, 1, 50),
         *_out_of_range("paths", options.paths, 1, 1000),
         *_out_of_range("reach", options.reach, 10.0, 1000.0),

@@ -32,7 +32,8 @@ class SpaceOptions:
         vehicles: Number of NPC vehicles.
         walkers: Number of walkers that cross an ego's way.
         obstacles: Number of static objects beside or partly on an ego's way.
-        optional: Whether each of these actors may be absent.
+        patches: Number of slippery patches on an ego's way.
+        optional: Whether each of these actors and patches may be absent.
         slices: Number of waypoints along an NPC vehicle's path.
         behavior: Behavior of the NPC vehicles.
         weather: Whether the weather varies.
@@ -62,6 +63,7 @@ class SpaceOptions:
     vehicles: int = 3
     walkers: int = 1
     obstacles: int = 0
+    patches: int = 0
     optional: bool = False
     slices: int = 5
     behavior: NpcBehavior = NpcBehavior.REACTIVE

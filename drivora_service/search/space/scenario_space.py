@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
@@ -18,6 +19,7 @@ from drivora_service.search.space.conditions import (
     weather,
     weather_genes,
 )
+from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.ego_routes import routes_of_egos
 from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
 from drivora_service.search.space.fixed_starts import fixed_starts
@@ -26,6 +28,7 @@ from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
 from drivora_service.search.space.obstacles import ObstacleDecoder, blocks_lane, obstacle_genes
 from drivora_service.search.space.option_checks import check_options
 from drivora_service.search.space.options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.patches import PatchDecoder, patch_genes
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
 from drivora_service.search.space.vehicle_genes import vehicle_genes
@@ -75,6 +78,7 @@ class ScenarioSpace:
         self._vehicles = self._make_vehicles()
         self._walkers = self._make_walkers()
         self._obstacles = self._make_obstacles()
+        self._patches = self._make_patches()
         self._weather = (
             self._layout.add("weather", Part.WEATHER, weather_genes()) if options.weather else None
         )
@@ -131,6 +135,8 @@ class ScenarioSpace:
             + tuple(
                 one.obstacle(egos, values) for one in self._obstacles if one.is_present(values)
             ),
+            friction_patches=seed.friction_patches
+            + tuple(one.patch(egos, values) for one in self._patches if one.is_present(values)),
             weather=seed.weather
             if self._weather is None
             else weather(self._weather, values, seed.weather),
@@ -155,6 +161,7 @@ class ScenarioSpace:
         parts += [(one.block, one.decoded) for one in self._vehicles]
         parts += [(one.block, partial(one.decoded, egos)) for one in self._walkers]
         parts += [(one.block, partial(one.decoded, egos)) for one in self._obstacles]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._patches]
         seed = self.seed
         if (of_weather := self._weather) is not None:
             parts.append((of_weather, lambda v: (weather(of_weather, v, seed.weather), None)))
@@ -165,6 +172,40 @@ class ScenarioSpace:
     def vehicle_ways(self, values: FloatArray) -> tuple[VehicleWay, ...]:
         """Returns the ways of the NPC vehicles that are present, from repaired values (d,)."""
         return tuple(one.way(values) for one in self._vehicles if one.is_present(values))
+
+    def ego_distance(self, block: Block, values: FloatArray) -> float | None:
+        """Returns how far from an ego's start an actor appears, or a patch has its centre.
+
+        Args:
+            block: The genes of an actor or patch, which counts as present.
+            values: (d,) genes within the bounds.
+
+        Returns:
+            Metres to the nearest ego; ``None`` for egos, weather and lights.
+        """
+        egos = self._placed_egos(values)
+        pose = self._pose_of(block, egos, values)
+        if pose is None:
+            return None
+        return min(math.hypot(pose.x - e.start.pose.x, pose.y - e.start.pose.y) for e in egos)
+
+    def _pose_of(
+        self, block: Block, egos: tuple[PlacedEgo, ...], values: FloatArray
+    ) -> Pose | None:
+        place = block.start
+        for vehicle in self._vehicles:
+            if vehicle.block.start == place:
+                return vehicle.start(values).pose
+        for walker in self._walkers:
+            if walker.block.start == place:
+                return walker.start(egos, values).pose
+        for obstacle in self._obstacles:
+            if obstacle.block.start == place:
+                return obstacle.start(egos, values).pose
+        for patch in self._patches:
+            if patch.block.start == place:
+                return patch.pose(egos, values)
+        return None
 
     def _make_egos(self) -> tuple[tuple[FixedEgo, ...], tuple[GeneEgo, ...]]:
         own = self.seed.ego_vehicles
@@ -222,6 +263,15 @@ class ScenarioSpace:
             genes = obstacle_genes(self.options, self._ego_count)
             block = self._layout.add(name, Part.OBSTACLE, genes, self._names.free(name))
             made.append(ObstacleDecoder(block, block.actor))
+        return tuple(made)
+
+    def _make_patches(self) -> tuple[PatchDecoder, ...]:
+        made = []
+        for i in range(self.options.patches):
+            name = f"patch_{i}"
+            genes = patch_genes(self.options, self._ego_count)
+            block = self._layout.add(name, Part.PATCH, genes, self._names.free(name))
+            made.append(PatchDecoder(block, block.actor))
         return tuple(made)
 
     @property

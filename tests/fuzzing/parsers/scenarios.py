@@ -75,6 +75,9 @@ _FULL = {
     "npc_obstacles": [
         {"id": "cone", "model": "trafficcone01", "location": {"x": 20.0, "y": 157.0}, "length": 1}
     ],
+    "friction_patches": [
+        {"id": "ice", "location": {"x": 40.0, "y": 153.0}, "length": 9, "width": 3, "friction": 0.1}
+    ],
     "weather": {"wetness": 5, "fog_density": 10},
     "traffic_lights": {"green_time": 9, "junctions": {}},
     "background_traffic": {"count": 2},

@@ -3632,6 +3632,34 @@ export interface components {
          */
         Frame: "sumo" | "carla";
         /**
+         * FrictionPatchDocument
+         * @description A slippery rectangle of the road.
+         */
+        FrictionPatchDocument: {
+            /**
+             * Friction
+             * @description Friction coefficient on it; where the road itself has less, that counts.
+             */
+            friction: number;
+            /**
+             * Id
+             * @description Unique among all actors and patches.
+             */
+            id: string;
+            /**
+             * Length
+             * @description Along its heading.
+             */
+            length: number;
+            /** @description Its centre; `yaw` is the direction of its length. */
+            location: components["schemas"]["LocationDocument"];
+            /**
+             * Width
+             * @description Across its heading.
+             */
+            width: number;
+        };
+        /**
          * Gene
          * @description A number of a candidate.
          */
@@ -5109,7 +5137,7 @@ export interface components {
          * @description The part of a scenario that a block of genes varies.
          * @enum {string}
          */
-        Part: "ego" | "vehicle" | "walker" | "obstacle" | "weather" | "lights";
+        Part: "ego" | "vehicle" | "walker" | "obstacle" | "patch" | "weather" | "lights";
         /**
          * Perception
          * @description How many actors an ego perceived by step, while its agent was asked.
@@ -5758,6 +5786,12 @@ export interface components {
              * @default sumo
              */
             frame: components["schemas"]["Frame"];
+            /**
+             * Friction Patches
+             * @description Slippery places of the road.
+             * @default []
+             */
+            friction_patches: components["schemas"]["FrictionPatchDocument"][];
             /** @description Road network and region. */
             map_region: components["schemas"]["MapRegionDocument"];
             /**
@@ -5862,6 +5896,12 @@ export interface components {
             egos: number;
             /** Obstacles */
             obstacles: number;
+            /**
+             * Patches
+             * @description Slippery patches of the road.
+             * @default 0
+             */
+            patches: number;
             /**
              * Route M
              * @description Length of the routes of the egos on the road, metres.
@@ -6217,6 +6257,12 @@ export interface components {
              * @default false
              */
             optional: boolean;
+            /**
+             * Patches
+             * @description Slippery patches on an ego's way.
+             * @default 0
+             */
+            patches: number;
             /**
              * Paths
              * @description Greatest number of paths that NPC vehicles choose from.
